@@ -1,0 +1,212 @@
+//! The command line: verbs, options and their help.
+
+use crate::values::{self, Choice};
+use clap::{Parser, Subcommand};
+use enfilade_draw::Show;
+use std::path::PathBuf;
+
+/// Says what can be seen in a scene, and draws it.
+///
+/// Without a verb: draws the built-in scene @enfilade to enfilade.png and compares the methods on it.
+#[derive(Debug, Parser)]
+#[command(name = "enfilade", version, after_help = "\
+Examples:
+  enfilade
+  enfilade look @enfilade --survey 2 --size 320x180
+  enfilade draw scene.glb -o picture.png --size 320x180
+  enfilade info scene.glb")]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    pub(crate) verb: Option<Verb>,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Verb {
+    /// Draws what is seen, as PNG
+    Draw(DrawArgs),
+    /// Says what is visible, and what it costs to know
+    Look(LookArgs),
+    /// Says what is in a file
+    Info(InfoArgs),
+}
+
+/// Options of `draw`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Several views are numbered: a-000.png, a-001.png and so on.
+
+Examples:
+  enfilade draw -o palace.png --size 320x180
+  enfilade draw scene.glb -o picture.png --eye 2,1.5,4 --toward 0,0.5,0 --size 320x180
+  enfilade draw @enfilade -o order.png --show order --method hierarchical-z --size 320x180
+  enfilade draw scene.glb -o walk.png --path views.jsonl --size 320x180 --json walk.json")]
+pub(crate) struct DrawArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArg,
+    /// Where the picture goes; it is written whole or not at all
+    #[arg(short, long, value_name = "FILE.png")]
+    pub(crate) output: PathBuf,
+    /// What the picture shows: image, overdraw, items, order or fragments
+    #[arg(long, value_name = "WHAT", default_value = "image", value_parser = values::show)]
+    pub(crate) show: Show,
+    #[command(flatten)]
+    pub(crate) cameras: CameraArgs,
+    #[command(flatten)]
+    pub(crate) methods: MethodArgs,
+    #[command(flatten)]
+    pub(crate) json: JsonArg,
+}
+
+/// Options of `look`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Times are the median of three passes over all views, after one to warm up.
+
+Examples:
+  enfilade look scene.glb --json -
+  enfilade look @enfilade --survey 2 --method all --size 320x180
+  enfilade look scene.glb --survey 2 --method all --check --size 160x90
+  enfilade look scene.glb --path views.jsonl --threads 1 --json looks.json")]
+pub(crate) struct LookArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArg,
+    /// Hold the answers against the reference; exit 1 if anything is missed or painted that no owner allows
+    #[arg(long, value_name = "PLACES", num_args = 0..=1, require_equals = true, default_missing_value = "1",
+          value_parser = values::check)]
+    pub(crate) check: Option<u32>,
+    #[command(flatten)]
+    pub(crate) cameras: CameraArgs,
+    #[command(flatten)]
+    pub(crate) methods: MethodArgs,
+    #[command(flatten)]
+    pub(crate) json: JsonArg,
+}
+
+/// Options of `info`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  enfilade info scene.glb
+  enfilade info @enfilade --json -")]
+pub(crate) struct InfoArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArg,
+    #[command(flatten)]
+    pub(crate) limits: LimitArgs,
+    #[command(flatten)]
+    pub(crate) json: JsonArg,
+}
+
+/// Which scene.
+#[derive(Debug, clap::Args)]
+pub(crate) struct SceneArg {
+    /// A .glb or .gltf file, or a built-in scene by its @NAME
+    #[arg(value_name = "SCENE", default_value = "@enfilade")]
+    pub(crate) scene: String,
+}
+
+/// Where the report goes.
+#[derive(Debug, clap::Args)]
+pub(crate) struct JsonArg {
+    /// Write the report as JSON; `-` is standard output, on which nothing else is printed then
+    #[arg(long = "json", value_name = "FILE")]
+    pub(crate) file: Option<PathBuf>,
+}
+
+impl JsonArg {
+    /// Is standard output taken by the report?
+    pub(crate) fn takes_stdout(&self) -> bool {
+        self.file.as_ref().is_some_and(|file| file.as_os_str() == "-")
+    }
+}
+
+/// Which views.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Cameras (left out: the file's first camera, else the first view of the survey)")]
+pub(crate) struct CameraArgs {
+    /// Where the eye stands
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true, requires = "toward",
+          conflicts_with_all = ["camera", "path", "survey"])]
+    pub(crate) eye: Option<[f32; 3]>,
+    /// A point in the middle of the picture
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true, requires = "eye")]
+    pub(crate) toward: Option<[f32; 3]>,
+    /// A camera of the scene
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["path", "survey"])]
+    pub(crate) camera: Option<String>,
+    /// JSON lines of {"eye":[..],"toward":[..],"up":[..],"fov":60}, the last two optional
+    #[arg(long, value_name = "FILE", conflicts_with = "survey")]
+    pub(crate) path: Option<PathBuf>,
+    /// N views in the scene's open space, always the same ones
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) survey: Option<u32>,
+    /// Columns and rows of the screen
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = values::size)]
+    pub(crate) size: [u32; 2],
+    /// Vertical angle of the lens [default: the camera's own, else 60]
+    #[arg(long, value_name = "DEGREES", value_parser = values::degrees)]
+    pub(crate) fov: Option<f32>,
+    /// The direction that is upright [default: the camera's own, else 0,1,0]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
+    pub(crate) up: Option<[f32; 3]>,
+}
+
+/// How it is looked at.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Methods")]
+pub(crate) struct MethodArgs {
+    /// z-buffer, hierarchical-z, or all [default: each fragment's own, hierarchical-z where nothing is said]
+    #[arg(long, value_name = "NAME", value_parser = values::method)]
+    method: Option<Choice>,
+    /// Forget what the last view saw before each look
+    #[arg(long)]
+    pub(crate) no_coherence: bool,
+    /// Openings are plain holes: no portal is followed
+    #[arg(long)]
+    pub(crate) flat: bool,
+    #[command(flatten)]
+    pub(crate) limits: LimitArgs,
+}
+
+impl MethodArgs {
+    /// Which methods look.
+    pub(crate) fn choice(&self) -> Choice {
+        self.method.unwrap_or(Choice::Own)
+    }
+}
+
+/// What may be used up.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Limits")]
+pub(crate) struct LimitArgs {
+    /// Threads that may be used [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+    /// What reading the file may take, and what each method may: 2GB, 500MB or plain bytes [default: about 1 GB]
+    #[arg(long, value_name = "BYTES", value_parser = values::bytes)]
+    pub(crate) memory: Option<u64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_makes_sense() {
+        Args::command().debug_assert();
+    }
+
+    #[test]
+    fn every_help_ends_with_examples() {
+        let mut root = Args::command();
+        let mut helps = vec![root.render_help().to_string()];
+        helps.extend(root.get_subcommands_mut().map(|verb| verb.render_help().to_string()));
+        assert_eq!(helps.len(), 4);
+        for help in helps {
+            let (_, examples) = help.split_once("\nExamples:\n").expect("there are examples");
+            assert!(examples.lines().all(|line| line.starts_with("  enfilade")), "{examples}");
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! Which views are looked at: from the command line, the scene, a file of views or the survey.
+
+use crate::args::CameraArgs;
+use crate::open::Opened;
+use crate::out;
+use crate::values::among;
+use anyhow::{Context, Result, anyhow, bail};
+use enfilade::{Ray, Scene, View};
+use serde::Deserialize;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+
+/// A place to look from, that came with a scene.
+#[derive(Clone, Debug)]
+pub(crate) struct Camera {
+    pub(crate) name: String,
+    pub(crate) eye: [f32; 3],
+    pub(crate) toward: [f32; 3],
+    pub(crate) up: [f32; 3],
+    /// Radians.
+    pub(crate) fov_y: f32,
+    /// What is nearer is not seen; `None` where the scene does not say.
+    near: Option<f32>,
+}
+
+impl From<enfilade_import::Camera> for Camera {
+    fn from(camera: enfilade_import::Camera) -> Camera {
+        let enfilade_import::Camera { name, eye, toward, up, fov_y, near } = camera;
+        Camera { name, eye, toward, up, fov_y, near: Some(near) }
+    }
+}
+
+impl From<enfilade_scenes::Camera> for Camera {
+    fn from(camera: enfilade_scenes::Camera) -> Camera {
+        let enfilade_scenes::Camera { name, eye, toward, up, fov_y, .. } = camera;
+        Camera { name, eye, toward, up, fov_y, near: None }
+    }
+}
+
+impl Camera {
+    /// What it sees on a screen; `fov` and `up` of the command line come first.
+    fn view(&self, args: &CameraArgs) -> View {
+        let mut view = View::new(self.eye, self.toward, args.size);
+        view.up = args.up.unwrap_or(self.up);
+        view.fov_y = args.fov.map_or(self.fov_y, f32::to_radians);
+        view.near = self.near.unwrap_or(view.near);
+        view
+    }
+}
+
+/// The views that are asked for, each one sound. None only where a survey finds no open space.
+pub(crate) fn views(args: &CameraArgs, opened: &Opened) -> Result<Vec<View>> {
+    let views = if let (Some(eye), Some(toward)) = (args.eye, args.toward) {
+        vec![checked(plain(args, eye, toward), || "--eye and --toward".to_owned())?]
+    } else if let Some(path) = &args.path {
+        read_path(path, args)?
+    } else if let Some(count) = args.survey {
+        return surveyed(args, &opened.scene, count as usize);
+    } else if let Some(name) = &args.camera {
+        vec![named(name, args, opened)?]
+    } else if let Some(camera) = opened.cameras.first() {
+        vec![checked(camera.view(args), || format!("{}: camera `{}`", opened.file, camera.name))?]
+    } else {
+        let found = enfilade::survey(&opened.scene, 1);
+        return Ok(vec![found.first().map_or_else(|| from_outside(args, &opened.scene), |s| plain(args, s.eye, s.toward))]);
+    };
+    for view in views.iter().filter(|view| is_inside_a_solid(&opened.scene, view)) {
+        let [x, y, z] = view.eye;
+        out::warn(format_args!("the eye at {x},{y},{z} seems to stand inside something solid: all around are backs of faces"));
+    }
+    Ok(views)
+}
+
+fn plain(args: &CameraArgs, eye: [f32; 3], toward: [f32; 3]) -> View {
+    let mut view = View::new(eye, toward, args.size);
+    view.up = args.up.unwrap_or(view.up);
+    view.fov_y = args.fov.map_or(view.fov_y, f32::to_radians);
+    view
+}
+
+fn checked(view: View, place: impl FnOnce() -> String) -> Result<View> {
+    view.check().with_context(place)?;
+    Ok(view)
+}
+
+fn named(name: &str, args: &CameraArgs, opened: &Opened) -> Result<View> {
+    let file = &opened.file;
+    if opened.cameras.is_empty() {
+        bail!("{file}: there are no cameras in it; use --eye and --toward, --path or --survey");
+    }
+    let camera = opened.cameras.iter().find(|camera| camera.name == name).ok_or_else(|| {
+        let names = opened.cameras.iter().map(|camera| camera.name.as_str());
+        anyhow!("{file}: there is no camera `{name}`; {}", among(name, names))
+    })?;
+    checked(camera.view(args), || format!("{file}: camera `{name}`"))
+}
+
+fn surveyed(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>> {
+    let found = enfilade::survey(scene, count);
+    match found.len() {
+        0 => out::warn("the survey finds no open space to stand in; use --eye and --toward"),
+        fewer if fewer < count => out::warn(format_args!("the survey finds only {fewer} of {count} places to stand")),
+        _ => {}
+    }
+    Ok(found.iter().map(|place| plain(args, place.eye, place.toward)).collect())
+}
+
+/// All of a scene that one cannot stand in, from before it and above.
+fn from_outside(args: &CameraArgs, scene: &Scene) -> View {
+    out::warn("the survey finds no open space to stand in, so the eye stands outside; use --eye and --toward");
+    let boxes = scene.fragments().map(|id| scene.bounds(id)).filter(|bounds| !bounds.is_empty());
+    let Some(bounds) = boxes.reduce(|a, b| a.union(&b)) else {
+        return plain(args, [0.0; 3], [0.0, 0.0, -1.0]);
+    };
+    let (center, away) = (bounds.center(), 1.5 * bounds.longest_side().max(1e-3));
+    let view = plain(args, [center[0] + 0.4 * away, center[1] + 0.5 * away, center[2] + away], center);
+    // Coordinates may be so large that the steps above are lost in them.
+    if view.check().is_ok() { view } else { plain(args, [0.0; 3], [0.0, 0.0, -1.0]) }
+}
+
+/// A line of a path.
+#[derive(Deserialize)]
+struct Line {
+    eye: [f32; 3],
+    toward: [f32; 3],
+    up: Option<[f32; 3]>,
+    fov: Option<f32>,
+    #[serde(flatten)]
+    others: BTreeMap<String, serde_json::Value>,
+}
+
+/// More than this is no path: views by the hundred thousand.
+const LONGEST_PATH_BYTES: u64 = 64 << 20;
+
+fn read_path(path: &Path, args: &CameraArgs) -> Result<Vec<View>> {
+    let name = path.display();
+    let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
+    let mut views = Vec::new();
+    let mut unread = BTreeSet::new();
+    for (number, text) in BufReader::new(file.take(LONGEST_PATH_BYTES)).lines().enumerate() {
+        let place = || format!("{name}, line {}", number + 1);
+        let text = text.with_context(place)?;
+        if text.trim().is_empty() {
+            continue;
+        }
+        let wants = r#"a line is {"eye":[x,y,z],"toward":[x,y,z]}, with "up" and "fov" if need be"#;
+        let line: Line = serde_json::from_str(&text).map_err(|error| anyhow!("{}: {error}; {wants}", place()))?;
+        let mut view = plain(args, line.eye, line.toward);
+        view.up = line.up.unwrap_or(view.up);
+        view.fov_y = line.fov.map_or(view.fov_y, f32::to_radians);
+        views.push(checked(view, place)?);
+        unread.extend(line.others.into_keys().filter(|key| key != "name"));
+    }
+    if views.is_empty() {
+        bail!("{name}: there is no view in it");
+    }
+    if !unread.is_empty() {
+        let unread: Vec<String> = unread.iter().map(|key| format!("`{key}`")).collect();
+        out::warn(format_args!("{name}: not read: {}", unread.join(", ")));
+    }
+    Ok(views)
+}
+
+/// Do rays in all directions end at the backs of faces? `false` when unsure.
+fn is_inside_a_solid(scene: &Scene, view: &View) -> bool {
+    let Some(fragment) = scene.locate(view.eye, view.toward) else { return false };
+    let steps = [-1.0_f32, 0.0, 1.0];
+    let mut directions = steps.into_iter().flat_map(|x| steps.map(|y| [x, y])).flat_map(|[x, y]| steps.map(|z| [x, y, z]));
+    directions.all(|direction| {
+        let ray = Ray { origin: view.eye, direction };
+        direction == [0.0; 3] || scene.cast(fragment, &ray).is_some_and(|hit| hit.from_behind)
+    })
+}

@@ -1,0 +1,54 @@
+//! Holds every method's answers against the reference: once per view, shared by all methods.
+
+use crate::prepare::Prepared;
+use crate::progress::Progress;
+use enfilade::laws::{OwnerPicture, Reference, Verdict};
+use enfilade::{FragmentId, ItemId, View, Viewer};
+
+/// What was found at a view.
+pub(crate) struct Found {
+    pub(crate) reference_visible: usize,
+    /// From the look, the drawing or both.
+    pub(crate) missed: Vec<(FragmentId, ItemId)>,
+    pub(crate) extra: usize,
+    pub(crate) pixels_different: u64,
+    pub(crate) pixels_contested: u64,
+}
+
+/// Checks all views; for each of the prepared, one found for each view.
+///
+/// `viewers` are those that looked before, so that what they remember is put to the test too.
+pub(crate) fn check(prepared: &[Prepared], viewers: &mut [Viewer], views: &[View]) -> Vec<Vec<Found>> {
+    let mut found: Vec<Vec<Found>> = prepared.iter().map(|_| Vec::new()).collect();
+    let Some(first) = prepared.first().filter(|_| !views.is_empty()) else { return found };
+    let building = Progress::spinner("building the reference");
+    let reference = Reference::new(&first.scene);
+    drop(building);
+    let progress = Progress::steps("checking", views.len());
+    for view in views {
+        let truth = reference.see(&first.scene, view, &viewers[0].limits());
+        for ((prepared, viewer), found) in prepared.iter().zip(&mut *viewers).zip(&mut found) {
+            let looked = truth.check(viewer.look(&prepared.scene, view), None);
+            let mut picture = OwnerPicture::new(view.size);
+            viewer.draw(&prepared.scene, view, &mut picture);
+            let drawn = truth.check(viewer.visible(), Some(&picture));
+            found.push(both(looked, drawn));
+        }
+        progress.step();
+    }
+    found
+}
+
+fn both(looked: Verdict, drawn: Verdict) -> Found {
+    let mut missed = looked.missed;
+    missed.extend(drawn.missed);
+    missed.sort_unstable();
+    missed.dedup();
+    Found {
+        reference_visible: drawn.reference_visible,
+        missed,
+        extra: looked.extra.max(drawn.extra),
+        pixels_different: drawn.pixels_different,
+        pixels_contested: drawn.pixels_contested,
+    }
+}

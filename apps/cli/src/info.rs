@@ -1,0 +1,188 @@
+//! `info`: what is in a file.
+
+use crate::Outcome;
+use crate::args::InfoArgs;
+use crate::open::{Opened, allow_threads, open};
+use crate::out;
+use crate::report::{Sink, rounded};
+use crate::text::{bytes, count, ms, plural, point};
+use crate::values::Choice;
+use anyhow::Result;
+use enfilade::{Aabb, Alpha, Content, Scene};
+use serde::Serialize;
+use std::collections::HashSet;
+use std::fmt::Write;
+use std::sync::Arc;
+
+/// What is in a scene.
+#[derive(Debug, Serialize)]
+struct Inventory {
+    file: String,
+    format: &'static str,
+    items: usize,
+    meshes: usize,
+    /// Of all meshes, each once.
+    triangles_unique: u64,
+    /// Of all items.
+    triangles_drawn: u64,
+    clusters: usize,
+    materials: Materials,
+    /// Around all fragments, each in its own space; none where the scene is empty.
+    bounds: Option<Bounds>,
+    cameras: Vec<CameraEntry>,
+    fragments: Vec<FragmentEntry>,
+    portals: usize,
+    openings: usize,
+    bytes: u64,
+    load_ms: f64,
+    warnings: Vec<String>,
+}
+
+#[derive(Debug, Default, Serialize)]
+struct Materials {
+    opaque: usize,
+    mask: usize,
+    blend: usize,
+    double_sided: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct Bounds {
+    min: [f32; 3],
+    max: [f32; 3],
+}
+
+#[derive(Debug, Serialize)]
+struct CameraEntry {
+    name: String,
+    eye: [f32; 3],
+    toward: [f32; 3],
+    up: [f32; 3],
+    /// Degrees.
+    fov: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct FragmentEntry {
+    name: String,
+    method: &'static str,
+    items: usize,
+    triangles: u64,
+    openings: usize,
+}
+
+/// Runs `info`.
+pub(crate) fn run(args: &InfoArgs) -> Result<Outcome> {
+    let sink = Sink::new(&args.json)?;
+    allow_threads(&args.limits)?;
+    let opened = open(&args.scene.scene, Choice::Own, &args.limits)?;
+    let inventory = Inventory::of(opened);
+    if !args.json.takes_stdout() {
+        out::print(&inventory.for_people())?;
+    }
+    sink.write(&inventory)?;
+    Ok(Outcome::Done)
+}
+
+impl Inventory {
+    fn of(opened: Opened) -> Inventory {
+        let scene = &opened.scene;
+        let contents: Vec<&Content> = scene.fragments().filter_map(|id| scene.content(id)).map(|c| &**c).collect();
+        // Fragments may share meshes and tables of materials: each is counted once.
+        let mut counted = HashSet::new();
+        let meshes: Vec<_> = contents
+            .iter()
+            .flat_map(|content| content.meshes())
+            .filter(|mesh| counted.insert(Arc::as_ptr(mesh).addr()))
+            .collect();
+        let mut materials = Materials::default();
+        for content in contents.iter().filter(|content| counted.insert(content.materials().as_ptr().addr())) {
+            content.materials().iter().for_each(|material| {
+                *match material.alpha {
+                    Alpha::Opaque => &mut materials.opaque,
+                    Alpha::Mask => &mut materials.mask,
+                    Alpha::Blend => &mut materials.blend,
+                } += 1;
+                materials.double_sided += usize::from(material.double_sided);
+            });
+        }
+        let boxes = scene.fragments().map(|id| scene.bounds(id)).filter(|bounds| !bounds.is_empty());
+        Inventory {
+            format: opened.format,
+            items: scene.item_count(),
+            meshes: meshes.len(),
+            triangles_unique: meshes.iter().map(|mesh| mesh.triangle_count()).sum(),
+            triangles_drawn: scene.triangle_count(),
+            clusters: meshes.iter().map(|mesh| mesh.clusters().len()).sum(),
+            materials,
+            bounds: boxes.reduce(|a, b| a.union(&b)).map(|Aabb { min, max, .. }| Bounds { min, max }),
+            fragments: fragments(scene),
+            portals: scene.portals().len(),
+            openings: contents.iter().map(|content| content.openings().len()).sum(),
+            bytes: scene.bytes(),
+            load_ms: rounded(opened.load_ms),
+            cameras: opened.cameras.into_iter().map(CameraEntry::from).collect(),
+            warnings: opened.warnings,
+            file: opened.file,
+        }
+    }
+
+    /// Writing to a String cannot fail, so what `writeln!` returns is dropped.
+    fn for_people(&self) -> String {
+        let mut text = format!("{}: {}\n", self.file, self.format);
+        let mut say = |what: &str, value: String| {
+            let _ = writeln!(text, "  {what:<10} {value}");
+        };
+        say("items", format!("{}, of {}", count(self.items as u64), plural(self.meshes, "mesh").replace("meshs", "meshes")));
+        say("triangles", format!("{} drawn, {} unique", count(self.triangles_drawn), count(self.triangles_unique)));
+        say("clusters", count(self.clusters as u64));
+        let Materials { opaque, mask, blend, double_sided } = self.materials;
+        say("materials", format!("{opaque} opaque, {mask} cut-out, {blend} glass; {double_sided} of them double-sided"));
+        match &self.bounds {
+            Some(Bounds { min, max }) => say("bounds", format!("from {} to {}", point(*min), point(*max))),
+            None => say("bounds", "none: the scene is empty".to_owned()),
+        }
+        if self.cameras.is_empty() {
+            say("cameras", "none".to_owned());
+        }
+        for camera in &self.cameras {
+            let CameraEntry { name, eye, toward, fov, .. } = camera;
+            say("camera", format!("{name}: from {} toward {}, {fov:.1} degrees", point(*eye), point(*toward)));
+        }
+        for fragment in &self.fragments {
+            let FragmentEntry { name, method, items, triangles, openings } = fragment;
+            let openings = plural(*openings, "opening");
+            let items = plural(*items, "item");
+            say("fragment", format!("{name}: {items}, {} triangles, {openings}, by {method}", count(*triangles)));
+        }
+        say("portals", count(self.portals as u64));
+        say("openings", count(self.openings as u64));
+        say("memory", bytes(self.bytes));
+        say("loaded in", format!("{} ms", ms(self.load_ms)));
+        for warning in &self.warnings {
+            say("warning", warning.clone());
+        }
+        text
+    }
+}
+
+impl From<crate::cameras::Camera> for CameraEntry {
+    fn from(camera: crate::cameras::Camera) -> CameraEntry {
+        let fov = rounded(f64::from(camera.fov_y).to_degrees());
+        CameraEntry { name: camera.name, eye: camera.eye, toward: camera.toward, up: camera.up, fov }
+    }
+}
+
+fn fragments(scene: &Scene) -> Vec<FragmentEntry> {
+    let entry = |id| {
+        let content = scene.content(id);
+        FragmentEntry {
+            name: scene.fragment_name(id).to_owned(),
+            method: scene.method(id).map_or("its own", |method| method.name()),
+            items: content.map_or(0, |content| content.items().len()),
+            triangles: content.map_or(0, |content| content.triangle_count()),
+            openings: content.map_or(0, |content| content.openings().len()),
+        }
+    };
+    scene.fragments().map(entry).collect()
+}

@@ -1,0 +1,163 @@
+//! `look`: what is visible, what it costs, and whether it is right.
+
+use crate::Outcome;
+use crate::args::LookArgs;
+use crate::cameras;
+use crate::check::check;
+use crate::measure::{self, PASSES};
+use crate::open::{allow_threads, open};
+use crate::out;
+use crate::prepare::prepare;
+use crate::progress::Progress;
+use crate::report::{Report, Reports, SceneReport, Sink, Skipped};
+use crate::text::{bytes, count, ms, plural, point, table};
+use crate::values::Choice;
+use anyhow::Result;
+use enfilade::{Contract, Viewer};
+use std::fmt::Write;
+
+/// Runs `look`.
+pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
+    let sink = Sink::new(&args.json)?;
+    allow_threads(&args.methods.limits)?;
+    let choice = args.methods.choice();
+    let opened = open(&args.scene.scene, choice, &args.methods.limits)?;
+    let views = cameras::views(&args.cameras, &opened)?;
+    let (prepared, skipped) = prepare(&opened, &args.methods, views.first())?;
+    for Skipped { method, why } in &skipped {
+        out::warn(format_args!("{method} is skipped: {why}"));
+    }
+    let mut viewers: Vec<Viewer> = prepared.iter().map(|prepared| prepared.viewer()).collect();
+    let mut reports = Vec::new();
+    let progress = Progress::steps("looking", prepared.len() * views.len() * (1 + PASSES));
+    for (prepared, viewer) in prepared.iter().zip(&mut viewers) {
+        let looks = measure::looks(prepared, &views, viewer, &progress);
+        reports.push(Report::new(&opened, prepared, &views, args.cameras.size, looks));
+    }
+    drop(progress);
+    if args.check.is_some() {
+        let found = check(&prepared, &mut viewers, &views);
+        for ((report, found), prepared) in reports.iter_mut().zip(&found).zip(&prepared) {
+            report.add_checks(found, &prepared.scene);
+        }
+    }
+    let reports = Reports::new(choice == Choice::All, reports, skipped);
+    if !args.json.takes_stdout() {
+        out::print(&for_people(&SceneReport::new(&opened), reports.each()))?;
+    }
+    sink.write(&reports)?;
+    // Contracts as the methods state them, not as reports spell them.
+    let wrong = prepared.iter().zip(reports.each()).filter(|(prepared, _)| prepared.contract != Contract::Approximate);
+    let wrong = wrong.filter(|(_, report)| tell_what_is_wrong(report)).count();
+    Ok(if wrong == 0 { Outcome::Done } else { Outcome::CheckFailed })
+}
+
+/// Prints what a check found wrong on standard error; is there anything?
+fn tell_what_is_wrong(report: &Report) -> bool {
+    for (number, view) in report.views.iter().enumerate() {
+        let Some(check) = &view.check else { continue };
+        let place = || format!("check failed: {}, view {} (eye {})", report.method, number + 1, point(view.eye));
+        if !check.missed.is_empty() {
+            out::note(format_args!("{}: missed {}", place(), check.missed.join(", ")));
+        }
+        if check.pixels_different > 0 {
+            let pixels = plural(check.pixels_different as usize, "pixel");
+            out::note(format_args!("{}: {pixels} painted that no possible owner allows", place()));
+        }
+    }
+    report.summary.missed > 0 || report.summary.pixels_different > 0
+}
+
+fn for_people(scene: &SceneReport, reports: &[Report]) -> String {
+    let SceneReport { file, items, triangles, fragments, portals } = scene;
+    let mut text = format!("{file}: {}, {} triangles", plural(*items, "item"), count(*triangles));
+    if *fragments != 1 || *portals > 0 {
+        text += &format!(", {}, {}", plural(*fragments, "fragment"), plural(*portals, "portal"));
+    }
+    text.push('\n');
+    for report in reports {
+        text.push('\n');
+        add_report(&mut text, report);
+    }
+    text
+}
+
+/// Writing to a String cannot fail, so what `writeln!` returns is dropped here and below.
+fn add_report(text: &mut String, report: &Report) {
+    let [width, height] = report.size;
+    let _ = writeln!(
+        text,
+        "{}: {}, {width}x{height}, {}, built in {} ms, {}",
+        report.method,
+        report.contract,
+        plural(report.threads, "thread"),
+        ms(report.build_ms),
+        bytes(report.bytes)
+    );
+    if report.views.is_empty() {
+        text.push_str("nothing was looked at\n");
+        return;
+    }
+    let header = ["view", "eye", "passages", "items in frustum", "visible", "triangles in frustum", "visible", "ms"];
+    let rows: Vec<Vec<String>> = report.views.iter().enumerate().map(|(number, view)| {
+        let incomplete = if view.complete { "" } else { "+" };
+        vec![
+            (number + 1).to_string(),
+            point(view.eye),
+            format!("{}{incomplete}", view.passages),
+            count(view.items_in_frustum as u64),
+            count(view.items_visible as u64),
+            count(view.triangles_in_frustum),
+            count(view.triangles_visible),
+            ms(view.ms),
+        ]
+    }).collect();
+    text.push_str(&table(&header, &rows));
+    if report.views.iter().any(|view| !view.complete) {
+        text.push_str("+ a limit of portals in a row or of passages ended the look: more may be visible\n");
+    }
+    if let [view] = &report.views[..] {
+        add_visible(text, &view.visible);
+    }
+    add_summary(text, report);
+}
+
+fn add_visible(text: &mut String, visible: &[String]) {
+    const FEW: usize = 12;
+    if visible.is_empty() {
+        return;
+    }
+    let _ = write!(text, "visible: {}", visible[..visible.len().min(FEW)].join(", "));
+    if visible.len() > FEW {
+        let _ = write!(text, " and {} more (--json - names all)", count((visible.len() - FEW) as u64));
+    }
+    text.push('\n');
+}
+
+fn add_summary(text: &mut String, report: &Report) {
+    let summary = &report.summary;
+    if summary.views > 1 {
+        let _ = writeln!(
+            text,
+            "{} views: median {} ms, 99 % within {} ms; on average {:.1} of {:.1} items in the frustum are visible",
+            summary.views,
+            ms(summary.ms_median),
+            ms(summary.ms_p99),
+            summary.items_visible_mean,
+            summary.items_in_frustum_mean
+        );
+    }
+    let checks: Vec<_> = report.views.iter().filter_map(|view| view.check.as_ref()).collect();
+    if !checks.is_empty() {
+        let sum = |of: fn(&crate::report::CheckReport) -> u64| count(checks.iter().map(|check| of(check)).sum());
+        let _ = writeln!(
+            text,
+            "check: {} missed of {} surely visible, {} too many, {} pixels different, {} contested",
+            count(summary.missed as u64),
+            sum(|check| check.reference_visible as u64),
+            sum(|check| check.extra as u64),
+            count(summary.pixels_different),
+            sum(|check| check.pixels_contested)
+        );
+    }
+}

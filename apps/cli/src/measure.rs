@@ -1,0 +1,121 @@
+//! The timing rule: one pass over all views in order to warm up, then three; the median for each view.
+//!
+//! So what a method remembers at a view is always the view before it.
+
+use crate::prepare::Prepared;
+use crate::progress::Progress;
+use enfilade::{FragmentId, ItemId, Scene, View, Viewer, VisibleSet};
+use std::time::Instant;
+
+/// Passes that count.
+pub(crate) const PASSES: usize = 3;
+
+/// What a look saw and cost.
+pub(crate) struct Look {
+    /// Median of the passes.
+    pub(crate) ms: f64,
+    pub(crate) passages: usize,
+    pub(crate) items_in_frustum: usize,
+    pub(crate) triangles_in_frustum: u64,
+    pub(crate) triangles_visible: u64,
+    pub(crate) complete: bool,
+    /// Over all passages, each once, in order.
+    pub(crate) visible: Vec<(FragmentId, ItemId)>,
+}
+
+/// The looks at all views, and what the last pass cost over all of them.
+pub(crate) struct Looks {
+    pub(crate) each: Vec<Look>,
+    pub(crate) stats: Vec<(&'static str, u64)>,
+}
+
+/// Looks at all views by the timing rule.
+pub(crate) fn looks(prepared: &Prepared, views: &[View], viewer: &mut Viewer, progress: &Progress) -> Looks {
+    let scene = &prepared.scene;
+    let mut each: Vec<Look> = views
+        .iter()
+        .map(|view| {
+            progress.step();
+            Look::of(viewer.look(scene, view), scene)
+        })
+        .collect();
+    let mut stats: Vec<(&'static str, u64)> = viewer.stats().each().map(|(name, _)| (name, 0)).into();
+    let times = timed(views, progress, |pass, view| {
+        viewer.look(scene, view);
+        if pass + 1 == PASSES {
+            for (sum, (_, cost)) in stats.iter_mut().zip(viewer.stats().each()) {
+                sum.1 += cost;
+            }
+        }
+    });
+    each.iter_mut().zip(times).for_each(|(look, ms)| look.ms = ms);
+    Looks { each, stats }
+}
+
+/// Runs the passes that count, and gives each view's median in milliseconds.
+pub(crate) fn timed(views: &[View], progress: &Progress, mut run: impl FnMut(usize, &View)) -> Vec<f64> {
+    let mut times = vec![[0.0; PASSES]; views.len()];
+    for pass in 0..PASSES {
+        for (view, times) in views.iter().zip(&mut times) {
+            let start = Instant::now();
+            run(pass, view);
+            times[pass] = start.elapsed().as_secs_f64() * 1e3;
+            progress.step();
+        }
+    }
+    times.iter().map(|times| median(times)).collect()
+}
+
+/// The value in the middle, or between the two in the middle; 0 of none.
+pub(crate) fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    match sorted.len() {
+        0 => 0.0,
+        count if count % 2 == 1 => sorted[count / 2],
+        count => 0.5 * (sorted[count / 2 - 1] + sorted[count / 2]),
+    }
+}
+
+/// The least value that 99 % of all do not exceed; 0 of none.
+pub(crate) fn p99(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let rank = (0.99 * sorted.len() as f64).ceil() as usize;
+    sorted.get(rank.saturating_sub(1)).copied().unwrap_or(0.0)
+}
+
+impl Look {
+    fn of(set: &VisibleSet, scene: &Scene) -> Look {
+        let (items_in_frustum, triangles_in_frustum) = set.in_frustum(scene);
+        Look {
+            ms: 0.0,
+            passages: set.passages().len(),
+            items_in_frustum,
+            triangles_in_frustum,
+            triangles_visible: set.triangle_count(scene),
+            complete: set.complete(),
+            visible: distinct(set),
+        }
+    }
+}
+
+/// The items of a set over all passages, each once, in order.
+pub(crate) fn distinct(set: &VisibleSet) -> Vec<(FragmentId, ItemId)> {
+    let mut items: Vec<_> = set.items().iter().map(|seen| (set.passage(seen.passage).fragment, seen.item)).collect();
+    items.sort_unstable();
+    items.dedup();
+    items
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_middle_and_the_last_hundredth() {
+        assert_eq!([&[][..], &[3.0], &[3.0, 1.0], &[9.0, 1.0, 2.0]].map(median), [0.0, 3.0, 2.0, 2.0]);
+        let hundred: Vec<f64> = (1..=200).map(f64::from).collect();
+        assert_eq!((p99(&hundred), p99(&[5.0, 7.0]), p99(&[])), (198.0, 7.0, 0.0));
+    }
+}

@@ -1,0 +1,101 @@
+//! Scenes, from a file or by the name of a built-in one.
+
+use crate::cameras::Camera;
+use crate::args::LimitArgs;
+use crate::out;
+use crate::progress::Progress;
+use crate::values::{Choice, among};
+use anyhow::{Context, Result, anyhow, bail};
+use enfilade::{Method, Scene, SceneBuilder};
+use enfilade_import::ReadOptions;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use std::time::Instant;
+
+/// A scene and what came with it.
+pub(crate) struct Opened {
+    /// As it was asked for: a path or `@NAME`.
+    pub(crate) file: String,
+    /// How it is stored, in words.
+    pub(crate) format: &'static str,
+    pub(crate) scene: Scene,
+    pub(crate) cameras: Vec<Camera>,
+    /// What was left out or is odd, a line each; printed already.
+    pub(crate) warnings: Vec<String>,
+    pub(crate) load_ms: f64,
+}
+
+/// Opens a scene. One from a file is a single fragment, seen by the method chosen, else by hierarchical-z.
+pub(crate) fn open(name: &str, choice: Choice, limits: &LimitArgs) -> Result<Opened> {
+    let progress = Progress::spinner(&format!("loading {name}"));
+    let start = Instant::now();
+    let mut opened = match name.strip_prefix('@') {
+        Some(built_in) => open_built_in(name, built_in),
+        None => open_file(name, choice, limits),
+    }?;
+    opened.load_ms = start.elapsed().as_secs_f64() * 1e3;
+    drop(progress);
+    opened.warnings.iter().for_each(|warning| out::warn(format_args!("{name}: {warning}")));
+    Ok(opened)
+}
+
+fn open_built_in(file: &str, name: &str) -> Result<Opened> {
+    let built = enfilade_scenes::built_in(name).ok_or_else(|| {
+        let names: Vec<String> = enfilade_scenes::NAMES.iter().map(|name| format!("@{name}")).collect();
+        anyhow!("there is no built-in scene `{file}`; {}", among(file, names.iter().map(String::as_str)))
+    })?;
+    Ok(Opened {
+        file: file.to_owned(),
+        format: "built-in",
+        scene: built.scene,
+        cameras: built.cameras.into_iter().map(Camera::from).collect(),
+        warnings: Vec::new(),
+        load_ms: 0.0,
+    })
+}
+
+fn open_file(file: &str, choice: Choice, limits: &LimitArgs) -> Result<Opened> {
+    let path = Path::new(file);
+    let mut options = ReadOptions::default();
+    options.limit_bytes = limits.memory.unwrap_or(options.limit_bytes);
+    if !path.exists() && enfilade_scenes::built_in(file).is_some() {
+        bail!("{file}: there is no such file; the built-in scene is called @{file}");
+    }
+    let import = enfilade_import::read(path, &options)?;
+    let method = match choice {
+        Choice::Own => Method::HierarchicalZ,
+        Choice::One(method) => method,
+        // The others are built from it one by one, so the first is the one that builds least.
+        Choice::All => Method::ZBuffer,
+    };
+    let mut builder = SceneBuilder::new();
+    builder.limit_bytes(limits.memory.unwrap_or(Method::DEFAULT_LIMIT));
+    let name = path.file_stem().map_or("scene".into(), |stem| stem.to_string_lossy());
+    builder.add(&name, import.content, method);
+    let scene = builder.build().with_context(|| format!("{file}: raise --memory, or choose another --method"))?;
+    Ok(Opened {
+        file: file.to_owned(),
+        format: if is_binary(path) { "glTF 2.0, binary" } else { "glTF 2.0" },
+        scene,
+        cameras: import.cameras.into_iter().map(Camera::from).collect(),
+        warnings: import.warnings.iter().map(ToString::to_string).collect(),
+        load_ms: 0.0,
+    })
+}
+
+fn is_binary(path: &Path) -> bool {
+    let mut first = [0; 4];
+    File::open(path).and_then(|mut file| file.read_exact(&mut first)).is_ok() && &first == b"glTF"
+}
+
+/// Lets the whole program use so many threads, and says how many these are.
+pub(crate) fn allow_threads(limits: &LimitArgs) -> Result<usize> {
+    if let Some(threads) = limits.threads {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.into())
+            .build_global()
+            .with_context(|| format!("cannot start {threads} threads; allow fewer with --threads"))?;
+    }
+    Ok(rayon::current_num_threads())
+}

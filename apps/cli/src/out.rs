@@ -1,0 +1,29 @@
+//! Printing: reports on standard output, warnings and the one error message on standard error.
+
+use anyhow::{Context, Result};
+use std::fmt::Display;
+use std::io::{ErrorKind, Write};
+
+/// Prints a text on standard output. A reader that has gone away (`| head`) has what it wanted.
+pub(crate) fn print(text: &str) -> Result<()> {
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error).context("cannot write to standard output"),
+        _ => Ok(()),
+    }
+}
+
+/// Prints a warning, which changes no exit code.
+pub(crate) fn warn(text: impl Display) {
+    note(format_args!("warning: {text}"));
+}
+
+/// Prints why the program ends.
+pub(crate) fn error(error: &anyhow::Error) {
+    note(format_args!("error: {error:#}"));
+}
+
+/// Prints a line on standard error. Where that is closed there is nobody to tell.
+pub(crate) fn note(text: impl Display) {
+    let _ = writeln!(std::io::stderr().lock(), "{text}");
+}

@@ -1,0 +1,97 @@
+//! The methods that are asked for, each built over the scene and within its memory.
+
+use crate::args::MethodArgs;
+use crate::open::Opened;
+use crate::report::Skipped;
+use crate::values::Choice;
+use anyhow::{Context, Result};
+use enfilade::{Contract, Method, Scene, TooLarge, View, Viewer};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// A scene ready to be looked at by a method.
+pub(crate) struct Prepared {
+    /// The method's name, or `own`.
+    pub(crate) method: &'static str,
+    /// The weakest of its fragments'.
+    pub(crate) contract: Contract,
+    pub(crate) scene: Scene,
+    pub(crate) build_ms: f64,
+    coherence: bool,
+}
+
+impl Prepared {
+    /// A viewer that remembers nothing yet.
+    pub(crate) fn viewer(&self) -> Viewer {
+        let mut viewer = Viewer::new();
+        viewer.set_coherence(self.coherence);
+        viewer
+    }
+
+    /// Memory of the scene, of what was built over it, and of the buffers for a screen of this size, in bytes.
+    pub(crate) fn bytes(&self, size: [u32; 2]) -> u64 {
+        self.scene.bytes() + methods_of(&self.scene).iter().map(|method| method.screen_bytes(size)).sum::<u64>()
+    }
+}
+
+/// Builds what is asked for over a scene, for views that all have one size.
+///
+/// # Errors
+/// A method that would need too much memory, unless all were asked for: then it is skipped.
+pub(crate) fn prepare(opened: &Opened, args: &MethodArgs, view: Option<&View>) -> Result<(Vec<Prepared>, Vec<Skipped>)> {
+    let build = |choice| build(&opened.scene, choice, args, view);
+    if args.choice() != Choice::All {
+        let remedy = || format!("{}: raise --memory, choose a smaller --size or another --method", opened.file);
+        return Ok((vec![build(args.choice()).with_context(remedy)?], Vec::new()));
+    }
+    let (mut prepared, mut skipped) = (Vec::new(), Vec::new());
+    for method in Method::ALL {
+        match build(Choice::One(method)) {
+            Ok(built) => prepared.push(built),
+            Err(why) => skipped.push(Skipped { method: method.name(), why: why.to_string() }),
+        }
+    }
+    Ok((prepared, skipped))
+}
+
+fn build(scene: &Scene, choice: Choice, args: &MethodArgs, view: Option<&View>) -> Result<Prepared, TooLarge> {
+    let limit = args.limits.memory.unwrap_or(Method::DEFAULT_LIMIT);
+    let start = Instant::now();
+    let built = match choice {
+        Choice::One(method) => scene.with_method(method, limit)?,
+        Choice::Own | Choice::All => {
+            // It is built already; done again to be timed, and to be held against the limit.
+            for (content, method) in contents(scene) {
+                method.build(Arc::clone(content), limit)?;
+            }
+            scene.clone()
+        }
+    };
+    let build_ms = start.elapsed().as_secs_f64() * 1e3;
+    let methods = methods_of(&built);
+    if let Some(view) = view {
+        methods.iter().try_for_each(|method| method.check_screen(view, limit))?;
+    }
+    Ok(Prepared {
+        method: if let Choice::One(method) = choice { method.name() } else { "own" },
+        contract: methods.iter().map(|method| method.contract()).min().unwrap_or(Contract::Exact),
+        scene: if args.flat { built.without_portals() } else { built },
+        build_ms,
+        coherence: !args.no_coherence,
+    })
+}
+
+fn contents(scene: &Scene) -> impl Iterator<Item = (&Arc<enfilade::Content>, Method)> {
+    scene.fragments().filter_map(|id| Some((scene.content(id)?, scene.method(id)?)))
+}
+
+/// The methods that a scene's fragments are seen by, each once.
+fn methods_of(scene: &Scene) -> Vec<Method> {
+    let mut methods = Vec::new();
+    for (_, method) in contents(scene) {
+        if !methods.contains(&method) {
+            methods.push(method);
+        }
+    }
+    methods
+}

@@ -1,0 +1,239 @@
+//! The JSON that programs read; its shape is part of the program's contract.
+
+use crate::args::JsonArg;
+use crate::check::Found;
+use crate::measure::{Look, Looks, median, p99};
+use crate::names::Names;
+use crate::open::Opened;
+use crate::out;
+use crate::prepare::Prepared;
+use crate::save::Destination;
+use anyhow::{Context, Result};
+use enfilade::{Scene, View};
+use serde::{Serialize, Serializer};
+use std::fs;
+
+/// One method over all views.
+#[derive(Debug, Serialize)]
+pub(crate) struct Report {
+    pub(crate) scene: SceneReport,
+    pub(crate) method: &'static str,
+    pub(crate) contract: String,
+    pub(crate) size: [u32; 2],
+    pub(crate) threads: usize,
+    pub(crate) simd: &'static str,
+    pub(crate) build_ms: f64,
+    pub(crate) bytes: u64,
+    /// Of the last pass, summed over the views.
+    #[serde(serialize_with = "as_map")]
+    pub(crate) stats: Vec<(&'static str, u64)>,
+    pub(crate) views: Vec<ViewReport>,
+    pub(crate) summary: Summary,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct SceneReport {
+    pub(crate) file: String,
+    pub(crate) items: usize,
+    pub(crate) triangles: u64,
+    pub(crate) fragments: usize,
+    pub(crate) portals: usize,
+}
+
+#[derive(Debug, Serialize)]
+pub(crate) struct ViewReport {
+    pub(crate) eye: [f32; 3],
+    pub(crate) toward: [f32; 3],
+    pub(crate) up: [f32; 3],
+    /// Degrees.
+    pub(crate) fov: f64,
+    pub(crate) passages: usize,
+    pub(crate) items_in_frustum: usize,
+    pub(crate) items_visible: usize,
+    pub(crate) triangles_in_frustum: u64,
+    pub(crate) triangles_visible: u64,
+    pub(crate) ms: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) draw_ms: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) picture: Option<String>,
+    pub(crate) complete: bool,
+    pub(crate) visible: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) check: Option<CheckReport>,
+}
+
+#[derive(Debug, Serialize)]
+pub(crate) struct CheckReport {
+    pub(crate) reference_visible: usize,
+    pub(crate) missed: Vec<String>,
+    pub(crate) extra: usize,
+    pub(crate) pixels_different: u64,
+    pub(crate) pixels_contested: u64,
+}
+
+#[derive(Debug, Serialize)]
+pub(crate) struct Summary {
+    pub(crate) views: usize,
+    pub(crate) ms_median: f64,
+    pub(crate) ms_p99: f64,
+    pub(crate) items_visible_mean: f64,
+    pub(crate) items_in_frustum_mean: f64,
+    pub(crate) missed: usize,
+    pub(crate) pixels_different: u64,
+}
+
+/// A method that does not fit.
+#[derive(Debug, Serialize)]
+pub(crate) struct Skipped {
+    pub(crate) method: &'static str,
+    pub(crate) why: String,
+}
+
+/// What was asked for: one method, or all.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+pub(crate) enum Reports {
+    One(Box<Report>),
+    All { methods: Vec<Report>, skipped: Vec<Skipped> },
+}
+
+impl Reports {
+    /// Of what was asked for: `all` methods, or the one that is there.
+    pub(crate) fn new(all: bool, mut methods: Vec<Report>, skipped: Vec<Skipped>) -> Reports {
+        if all || methods.len() != 1 {
+            Reports::All { methods, skipped }
+        } else {
+            Reports::One(Box::new(methods.remove(0)))
+        }
+    }
+
+    /// The reports, one for each method.
+    pub(crate) fn each(&self) -> &[Report] {
+        match self {
+            Reports::One(report) => std::slice::from_ref(report),
+            Reports::All { methods, .. } => methods,
+        }
+    }
+}
+
+/// Where JSON goes; found to be writable before the work.
+pub(crate) enum Sink {
+    Nowhere,
+    Stdout,
+    File(Destination),
+}
+
+impl Sink {
+    /// Checks that the file can be written.
+    pub(crate) fn new(json: &JsonArg) -> Result<Sink> {
+        Ok(match &json.file {
+            None => Sink::Nowhere,
+            Some(_) if json.takes_stdout() => Sink::Stdout,
+            Some(file) => Sink::File(Destination::new(file)?),
+        })
+    }
+
+    /// Writes a report there.
+    pub(crate) fn write(&self, report: &impl Serialize) -> Result<()> {
+        let text = || serde_json::to_string_pretty(report).context("a report that is not JSON");
+        match self {
+            Sink::Nowhere => Ok(()),
+            Sink::Stdout => out::print(&(text()? + "\n")),
+            Sink::File(file) => {
+                let text = text()? + "\n";
+                file.write(|path| fs::write(path, &text))
+            }
+        }
+    }
+}
+
+impl SceneReport {
+    pub(crate) fn new(opened: &Opened) -> SceneReport {
+        let scene = &opened.scene;
+        SceneReport {
+            file: opened.file.clone(),
+            items: scene.item_count(),
+            triangles: scene.triangle_count(),
+            fragments: scene.fragment_count(),
+            portals: scene.portals().len(),
+        }
+    }
+}
+
+impl Report {
+    /// The report of a method over views of one size.
+    pub(crate) fn new(opened: &Opened, prepared: &Prepared, views: &[View], size: [u32; 2], looks: Looks) -> Report {
+        let names = Names::new(&prepared.scene);
+        let times: Vec<f64> = looks.each.iter().map(|look| look.ms).collect();
+        let mean = |sum: usize| if views.is_empty() { 0.0 } else { sum as f64 / views.len() as f64 };
+        Report {
+            scene: SceneReport::new(opened),
+            method: prepared.method,
+            contract: prepared.contract.to_string(),
+            size,
+            threads: rayon::current_num_threads(),
+            simd: "scalar",
+            build_ms: rounded(prepared.build_ms),
+            bytes: prepared.bytes(size),
+            stats: looks.stats,
+            summary: Summary {
+                views: views.len(),
+                ms_median: rounded(median(&times)),
+                ms_p99: rounded(p99(&times)),
+                items_visible_mean: mean(looks.each.iter().map(|look| look.visible.len()).sum()),
+                items_in_frustum_mean: mean(looks.each.iter().map(|look| look.items_in_frustum).sum()),
+                missed: 0,
+                pixels_different: 0,
+            },
+            views: views.iter().zip(looks.each).map(|(view, look)| ViewReport::new(view, look, &names)).collect(),
+        }
+    }
+
+    /// Adds what the reference says of each view.
+    pub(crate) fn add_checks(&mut self, found: &[Found], scene: &Scene) {
+        let names = Names::new(scene);
+        for (view, found) in self.views.iter_mut().zip(found) {
+            self.summary.missed += found.missed.len();
+            self.summary.pixels_different += found.pixels_different;
+            view.check = Some(CheckReport {
+                reference_visible: found.reference_visible,
+                missed: found.missed.iter().map(|&item| names.of(item)).collect(),
+                extra: found.extra,
+                pixels_different: found.pixels_different,
+                pixels_contested: found.pixels_contested,
+            });
+        }
+    }
+}
+
+impl ViewReport {
+    fn new(view: &View, look: Look, names: &Names) -> ViewReport {
+        ViewReport {
+            eye: view.eye,
+            toward: view.toward,
+            up: view.up,
+            fov: rounded(f64::from(view.fov_y).to_degrees()),
+            passages: look.passages,
+            items_in_frustum: look.items_in_frustum,
+            items_visible: look.visible.len(),
+            triangles_in_frustum: look.triangles_in_frustum,
+            triangles_visible: look.triangles_visible,
+            ms: rounded(look.ms),
+            draw_ms: None,
+            picture: None,
+            complete: look.complete,
+            visible: look.visible.iter().map(|&item| names.of(item)).collect(),
+            check: None,
+        }
+    }
+}
+
+/// To four places: a lens of 60 degrees reads as 60, and times to the tenth of a microsecond.
+pub(crate) fn rounded(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
+}
+
+fn as_map<S: Serializer>(counters: &[(&'static str, u64)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(counters.iter().copied())
+}

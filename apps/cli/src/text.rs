@@ -1,0 +1,89 @@
+//! Numbers and tables as people read them.
+
+use std::fmt::Write;
+
+/// `1,234,567`.
+pub(crate) fn count(number: u64) -> String {
+    let digits = number.to_string();
+    let mut grouped = String::new();
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && (digits.len() - place) % 3 == 0 {
+            grouped.push(',');
+        }
+        grouped.push(digit);
+    }
+    grouped
+}
+
+/// `1 item`, `2 items`.
+pub(crate) fn plural(number: usize, one: &str) -> String {
+    format!("{} {one}{}", count(number as u64), if number == 1 { "" } else { "s" })
+}
+
+/// `12.3 MB`, in powers of a thousand.
+pub(crate) fn bytes(number: u64) -> String {
+    const UNITS: [&str; 3] = ["kB", "MB", "GB"];
+    if number < 1000 {
+        return plural(number as usize, "byte");
+    }
+    let mut shown = number as f64 / 1000.0;
+    let mut unit = 0;
+    while shown >= 999.95 && unit + 1 < UNITS.len() {
+        shown /= 1000.0;
+        unit += 1;
+    }
+    format!("{shown:.1} {}", UNITS[unit])
+}
+
+/// Milliseconds with as many places as mean something.
+pub(crate) fn ms(milliseconds: f64) -> String {
+    match milliseconds {
+        m if m < 10.0 => format!("{m:.2}"),
+        m if m < 100.0 => format!("{m:.1}"),
+        m => format!("{m:.0}"),
+    }
+}
+
+/// `1.2, 3.4, 5.6`.
+pub(crate) fn point(point: [f32; 3]) -> String {
+    point.map(|value| format!("{value:.2}")).join(", ")
+}
+
+/// Rows of cells, the first column to the left and the others to the right, with a header.
+pub(crate) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
+    let width = |column: usize| {
+        let cells = rows.iter().map(|row| row[column].chars().count());
+        cells.chain([header[column].chars().count()]).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..header.len()).map(width).collect();
+    let header: Vec<String> = header.iter().map(|&cell| cell.to_owned()).collect();
+    let mut text = String::new();
+    for row in std::iter::once(&header).chain(rows) {
+        let mut line = String::new();
+        for (column, (cell, &width)) in row.iter().zip(&widths).enumerate() {
+            // Writing to a String cannot fail.
+            let _ = if column == 0 { write!(line, "  {cell:<width$}") } else { write!(line, "  {cell:>width$}") };
+        }
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_well() {
+        assert_eq!([0, 999, 1000, 1_234_567].map(count), ["0", "999", "1,000", "1,234,567"]);
+        assert_eq!([1, 999, 1000, 999_999, 2_500_000_000].map(bytes), ["1 byte", "999 bytes", "1.0 kB", "1.0 MB", "2.5 GB"]);
+        assert_eq!([0.0, 9.876, 43.21, 1234.5].map(ms), ["0.00", "9.88", "43.2", "1234"]);
+    }
+
+    #[test]
+    fn columns_stand_under_their_headers() {
+        let rows = [vec!["z-buffer".to_owned(), "7".to_owned()], vec!["b".to_owned(), "1,000".to_owned()]];
+        assert_eq!(table(&["method", "n"], &rows), "  method        n\n  z-buffer      7\n  b         1,000\n");
+    }
+}

@@ -1,0 +1,134 @@
+//! Values on the command line, from text, with messages that say what would be right.
+
+use enfilade::{Method, View};
+use enfilade_draw::Show;
+
+/// Which methods look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Choice {
+    /// Each fragment is seen as its author said.
+    Own,
+    /// One method for all fragments.
+    One(Method),
+    /// Every method there is, one after the other.
+    All,
+}
+
+pub(crate) fn method(text: &str) -> Result<Choice, String> {
+    if text == "all" {
+        return Ok(Choice::All);
+    }
+    let names = || Method::ALL.iter().map(|method| method.name()).chain(["all"]);
+    Method::by_name(text).map(Choice::One).ok_or_else(|| among(text, names()))
+}
+
+pub(crate) fn show(text: &str) -> Result<Show, String> {
+    Show::by_name(text).ok_or_else(|| among(text, Show::ALL.iter().map(|show| show.name())))
+}
+
+/// `X,Y,Z`, each finite.
+pub(crate) fn point(text: &str) -> Result<[f32; 3], String> {
+    let wants = "three numbers are wanted, such as 1,2.5,-3";
+    let values = text.split(',').map(|value| {
+        let number: f32 = value.trim().parse().map_err(|_| format!("`{value}` is not a number; {wants}"))?;
+        if number.is_finite() { Ok(number) } else { Err(format!("`{value}` is not finite; {wants}")) }
+    });
+    let values = values.collect::<Result<Vec<f32>, String>>()?;
+    <[f32; 3]>::try_from(values).map_err(|_| wants.to_owned())
+}
+
+/// `WxH`, in pixels.
+pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    let sides: [u64; 2] = sides.ok_or("width and height are wanted, such as 1280x720")?;
+    if sides.iter().any(|side| !(1..=u64::from(View::MOST_PIXELS)).contains(side)) {
+        return Err(format!("width and height must be from 1 to {}", View::MOST_PIXELS));
+    }
+    Ok(sides.map(|side| side as u32))
+}
+
+/// Degrees, as a lens can have.
+pub(crate) fn degrees(text: &str) -> Result<f32, String> {
+    let angle: f32 = text.parse().map_err(|_| "a number of degrees is wanted, such as 60")?;
+    if angle > 0.0 && angle < 180.0 { Ok(angle) } else { Err("it must be above 0 and below 180 degrees".to_owned()) }
+}
+
+/// Bytes, plain or with a unit: `2GB`, `500MB`, `1.5 GiB`.
+pub(crate) fn bytes(text: &str) -> Result<u64, String> {
+    let wants = || "a number of bytes is wanted, such as 2GB, 500MB or 1000000".to_owned();
+    let units_at = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(units_at);
+    let factor = match unit.to_ascii_lowercase().as_str() {
+        "" | "b" => 1.0,
+        "k" | "kb" => 1e3,
+        "m" | "mb" => 1e6,
+        "g" | "gb" => 1e9,
+        "t" | "tb" => 1e12,
+        "kib" => 1024.0,
+        "mib" => 1024.0 * 1024.0,
+        "gib" => 1024.0 * 1024.0 * 1024.0,
+        _ => return Err(wants()),
+    };
+    let number: f64 = number.trim().parse().map_err(|_| wants())?;
+    let bytes = number * factor;
+    if bytes >= 1.0 && bytes < 1e18 { Ok(bytes as u64) } else { Err(wants()) }
+}
+
+/// How many places a pixel the reference looks through: 1.
+pub(crate) fn check(text: &str) -> Result<u32, String> {
+    match text.parse::<u32>() {
+        Ok(1) => Ok(1),
+        Ok(0) | Err(_) => Err("`--check` stands alone".to_owned()),
+        Ok(_) => Err("more than one place a pixel is for strict methods, and there is none yet; use `--check`".to_owned()),
+    }
+}
+
+/// Says which of the names was meant, if one is near, and which there are.
+pub(crate) fn among<'a>(mistyped: &str, names: impl Iterator<Item = &'a str>) -> String {
+    const FEW: usize = 24;
+    let names: Vec<&str> = names.collect();
+    let likeness = |name: &str| strsim::jaro_winkler(&mistyped.to_lowercase(), &name.to_lowercase());
+    let nearest = names.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b))).filter(|name| likeness(name) > 0.7);
+    let question = nearest.map_or(String::new(), |name| format!("did you mean {name}? "));
+    let more = if names.len() > FEW { format!(" and {} more", names.len() - FEW) } else { String::new() };
+    format!("{question}There are: {}{more}", names[..names.len().min(FEW)].join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_right_is_read() {
+        assert_eq!(point("1,2.5, -3"), Ok([1.0, 2.5, -3.0]));
+        assert_eq!(size("1280x720"), Ok([1280, 720]));
+        assert_eq!(degrees("60"), Ok(60.0));
+        assert_eq!(["2GB", "500MB", "1.5 kB", "12", "1KiB"].map(bytes), [2_000_000_000, 500_000_000, 1500, 12, 1024].map(Ok));
+        assert_eq!(["all", "z-buffer"].map(method), [Ok(Choice::All), Ok(Choice::One(Method::ZBuffer))]);
+        assert_eq!(check("1"), Ok(1));
+    }
+
+    #[test]
+    fn what_is_wrong_is_refused_with_a_word_on_what_is_right() {
+        let says = |result: Result<(), String>, word: &str| {
+            let message = result.expect_err("it is wrong");
+            assert!(message.contains(word), "`{message}` does not say `{word}`");
+        };
+        for text in ["1,2", "1,2,3,4", "1,,3", "NaN,0,0", "0,inf,0", ""] {
+            says(point(text).map(drop), "such as 1,2.5,-3");
+        }
+        for text in ["0x0", "100000x100000", "12x99999999999999999"] {
+            says(size(text).map(drop), "from 1 to 16384");
+        }
+        says(size("-1x5").map(drop), "such as 1280x720");
+        says(size("12").map(drop), "such as 1280x720");
+        says(degrees("180").map(drop), "below 180");
+        says(degrees("NaN").map(drop), "below 180");
+        for text in ["0", "-1", "GB", "3 parsecs", "NaN", "1e40"] {
+            says(bytes(text).map(drop), "such as 2GB");
+        }
+        says(method("z-bufer").map(drop), "did you mean z-buffer?");
+        says(method("quux").map(drop), "There are: z-buffer");
+        says(check("16").map(drop), "strict");
+    }
+}

@@ -1,0 +1,81 @@
+//! Without a verb: the built-in scene, drawn and looked at by every method.
+
+use crate::Outcome;
+use crate::args::{Args, LookArgs, Verb};
+use crate::cameras;
+use crate::draw::{draw, save};
+use crate::measure::{self, PASSES};
+use crate::open::open;
+use crate::out;
+use crate::prepare::prepare;
+use crate::progress::Progress;
+use crate::report::{Skipped, SceneReport};
+use crate::save::Destination;
+use crate::text::{count, ms, plural, table};
+use crate::values::Choice;
+use anyhow::{Result, bail};
+use clap::Parser;
+use enfilade_draw::Show;
+use std::path::Path;
+
+const PICTURE: &str = "enfilade.png";
+
+/// Draws the picture, and prints the table and what to try next.
+pub(crate) fn run() -> Result<Outcome> {
+    let Some(Verb::Look(args)) = Args::try_parse_from(["enfilade", "look", "@enfilade", "--method", "all"])?.verb else {
+        bail!("the main job is no longer a look");
+    };
+    let LookArgs { scene, cameras, methods, .. } = &args;
+    Destination::new(Path::new(PICTURE))?;
+    let opened = open(&scene.scene, Choice::All, &methods.limits)?;
+    let views = cameras::views(cameras, &opened)?;
+    let (prepared, skipped) = prepare(&opened, methods, views.first())?;
+    let mut rows = Vec::new();
+    let mut picture = None;
+    let progress = Progress::steps("drawing the palace", prepared.len() * 2 * (1 + PASSES));
+    for prepared in &prepared {
+        let mut viewer = prepared.viewer();
+        let looks = measure::looks(prepared, &views, &mut viewer, &progress);
+        let draws = measure::timed(&views, &progress, |_, view| {
+            picture = Some(draw(prepared, &mut viewer, view, Show::Image));
+        });
+        for (look, draw_ms) in looks.each.iter().zip(draws) {
+            rows.push(vec![
+                prepared.method.to_owned(),
+                prepared.contract.to_string(),
+                look.passages.to_string(),
+                count(look.visible.len() as u64),
+                count(look.triangles_visible),
+                ms(look.ms),
+                ms(draw_ms),
+            ]);
+        }
+    }
+    drop(progress);
+    if let Some(picture) = &picture {
+        save(picture, Path::new(PICTURE))?;
+    }
+    let SceneReport { items, triangles, fragments, portals, .. } = SceneReport::new(&opened);
+    let [width, height] = cameras.size;
+    let mut text = format!(
+        "Enfilade, the built-in palace: {}, {} triangles, {} joined by {}.\n\
+         Seen from its first camera at {width}x{height}:\n\n",
+        plural(items, "item"),
+        count(triangles),
+        plural(fragments, "fragment"),
+        plural(portals, "portal"),
+    );
+    text += &table(&["method", "contract", "passages", "items", "triangles", "look ms", "draw ms"], &rows);
+    for Skipped { method, why } in &skipped {
+        text += &format!("  {method} is skipped: {why}\n");
+    }
+    text += &format!("\nThe picture is in {PICTURE}. {NEXT}");
+    out::print(&text)?;
+    Ok(Outcome::Done)
+}
+
+const NEXT: &str = "Try next:\n
+  enfilade look @enfilade --survey 8 --method all --check --size 640x360
+  enfilade draw @enfilade -o items.png --show items
+  enfilade look YOUR-FILE.glb --survey 16
+";

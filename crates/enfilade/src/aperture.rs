@@ -1,0 +1,314 @@
+//! The part of the screen that is left to see through.
+
+use crate::geom::ConvexPolygon;
+use glam::{DAffine3, DVec3};
+
+/// A rectangle of samples: columns `x0..x1`, rows `y0..y1`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Rect {
+    /// The first column.
+    pub x0: u16,
+    /// The first row.
+    pub y0: u16,
+    /// The column after the last.
+    pub x1: u16,
+    /// The row after the last.
+    pub y1: u16,
+}
+
+impl Rect {
+    /// Does it hold no sample?
+    pub fn is_empty(&self) -> bool {
+        self.x0 >= self.x1 || self.y0 >= self.y1
+    }
+
+    /// The samples of both.
+    #[must_use]
+    pub fn intersection(&self, other: &Rect) -> Rect {
+        Rect {
+            x0: self.x0.max(other.x0),
+            y0: self.y0.max(other.y0),
+            x1: self.x1.min(other.x1),
+            y1: self.y1.min(other.y1),
+        }
+    }
+
+    /// The samples whose centres lie within these bounds, in pixels; a little more where rounding might lose one.
+    #[inline]
+    pub(crate) fn around(min: [f64; 2], max: [f64; 2], within: &Rect) -> Rect {
+        // Screen positions are good to 10⁻⁹ pixel; a sample too many costs a test, one too few a picture.
+        const SLACK: f64 = 1e-6;
+        let first = |low: f64, start: u16, end: u16| {
+            let at = (low - (0.5 + SLACK)).clamp(f64::from(start) - 1.0, f64::from(end));
+            (at + 1.0) as u16
+        };
+        let after = |high: f64, start: u16, end: u16| {
+            ((high + (0.5 + SLACK)).clamp(f64::from(start), f64::from(end))) as u16
+        };
+        Rect {
+            x0: first(min[0], within.x0, within.x1).max(within.x0),
+            y0: first(min[1], within.y0, within.y1).max(within.y0),
+            x1: after(max[0], within.x0, within.x1),
+            y1: after(max[1], within.y0, within.y1),
+        }
+    }
+}
+
+/// Samples as runs of columns, row after row.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Rows {
+    first_row: u16,
+    /// Where each row's runs begin, and the end of the last.
+    starts: Vec<u32>,
+    runs: Vec<[u16; 2]>,
+}
+
+impl Rows {
+    /// Adds columns `x0..x1` of row `y`; rows must come top to bottom.
+    pub fn push(&mut self, y: u16, x0: u16, x1: u16) {
+        if self.starts.is_empty() {
+            self.first_row = y;
+            self.starts.push(0);
+        }
+        while self.first_row as usize + self.starts.len() - 1 <= usize::from(y) {
+            self.starts.push(self.runs.len() as u32);
+        }
+        self.runs.push([x0, x1]);
+        let last = self.starts.len() - 1;
+        self.starts[last] = self.runs.len() as u32;
+    }
+
+    /// The runs of row `y`, left to right, as first column and column after the last.
+    pub fn row(&self, y: u16) -> &[[u16; 2]] {
+        match usize::from(y).checked_sub(usize::from(self.first_row)) {
+            Some(row) if row + 1 < self.starts.len() => {
+                &self.runs[self.starts[row] as usize..self.starts[row + 1] as usize]
+            }
+            _ => &[],
+        }
+    }
+
+    /// The rows that hold a run: the first, and the one after the last.
+    pub fn range(&self) -> std::ops::Range<u16> {
+        self.first_row..self.first_row + self.starts.len().saturating_sub(1) as u16
+    }
+
+    /// The smallest rectangle around all runs.
+    pub fn rect(&self) -> Rect {
+        let range = self.range();
+        let x0 = self.runs.iter().map(|run| run[0]).min().unwrap_or(0);
+        let x1 = self.runs.iter().map(|run| run[1]).max().unwrap_or(0);
+        Rect {
+            x0,
+            y0: range.start,
+            x1,
+            y1: range.end,
+        }
+    }
+}
+
+/// The part of the screen that is left to see through: a convex outline, and the very samples where a method knew
+/// them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Aperture {
+    /// Corners on the screen, in pixels, y down.
+    outline: Vec<[f64; 2]>,
+    rect: Rect,
+    rows: Option<Rows>,
+}
+
+impl Aperture {
+    /// The whole screen.
+    pub fn screen(size: [u32; 2]) -> Aperture {
+        let [width, height] = size.map(f64::from);
+        Aperture {
+            outline: vec![[0.0, 0.0], [0.0, height], [width, height], [width, 0.0]],
+            rect: Rect {
+                x0: 0,
+                y0: 0,
+                x1: size[0] as u16,
+                y1: size[1] as u16,
+            },
+            rows: None,
+        }
+    }
+
+    /// What is left of this aperture behind an opening; `None` where it holds no sample.
+    ///
+    /// `rows` are the samples that the opening owns, where a method knows them.
+    pub(crate) fn behind(
+        &self,
+        opening: &ConvexPolygon,
+        screen_from_here: &DAffine3,
+        rows: Option<Rows>,
+    ) -> Option<Aperture> {
+        let outline = self.clip(opening, screen_from_here);
+        let rect = match &rows {
+            Some(rows) => rows.rect(),
+            None => {
+                let low = |axis: usize| outline.iter().map(|c| c[axis]).fold(f64::INFINITY, f64::min);
+                let high = |axis: usize| outline.iter().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max);
+                Rect::around([low(0), low(1)], [high(0), high(1)], &self.rect)
+            }
+        };
+        (!rect.is_empty()).then_some(Aperture { outline, rect, rows })
+    }
+
+    /// The opening's outline within this one.
+    ///
+    /// Clipped in eye space by the planes through the eye and this outline's edges, never divided before: what is
+    /// behind the eye is gone then, and an opening that the eye stands in is still seen through.
+    fn clip(&self, opening: &ConvexPolygon, screen_from_here: &DAffine3) -> Vec<[f64; 2]> {
+        let mut corners: Vec<DVec3> = opening
+            .corners()
+            .iter()
+            .map(|&corner| screen_from_here.transform_point3(DVec3::from(corner.map(f64::from))))
+            .collect();
+        let homogeneous = |point: [f64; 2]| DVec3::new(point[0], point[1], 1.0);
+        for (i, &from) in self.outline.iter().enumerate() {
+            let to = self.outline[(i + 1) % self.outline.len()];
+            // The outline runs counter-clockwise on a screen whose y points down: inside is on the left.
+            let plane = homogeneous(to).cross(homogeneous(from));
+            corners = clip_by(plane, &corners);
+        }
+        if corners.iter().any(|corner| corner.z <= 0.0) {
+            // The eye stands on the outline itself: anything of this aperture may be seen through it.
+            return self.outline.clone();
+        }
+        let mut outline: Vec<[f64; 2]> = corners.iter().map(|c| [c.x / c.z, c.y / c.z]).collect();
+        let twice_area: f64 = (0..outline.len())
+            .map(|i| {
+                let [a, b] = [outline[i], outline[(i + 1) % outline.len()]];
+                a[0] * b[1] - a[1] * b[0]
+            })
+            .sum();
+        if twice_area > 0.0 {
+            outline.reverse();
+        }
+        outline
+    }
+
+    /// Corners on the screen, in pixels, y down, counter-clockwise; fewer than three where the aperture is only
+    /// known by its samples.
+    pub fn outline(&self) -> &[[f64; 2]] {
+        &self.outline
+    }
+
+    /// The smallest rectangle around its samples.
+    pub fn rect(&self) -> Rect {
+        self.rect
+    }
+
+    /// The runs of columns open in row `y`, left to right.
+    pub(crate) fn open_in_row(&self, y: u16, runs: &mut Vec<[u16; 2]>) {
+        runs.clear();
+        if let Some(rows) = &self.rows {
+            runs.extend_from_slice(rows.row(y));
+            return;
+        }
+        if !(self.rect.y0..self.rect.y1).contains(&y) {
+            return;
+        }
+        let [mut left, mut right] = [f64::from(self.rect.x0), f64::from(self.rect.x1)];
+        let center = f64::from(y) + 0.5;
+        for (i, from) in self.outline.iter().enumerate() {
+            let to = self.outline[(i + 1) % self.outline.len()];
+            let down = to[1] - from[1];
+            if down == 0.0 {
+                continue;
+            }
+            let x = from[0] + (to[0] - from[0]) * ((center - from[1]) / down) - 0.5;
+            if down > 0.0 {
+                left = left.max(x - 1e-6);
+            } else {
+                right = right.min(x + 1.0 + 1e-6);
+            }
+        }
+        let run = [left.max(0.0).ceil() as u16, right.max(0.0) as u16];
+        if run[0] < run[1] {
+            runs.push(run);
+        }
+    }
+}
+
+/// The part of a polygon on the side of a plane through the eye to which `plane` points.
+fn clip_by(plane: DVec3, corners: &[DVec3]) -> Vec<DVec3> {
+    let mut kept = Vec::with_capacity(corners.len() + 1);
+    for (i, &corner) in corners.iter().enumerate() {
+        let next = corners[(i + 1) % corners.len()];
+        let [here, there] = [plane.dot(corner), plane.dot(next)];
+        if here >= 0.0 {
+            kept.push(corner);
+        }
+        if (here > 0.0 && there < 0.0) || (here < 0.0 && there > 0.0) {
+            kept.push(corner + (next - corner) * (here / (here - there)));
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::View;
+
+    fn window(z: f32) -> ConvexPolygon {
+        ConvexPolygon::rectangle([-1.0, -1.0, z], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]).expect("a square")
+    }
+
+    fn through(eye: [f32; 3], z: f32) -> Option<Aperture> {
+        let view = View::new(eye, [eye[0], eye[1], eye[2] - 1.0], [100, 100]);
+        let eye_from_fragment = view.eye_from_fragment();
+        let k = view.screen_from_eye();
+        let screen = DAffine3 {
+            matrix3: k * eye_from_fragment.matrix3,
+            translation: k * eye_from_fragment.translation,
+        };
+        Aperture::screen(view.size).behind(&window(z), &screen, None)
+    }
+
+    #[test]
+    fn a_window_far_away_is_a_small_square() {
+        let aperture = through([0.0; 3], -10.0).expect("it is in view");
+        let rect = aperture.rect();
+        assert_eq!([rect.x1 - rect.x0, rect.y1 - rect.y0], [18, 18]);
+        let mut runs = Vec::new();
+        aperture.open_in_row(50, &mut runs);
+        assert_eq!(runs, [[41, 59]]);
+        aperture.open_in_row(20, &mut runs);
+        assert!(runs.is_empty());
+    }
+
+    #[test]
+    fn a_window_that_the_eye_stands_in_is_the_whole_screen() {
+        for distance in [1e-2, 1e-6, 1e-12] {
+            let aperture = through([0.0; 3], -distance).expect("it is right before the eye");
+            assert_eq!(aperture.rect(), Aperture::screen([100, 100]).rect());
+        }
+    }
+
+    #[test]
+    fn a_window_behind_the_eye_shows_nothing() {
+        assert_eq!(through([0.0; 3], 1.0), None);
+    }
+
+    #[test]
+    fn rows_give_back_the_runs_they_were_given() {
+        let mut rows = Rows::default();
+        for (y, x0, x1) in [(3, 5, 9), (3, 11, 12), (6, 1, 2)] {
+            rows.push(y, x0, x1);
+        }
+        assert_eq!(rows.row(3), [[5, 9], [11, 12]]);
+        assert!(rows.row(2).is_empty() && rows.row(4).is_empty() && rows.row(7).is_empty());
+        assert_eq!(rows.row(6), [[1, 2]]);
+        assert_eq!(
+            rows.rect(),
+            Rect {
+                x0: 1,
+                y0: 3,
+                x1: 12,
+                y1: 7
+            }
+        );
+    }
+}

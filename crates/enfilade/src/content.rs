@@ -1,0 +1,471 @@
+//! What a fragment is made of: items, materials, openings. Methods share it, whatever they build over it.
+
+use crate::geom::{Aabb, ConvexPolygon, Transform};
+use crate::mesh::{Cluster, Mesh};
+use std::sync::Arc;
+use thiserror::Error;
+
+/// An item of a fragment, by its place in [`Content::items`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ItemId(pub u32);
+
+/// A mesh of a content, by its place in [`Content::meshes`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct MeshId(pub u32);
+
+/// A material, by its place in [`Content::materials`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct MaterialId(pub u32);
+
+/// An opening of a fragment, by its place in [`Content::openings`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct OpeningId(pub u16);
+
+/// What a face is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Red, green, blue and coverage, linear, 0 to 1.
+    pub base_color: [f32; 4],
+    /// What light does with it.
+    pub alpha: Alpha,
+    /// Is it seen from both sides? If not, it is neither seen nor hides from behind.
+    pub double_sided: bool,
+}
+
+/// Whether a face hides what is behind it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Alpha {
+    /// It does.
+    Opaque,
+    /// A cut-out: it may have holes, so it never hides; it is judged by its geometry.
+    Mask,
+    /// Glass: it never hides, and is painted over what is behind it.
+    Blend,
+}
+
+impl Material {
+    /// Opaque, seen from one side, of a linear color.
+    pub const fn opaque(color: [f32; 3]) -> Material {
+        let [r, g, b] = color;
+        Material {
+            base_color: [r, g, b, 1.0],
+            alpha: Alpha::Opaque,
+            double_sided: false,
+        }
+    }
+}
+
+/// A mesh at a place: what an engine draws.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Item {
+    /// What is placed.
+    pub mesh: MeshId,
+    /// Three columns of the linear part, then the translation.
+    pub fragment_from_item: [[f32; 3]; 4],
+    /// The smallest box around it that follows from the mesh's box, in the space of the fragment.
+    pub bounds: Aabb,
+}
+
+impl Item {
+    /// The item's place as a transform.
+    pub fn transform(&self) -> Transform {
+        Transform::from_columns(self.fragment_from_item)
+    }
+}
+
+/// A hole to look through: a face like any other to a method, entered from its front.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Opening {
+    /// How people call it.
+    pub name: String,
+    /// Its outline, in the space of the fragment; the front is where one stands before going in.
+    pub outline: ConvexPolygon,
+}
+
+/// Items, materials and openings of a fragment. Immutable; built by [`ContentBuilder`].
+#[derive(Debug)]
+pub struct Content {
+    meshes: Vec<Arc<Mesh>>,
+    materials: Arc<[Material]>,
+    items: Vec<Item>,
+    names: Names,
+    openings: Vec<Opening>,
+    /// 0, 1, 2 … up to the most corners of an opening, and where each ends: an opening as an indexed face.
+    outline_corners: Vec<u32>,
+    outline_ends: Vec<[u32; 2]>,
+    /// The number of each item's first face among all faces of the content, then the number of all.
+    first_faces: Vec<u32>,
+    bounds: Aabb,
+}
+
+/// Why things do not make a content.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ContentError {
+    /// An item names a mesh that is not there.
+    #[error("item {item} is a copy of mesh {mesh}, but there are only {meshes}")]
+    NoSuchMesh {
+        /// The item's name.
+        item: String,
+        /// The mesh it names.
+        mesh: u32,
+        /// How many there are.
+        meshes: usize,
+    },
+    /// A cluster names a material that is not there.
+    #[error("mesh {mesh} is made of material {material}, but there are only {materials}")]
+    NoSuchMaterial {
+        /// Which mesh.
+        mesh: usize,
+        /// The material it names.
+        material: u32,
+        /// How many there are.
+        materials: usize,
+    },
+    /// A place is NaN or infinite.
+    #[error("the transform of item {0} is not finite")]
+    NotFinite(String),
+    /// Faces are numbered with 32 bits.
+    #[error("{0} faces in one fragment; cut it into fragments of fewer than 4 billion")]
+    TooManyFaces(u64),
+    /// Openings are numbered with 16 bits.
+    #[error("{0} openings in one fragment; cut it into fragments of fewer than 60,000")]
+    TooManyOpenings(usize),
+}
+
+/// Gathers the things of a fragment; [`ContentBuilder::build`] checks them.
+#[derive(Clone, Debug, Default)]
+pub struct ContentBuilder {
+    meshes: Vec<Arc<Mesh>>,
+    materials: Arc<[Material]>,
+    items: Vec<(MeshId, Transform)>,
+    names: Names,
+    openings: Vec<Opening>,
+}
+
+impl ContentBuilder {
+    /// Starts with a table of materials, which fragments may share.
+    pub fn new(materials: impl Into<Arc<[Material]>>) -> ContentBuilder {
+        ContentBuilder {
+            materials: materials.into(),
+            ..ContentBuilder::default()
+        }
+    }
+
+    /// Adds a mesh that items can be copies of.
+    pub fn mesh(&mut self, mesh: impl Into<Arc<Mesh>>) -> MeshId {
+        self.meshes.push(mesh.into());
+        MeshId(self.meshes.len() as u32 - 1)
+    }
+
+    /// Places a mesh.
+    pub fn item(&mut self, name: &str, mesh: MeshId, fragment_from_item: Transform) -> ItemId {
+        self.items.push((mesh, fragment_from_item));
+        self.names.push(name);
+        ItemId(self.items.len() as u32 - 1)
+    }
+
+    /// Adds a hole to look through. Where it leads, the scene says.
+    pub fn opening(&mut self, name: &str, outline: ConvexPolygon) -> OpeningId {
+        self.openings.push(Opening {
+            name: name.to_owned(),
+            outline,
+        });
+        OpeningId(self.openings.len().min(usize::from(u16::MAX)) as u16 - 1)
+    }
+
+    /// Checks everything.
+    ///
+    /// # Errors
+    /// One [`ContentError`] for the first broken rule.
+    pub fn build(self) -> Result<Content, ContentError> {
+        let ContentBuilder {
+            meshes,
+            materials,
+            items: placed,
+            names,
+            openings,
+        } = self;
+        for (mesh, built) in meshes.iter().enumerate() {
+            if let Some(cluster) = built
+                .clusters()
+                .iter()
+                .find(|c| c.material.0 as usize >= materials.len())
+            {
+                let material = cluster.material.0;
+                return Err(ContentError::NoSuchMaterial {
+                    mesh,
+                    material,
+                    materials: materials.len(),
+                });
+            }
+        }
+        if openings.len() > MOST_OPENINGS {
+            return Err(ContentError::TooManyOpenings(openings.len()));
+        }
+        let mut items = Vec::with_capacity(placed.len());
+        let mut first_faces = Vec::with_capacity(placed.len() + 1);
+        let mut faces = 0_u64;
+        let mut bounds = openings
+            .iter()
+            .fold(Aabb::EMPTY, |sum, o| sum.union(&o.outline.bounds()));
+        for (number, (mesh, transform)) in placed.into_iter().enumerate() {
+            let name = || names.get(number).to_owned();
+            let built = meshes
+                .get(mesh.0 as usize)
+                .ok_or_else(|| ContentError::NoSuchMesh {
+                    item: name(),
+                    mesh: mesh.0,
+                    meshes: meshes.len(),
+                })?;
+            let fragment_from_item = transform.columns();
+            let held = placed_bounds(&Transform::from_columns(fragment_from_item), built);
+            if fragment_from_item.iter().flatten().any(|v| !v.is_finite())
+                || !(held.is_empty() || (held.min.iter().chain(&held.max)).all(|v| v.is_finite()))
+            {
+                return Err(ContentError::NotFinite(name()));
+            }
+            bounds = bounds.union(&held);
+            items.push(Item {
+                mesh,
+                fragment_from_item,
+                bounds: held,
+            });
+            first_faces.push(faces as u32);
+            faces += u64::from(built.face_count());
+        }
+        if faces > u64::from(u32::MAX) - MOST_OPENINGS as u64 {
+            return Err(ContentError::TooManyFaces(faces));
+        }
+        first_faces.push(faces as u32);
+        let outline_ends: Vec<[u32; 2]> = openings
+            .iter()
+            .map(|o| [0, o.outline.corners().len() as u32])
+            .collect();
+        let outline_corners = (0..outline_ends.iter().map(|ends| ends[1]).max().unwrap_or(0)).collect();
+        Ok(Content {
+            meshes,
+            materials,
+            items,
+            names,
+            openings,
+            outline_corners,
+            outline_ends,
+            first_faces,
+            bounds,
+        })
+    }
+}
+
+const MOST_OPENINGS: usize = 60_000;
+
+/// The box around a placed mesh: a large mesh by its corners, a small one by its positions, which is tighter.
+fn placed_bounds(transform: &Transform, mesh: &Mesh) -> Aabb {
+    const FEW: usize = 64;
+    let around = |points: &[[f32; 3]]| {
+        points
+            .iter()
+            .fold(Aabb::EMPTY, |sum, &p| sum.union(&transform.point_box(p)))
+    };
+    if mesh.bounds().is_empty() {
+        Aabb::EMPTY
+    } else if mesh.positions().len() <= FEW {
+        around(mesh.positions())
+    } else {
+        around(&mesh.bounds().corners())
+    }
+}
+
+impl Content {
+    /// The meshes that items are copies of.
+    pub fn meshes(&self) -> &[Arc<Mesh>] {
+        &self.meshes
+    }
+
+    /// What faces are made of.
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// The items, by [`ItemId`].
+    pub fn items(&self) -> &[Item] {
+        &self.items
+    }
+
+    /// One item.
+    pub fn item(&self, item: ItemId) -> &Item {
+        &self.items[item.0 as usize]
+    }
+
+    /// The mesh that an item is a copy of.
+    pub fn mesh_of(&self, item: ItemId) -> &Mesh {
+        &self.meshes[self.item(item).mesh.0 as usize]
+    }
+
+    /// An item's name; not always unique, and empty where it has none.
+    pub fn name(&self, item: ItemId) -> &str {
+        self.names.get(item.0 as usize)
+    }
+
+    /// The openings, by [`OpeningId`].
+    pub fn openings(&self) -> &[Opening] {
+        &self.openings
+    }
+
+    /// The smallest box around all items and openings, in the space of the fragment.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// Triangles of all items, each copy counted.
+    pub fn triangle_count(&self) -> u64 {
+        self.items
+            .iter()
+            .map(|item| self.meshes[item.mesh.0 as usize].triangle_count())
+            .sum()
+    }
+
+    /// What a cluster is made of.
+    pub fn material_of(&self, cluster: &Cluster) -> &Material {
+        &self.materials[cluster.material.0 as usize]
+    }
+
+    /// Memory in bytes; meshes that other fragments share are counted in each.
+    pub fn bytes(&self) -> u64 {
+        self.meshes.iter().map(|mesh| mesh.bytes()).sum::<u64>()
+            + (size_of_val(&*self.items) + size_of_val(&*self.first_faces) + self.names.bytes()) as u64
+    }
+
+    /// The number of an item's first face among all faces of the content.
+    pub(crate) fn first_face(&self, item: ItemId) -> u32 {
+        self.first_faces[item.0 as usize]
+    }
+
+    /// An opening as an indexed face: its corners, and where they begin and end.
+    pub(crate) fn outline_face(&self, opening: OpeningId) -> (&[u32], &[u32]) {
+        let ends = &self.outline_ends[usize::from(opening.0)];
+        (&self.outline_corners[..ends[1] as usize], ends)
+    }
+
+    /// The number that stands for an opening where faces are numbered through.
+    pub(crate) fn opening_number(&self, opening: OpeningId) -> u32 {
+        self.first_faces[self.items.len()] + u32::from(opening.0)
+    }
+
+    /// The item and face, or the opening, that a number stands for. `near` is a guess: neighbours often agree.
+    pub(crate) fn owner(&self, number: u32, near: Option<Owner>) -> Owner {
+        let faces = self.first_faces[self.items.len()];
+        if number >= faces {
+            return Owner::Opening(OpeningId((number - faces) as u16));
+        }
+        if let Some(Owner::Face(item, _)) = near {
+            let [first, end] = [
+                self.first_faces[item.0 as usize],
+                self.first_faces[item.0 as usize + 1],
+            ];
+            if (first..end).contains(&number) {
+                return Owner::Face(item, number - first);
+            }
+        }
+        // Items without faces share their number with the next; the last of them is the one that has faces.
+        let item = self.first_faces.partition_point(|&first| first <= number) - 1;
+        Owner::Face(ItemId(item as u32), number - self.first_faces[item])
+    }
+}
+
+/// What is seen at a sample of a fragment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Owner {
+    /// A face of an item.
+    Face(ItemId, u32),
+    /// An opening, whatever is behind it.
+    Opening(OpeningId),
+}
+
+/// Many short names in one string.
+#[derive(Clone, Debug, Default)]
+struct Names {
+    text: String,
+    ends: Vec<u32>,
+}
+
+impl Names {
+    fn push(&mut self, name: &str) {
+        self.text.push_str(name);
+        self.ends.push(self.text.len() as u32);
+    }
+
+    fn get(&self, index: usize) -> &str {
+        let start = index
+            .checked_sub(1)
+            .map_or(0, |before| self.ends[before] as usize);
+        &self.text[start..self.ends[index] as usize]
+    }
+
+    fn bytes(&self) -> usize {
+        self.text.len() + size_of_val(&*self.ends)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn leaf() -> Mesh {
+        Mesh::triangles(
+            &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            &[0, 1, 2],
+            MaterialId(0),
+        )
+        .expect("a triangle")
+    }
+
+    #[test]
+    fn every_face_number_leads_back_to_its_item_past_items_without_faces() {
+        let mut builder = ContentBuilder::new([Material::opaque([1.0; 3])]);
+        let [nothing, leaf] = [
+            builder.mesh(Mesh::new(&[]).expect("nothing")),
+            builder.mesh(leaf()),
+        ];
+        for (name, mesh) in [("a", nothing), ("b", leaf), ("c", nothing), ("d", leaf)] {
+            builder.item(name, mesh, Transform::IDENTITY);
+        }
+        let door = ConvexPolygon::rectangle([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]).expect("a square");
+        builder.opening("door", door);
+        let content = builder.build().expect("a sound content");
+        let owners: Vec<_> = (0..3).map(|number| content.owner(number, None)).collect();
+        let expected = [
+            Owner::Face(ItemId(1), 0),
+            Owner::Face(ItemId(3), 0),
+            Owner::Opening(OpeningId(0)),
+        ];
+        assert_eq!(owners, expected);
+        assert_eq!(content.owner(1, Some(owners[0])), owners[1]);
+        assert_eq!((content.name(ItemId(0)), content.name(ItemId(3))), ("a", "d"));
+    }
+
+    #[test]
+    fn an_item_is_small() {
+        assert!(size_of::<Item>() + 2 * size_of::<u32>() <= 100);
+    }
+
+    #[test]
+    fn each_broken_rule_has_its_own_error() {
+        let mut builder = ContentBuilder::new([]);
+        builder.mesh(leaf());
+        assert!(matches!(
+            builder.clone().build(),
+            Err(ContentError::NoSuchMaterial { .. })
+        ));
+        let mut builder = ContentBuilder::new([Material::opaque([1.0; 3])]);
+        builder.item("ghost", MeshId(3), Transform::IDENTITY);
+        assert!(matches!(
+            builder.build(),
+            Err(ContentError::NoSuchMesh { mesh: 3, .. })
+        ));
+        let mut builder = ContentBuilder::new([Material::opaque([1.0; 3])]);
+        let mesh = builder.mesh(leaf());
+        builder.item("far", mesh, Transform::translation([f32::INFINITY, 0.0, 0.0]));
+        assert!(matches!(builder.build(), Err(ContentError::NotFinite(name)) if name == "far"));
+    }
+}

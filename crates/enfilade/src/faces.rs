@@ -1,0 +1,106 @@
+//! Batches of faces, as orders hand them out and covers take them.
+
+use crate::content::{Alpha, Content, ItemId, OpeningId};
+use crate::mesh::Cluster;
+use glam::DAffine3;
+
+/// Faces of one mesh, one transform and one material, as plain arrays.
+#[derive(Clone, Copy, Debug)]
+pub struct Faces<'a> {
+    /// What they belong to.
+    pub of: Of,
+    /// The number of the first face among all faces of the fragment; the others follow.
+    pub(crate) first_owner: u32,
+    /// The number of the first face of the whole item: what to subtract from a number to get the item's face.
+    pub(crate) item_start: u32,
+    /// The positions that the faces use, in their own space.
+    pub(crate) positions: &'a [[f32; 3]],
+    /// What to subtract from a corner to get its place in `positions`.
+    pub(crate) first_position: u32,
+    /// The corners of all faces.
+    pub(crate) corners: &'a [u32],
+    /// Where each face's corners begin, counted from `starts[0]`, and the end; `None`: every three.
+    pub(crate) starts: Option<&'a [u32]>,
+    /// From the space of the positions to (X, Y, W).
+    pub(crate) screen_from_local: &'a DAffine3,
+    /// Seen from both sides?
+    pub(crate) double_sided: bool,
+    /// Opaque faces hide; others are kept out of every cover.
+    pub(crate) alpha: Alpha,
+}
+
+/// What faces belong to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Of {
+    /// A cluster of an item, by its place in the mesh's clusters.
+    Item(ItemId, u32),
+    /// An opening: one face, seen however near it is.
+    Opening(OpeningId),
+}
+
+impl<'a> Faces<'a> {
+    /// A cluster of an item.
+    pub(crate) fn of_cluster(
+        content: &'a Content,
+        item: ItemId,
+        number: u32,
+        screen_from_local: &'a DAffine3,
+    ) -> Faces<'a> {
+        let mesh = content.mesh_of(item);
+        let Cluster { faces, positions, .. } = &mesh.clusters()[number as usize];
+        let material = content.material_of(&mesh.clusters()[number as usize]);
+        let (corners, starts) = mesh.runs(faces.clone());
+        Faces {
+            of: Of::Item(item, number),
+            first_owner: content.first_face(item) + faces.start,
+            item_start: content.first_face(item),
+            positions: &mesh.positions()[positions.start as usize..positions.end as usize],
+            first_position: positions.start,
+            corners,
+            starts,
+            screen_from_local,
+            double_sided: material.double_sided,
+            alpha: material.alpha,
+        }
+    }
+
+    /// An opening, as a face.
+    pub(crate) fn of_opening(
+        content: &'a Content,
+        opening: OpeningId,
+        screen_from_fragment: &'a DAffine3,
+    ) -> Faces<'a> {
+        let outline = content.openings()[usize::from(opening.0)].outline.corners();
+        let (corners, ends) = content.outline_face(opening);
+        Faces {
+            of: Of::Opening(opening),
+            first_owner: content.opening_number(opening),
+            item_start: content.opening_number(opening),
+            positions: outline,
+            first_position: 0,
+            corners,
+            starts: Some(ends),
+            screen_from_local: screen_from_fragment,
+            double_sided: false,
+            alpha: Alpha::Opaque,
+        }
+    }
+
+    /// Calls `each` with a face's number and its corners' places in `positions`.
+    #[inline(always)]
+    pub(crate) fn for_each(&self, mut each: impl FnMut(u32, &[u32])) {
+        match self.starts {
+            None => {
+                for (face, corners) in self.corners.chunks_exact(3).enumerate() {
+                    each(self.first_owner + face as u32, corners);
+                }
+            }
+            Some(starts) => {
+                for (face, ends) in starts.windows(2).enumerate() {
+                    let run = (ends[0] - starts[0]) as usize..(ends[1] - starts[0]) as usize;
+                    each(self.first_owner + face as u32, &self.corners[run]);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Axis-aligned boxes.
+
+use glam::Vec3;
+
+/// An axis-aligned box, in the units and axes of the space it stands in.
+///
+/// Empty where `min` exceeds `max` on any axis; [`Aabb::EMPTY`] is the empty box that grows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aabb {
+    /// The least corner: x, y, z.
+    pub min: [f32; 3],
+    /// The greatest corner: x, y, z.
+    pub max: [f32; 3],
+}
+
+impl Aabb {
+    /// The box of nothing: any point added to it becomes the whole box.
+    pub const EMPTY: Aabb = Aabb {
+        min: [f32::INFINITY; 3],
+        max: [f32::NEG_INFINITY; 3],
+    };
+
+    /// The smallest box that holds all `points`; empty when there are none.
+    pub fn of(points: impl IntoIterator<Item = [f32; 3]>) -> Aabb {
+        let mut bounds = Aabb::EMPTY;
+        for point in points {
+            bounds.add(point);
+        }
+        bounds
+    }
+
+    /// Grows the box until it holds `point`.
+    #[inline]
+    pub fn add(&mut self, point: [f32; 3]) {
+        self.min = Vec3::from(self.min).min(Vec3::from(point)).into();
+        self.max = Vec3::from(self.max).max(Vec3::from(point)).into();
+    }
+
+    /// The smallest box that holds both.
+    #[must_use]
+    pub fn union(&self, other: &Aabb) -> Aabb {
+        Aabb {
+            min: Vec3::from(self.min).min(Vec3::from(other.min)).into(),
+            max: Vec3::from(self.max).max(Vec3::from(other.max)).into(),
+        }
+    }
+
+    /// What both boxes share; empty where they do not meet.
+    #[must_use]
+    pub fn intersection(&self, other: &Aabb) -> Aabb {
+        Aabb {
+            min: Vec3::from(self.min).max(Vec3::from(other.min)).into(),
+            max: Vec3::from(self.max).min(Vec3::from(other.max)).into(),
+        }
+    }
+
+    /// Does the box hold no point at all?
+    pub fn is_empty(&self) -> bool {
+        (0..3).any(|axis| self.min[axis] > self.max[axis])
+    }
+
+    /// Do the boxes share a point? Boxes that only touch do.
+    pub fn meets(&self, other: &Aabb) -> bool {
+        (0..3).all(|axis| self.min[axis] <= other.max[axis] && other.min[axis] <= self.max[axis])
+    }
+
+    /// Does the box hold `point`? Points on the boundary are held.
+    pub fn contains(&self, point: [f32; 3]) -> bool {
+        (0..3).all(|axis| self.min[axis] <= point[axis] && point[axis] <= self.max[axis])
+    }
+
+    /// The middle of the box. Halved before adding, so that huge boxes do not overflow.
+    pub fn center(&self) -> [f32; 3] {
+        std::array::from_fn(|axis| 0.5 * self.min[axis] + 0.5 * self.max[axis])
+    }
+
+    /// Edge lengths along x, y, z; zero on every axis for the empty box.
+    pub fn size(&self) -> [f32; 3] {
+        if self.is_empty() {
+            return [0.0; 3];
+        }
+        std::array::from_fn(|axis| self.max[axis] - self.min[axis])
+    }
+
+    /// Volume in cubic scene units, in f64 because f32 overflows on large scenes; zero for flat or empty boxes.
+    pub fn volume(&self) -> f64 {
+        self.size().iter().map(|&side| f64::from(side)).product()
+    }
+
+    /// The longest edge.
+    pub fn longest_side(&self) -> f32 {
+        self.size().into_iter().fold(0.0, f32::max)
+    }
+
+    /// The eight corners; bit 0 of the index chooses x, bit 1 y, bit 2 z.
+    pub fn corners(&self) -> [[f32; 3]; 8] {
+        std::array::from_fn(|corner| {
+            std::array::from_fn(|axis| {
+                if corner >> axis & 1 == 0 {
+                    self.min[axis]
+                } else {
+                    self.max[axis]
+                }
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_empty_box_grows_from_its_first_point() {
+        let bounds = Aabb::of([[1.0, 2.0, 3.0], [-1.0, 5.0, 3.0]]);
+        assert_eq!(
+            bounds,
+            Aabb {
+                min: [-1.0, 2.0, 3.0],
+                max: [1.0, 5.0, 3.0]
+            }
+        );
+        assert!(Aabb::EMPTY.is_empty() && !bounds.is_empty());
+    }
+
+    #[test]
+    fn boxes_that_only_touch_meet() {
+        let left = Aabb {
+            min: [0.0; 3],
+            max: [1.0; 3],
+        };
+        let right = Aabb {
+            min: [1.0, 0.0, 0.0],
+            max: [2.0, 1.0, 1.0],
+        };
+        assert!(left.meets(&right));
+        assert!(!left.intersection(&right).is_empty());
+        assert_eq!(left.intersection(&right).volume(), 0.0);
+    }
+}

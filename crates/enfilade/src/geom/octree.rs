@@ -1,0 +1,350 @@
+//! Octree: boxes sorted into nested eighths of space, walked front to back.
+//!
+//! Small things go down into every child they touch, large ones stay where they are, so each has few copies.
+//! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity (split and order of children);
+//!     Greene, Kass, Miller, Hierarchical Z-Buffer Visibility, SIGGRAPH 1993, section 3.1 (things in inner nodes).
+//! Cost: building O(n log n); a walk touches only what `visit` lets it enter.
+//! Every thing stands in nodes whose boxes together hold it whole, so a hidden node hides only hidden parts.
+
+use crate::geom::Aabb;
+
+/// A tree over numbered boxes, stored as two flat arrays.
+#[derive(Clone, Debug, Default)]
+pub struct Octree {
+    nodes: Vec<Node>,
+    things: Vec<u32>,
+}
+
+#[derive(Clone, Debug)]
+struct Node {
+    bounds: Aabb,
+    center: [f32; 3],
+    first_child: u32,
+    children: u8,
+    things: [u32; 2],
+}
+
+/// One node that is still to be split.
+struct Cell {
+    node: u32,
+    space: Aabb,
+    members: Vec<u32>,
+    depth: u32,
+}
+
+/// Where a thing stands that reaches over the boundary of cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Copies {
+    /// In the cell of its middle, whose box grows to hold it.
+    One,
+    /// In each cell that it reaches into: boxes stay small, and a walk may meet it several times.
+    OnePerCell,
+}
+
+/// What a walk meets.
+#[derive(Clone, Copy, Debug)]
+pub enum Step<'a> {
+    /// A node; what `visit` answers decides whether anything below it is met.
+    Node(&'a Aabb),
+    /// A thing, by its number; it is met once for each node that holds it. The answer is ignored.
+    Thing(u32),
+}
+
+/// Nodes are not split further below this depth: 2⁻²⁰ of the scene is finer than f32 positions are.
+const GREATEST_DEPTH: u32 = 20;
+
+impl Octree {
+    /// Sorts things with the given boxes (numbered by their place in `bounds`; empty ones are left out) until a
+    /// node holds at most `few`.
+    pub fn build(bounds: &[Aabb], few: usize, copies: Copies) -> Octree {
+        let whole = bounds
+            .iter()
+            .filter(|b| !b.is_empty())
+            .fold(Aabb::EMPTY, |sum, b| sum.union(b));
+        let all: Vec<u32> = (0..bounds.len() as u32)
+            .filter(|&i| !bounds[i as usize].is_empty())
+            .collect();
+        let mut tree = Octree::default();
+        if all.is_empty() {
+            return tree;
+        }
+        tree.nodes.push(Node::new(whole));
+        // A stack, not recursion; the children of a node are made together, so they stand side by side.
+        let mut waiting = vec![Cell {
+            node: 0,
+            space: whole,
+            members: all,
+            depth: 0,
+        }];
+        while let Some(cell) = waiting.pop() {
+            tree.split(cell, few, bounds, copies, &mut waiting);
+        }
+        if copies == Copies::One {
+            tree.fit(bounds);
+        }
+        tree
+    }
+
+    fn split(&mut self, cell: Cell, few: usize, bounds: &[Aabb], copies: Copies, waiting: &mut Vec<Cell>) {
+        let Cell {
+            node,
+            space,
+            members,
+            depth,
+        } = cell;
+        let held = members
+            .iter()
+            .fold(Aabb::EMPTY, |sum, &i| sum.union(&bounds[i as usize]));
+        let center = space.center();
+        self.nodes[node as usize].bounds = held.intersection(&space);
+        self.nodes[node as usize].center = center;
+        let leaf = members.len() <= few || depth == GREATEST_DEPTH;
+        let half = 0.5 * space.longest_side();
+        let (stay, go): (Vec<u32>, Vec<u32>) = members
+            .into_iter()
+            .partition(|&i| leaf || bounds[i as usize].longest_side() > half);
+        self.nodes[node as usize].things =
+            [self.things.len() as u32, (self.things.len() + stay.len()) as u32];
+        self.things.extend(stay);
+        if go.is_empty() {
+            return;
+        }
+        let mut children: [Vec<u32>; 8] = Default::default();
+        for i in go {
+            let thing = match copies {
+                Copies::OnePerCell => bounds[i as usize],
+                Copies::One => Aabb::of([bounds[i as usize].center()]),
+            };
+            for (octant, members) in children.iter_mut().enumerate() {
+                if stands_in(&thing, center, octant) {
+                    members.push(i);
+                }
+            }
+        }
+        self.nodes[node as usize].first_child = self.nodes.len() as u32;
+        for (octant, members) in children.into_iter().enumerate() {
+            if members.is_empty() {
+                continue;
+            }
+            self.nodes[node as usize].children |= 1 << octant;
+            let space = eighth(&space, center, octant);
+            waiting.push(Cell {
+                node: self.nodes.len() as u32,
+                space,
+                members,
+                depth: depth + 1,
+            });
+            self.nodes.push(Node::new(space));
+        }
+    }
+
+    /// Things that stand in one cell only may reach out of it: boxes grow until they hold what is in them.
+    fn fit(&mut self, bounds: &[Aabb]) {
+        for node in (0..self.nodes.len()).rev() {
+            let Node {
+                first_child,
+                children,
+                things,
+                ..
+            } = self.nodes[node];
+            let own = self.things[things[0] as usize..things[1] as usize]
+                .iter()
+                .map(|&i| bounds[i as usize]);
+            let below =
+                (first_child..first_child + children.count_ones()).map(|c| self.nodes[c as usize].bounds);
+            self.nodes[node].bounds = own.chain(below).fold(Aabb::EMPTY, |sum, b| sum.union(&b));
+        }
+    }
+
+    /// Gives every node's run of things a new meaning: `renumber` gets the old numbers, writes the new ones.
+    pub(crate) fn renumber(&mut self, mut renumber: impl FnMut(&[u32], &mut Vec<u32>)) {
+        let mut things = Vec::new();
+        for node in &mut self.nodes {
+            let start = things.len() as u32;
+            renumber(
+                &self.things[node.things[0] as usize..node.things[1] as usize],
+                &mut things,
+            );
+            node.things = [start, things.len() as u32];
+        }
+        self.things = things;
+    }
+
+    /// Meets nodes and things from near to far as seen from `eye`, skipping every node for which `visit` says no.
+    ///
+    /// With i the octant of the eye, children come in the order i, i^1, i^2, i^4, i^3, i^5, i^6, i^7.
+    pub fn walk(&self, eye: [f64; 3], mut visit: impl FnMut(Step) -> bool) {
+        const FRONT_TO_BACK: [usize; 8] = [0, 1, 2, 4, 3, 5, 6, 7];
+        // At most seven siblings wait on each of the levels above.
+        let mut waiting = [0_u32; 7 * GREATEST_DEPTH as usize + 8];
+        let mut count = usize::from(!self.nodes.is_empty());
+        while count > 0 {
+            count -= 1;
+            let node = &self.nodes[waiting[count] as usize];
+            if !visit(Step::Node(&node.bounds)) {
+                continue;
+            }
+            for &thing in &self.things[node.things[0] as usize..node.things[1] as usize] {
+                visit(Step::Thing(thing));
+            }
+            let octant: usize = (0..3)
+                .map(|axis| usize::from(eye[axis] > f64::from(node.center[axis])) << axis)
+                .sum();
+            for step in FRONT_TO_BACK.into_iter().rev() {
+                let child = octant ^ step;
+                if node.children >> child & 1 == 1 {
+                    let before = (node.children & ((1_u16 << child) - 1) as u8).count_ones();
+                    waiting[count] = node.first_child + before;
+                    count += 1;
+                }
+            }
+        }
+    }
+
+    /// Memory in bytes.
+    pub fn bytes(&self) -> u64 {
+        (self.nodes.len() * size_of::<Node>() + self.things.len() * size_of::<u32>()) as u64
+    }
+}
+
+impl Node {
+    fn new(bounds: Aabb) -> Node {
+        Node {
+            bounds,
+            center: bounds.center(),
+            first_child: 0,
+            children: 0,
+            things: [0, 0],
+        }
+    }
+}
+
+/// Does a thing belong into this eighth? One that only touches the middle plane belongs to one side, else flat
+/// scenes would double at every level.
+fn stands_in(thing: &Aabb, center: [f32; 3], octant: usize) -> bool {
+    (0..3).all(|axis| {
+        if octant >> axis & 1 == 1 {
+            thing.max[axis] > center[axis]
+        } else {
+            thing.min[axis] < center[axis] || thing.max[axis] <= center[axis]
+        }
+    })
+}
+
+fn eighth(cell: &Aabb, center: [f32; 3], octant: usize) -> Aabb {
+    let upper = |axis: usize| octant >> axis & 1 == 1;
+    Aabb {
+        min: std::array::from_fn(|axis| if upper(axis) { center[axis] } else { cell.min[axis] }),
+        max: std::array::from_fn(|axis| if upper(axis) { cell.max[axis] } else { center[axis] }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pebbles() -> Vec<Aabb> {
+        (0..1000_u32)
+            .map(|i| {
+                let at = [(i % 10) as f32, (i / 10 % 10) as f32, (i / 100) as f32];
+                Aabb {
+                    min: at,
+                    max: at.map(|value| value + 0.3),
+                }
+            })
+            .collect()
+    }
+
+    fn met(tree: &Octree, eye: [f64; 3]) -> Vec<u32> {
+        let mut things = Vec::new();
+        tree.walk(eye, |step| {
+            if let Step::Thing(thing) = step {
+                things.push(thing);
+            }
+            true
+        });
+        things
+    }
+
+    #[test]
+    fn a_walk_meets_every_thing_and_the_near_ones_first() {
+        let bounds = pebbles();
+        let tree = Octree::build(&bounds, 4, Copies::OnePerCell);
+        let things = met(&tree, [-1.0, -1.0, -1.0]);
+        let distinct: std::collections::BTreeSet<u32> = things.iter().copied().collect();
+        assert_eq!(distinct.len(), bounds.len());
+        assert!(
+            things.len() < 2 * bounds.len(),
+            "few things are cut by the grid: {}",
+            things.len()
+        );
+        let place = |thing: u32| things.iter().position(|&t| t == thing).expect("met above");
+        assert!(place(0) < place(500) && place(500) < place(999));
+    }
+
+    #[test]
+    fn the_nodes_that_hold_a_thing_cover_it() {
+        let bounds = pebbles();
+        let tree = Octree::build(&bounds, 4, Copies::OnePerCell);
+        let mut node = Aabb::EMPTY;
+        let mut held = vec![0.0; bounds.len()];
+        tree.walk([0.0; 3], |step| {
+            match step {
+                Step::Node(b) => node = *b,
+                Step::Thing(thing) => {
+                    held[thing as usize] += node.intersection(&bounds[thing as usize]).volume()
+                }
+            }
+            true
+        });
+        for (thing, volume) in held.iter().enumerate() {
+            assert!(
+                *volume > 0.999 * bounds[thing].volume(),
+                "thing {thing} is not covered by its nodes"
+            );
+        }
+    }
+
+    #[test]
+    fn a_flat_scene_does_not_double_at_every_level() {
+        let bounds: Vec<Aabb> = pebbles()
+            .iter()
+            .map(|b| Aabb {
+                min: [b.min[0], 0.0, b.min[2]],
+                max: [b.max[0], 0.0, b.max[2]],
+            })
+            .collect();
+        assert!(met(&Octree::build(&bounds, 4, Copies::OnePerCell), [0.0; 3]).len() <= 4 * bounds.len());
+    }
+
+    #[test]
+    fn a_thing_with_one_place_is_met_once_and_held_whole() {
+        let bounds = pebbles();
+        let tree = Octree::build(&bounds, 4, Copies::One);
+        assert_eq!(met(&tree, [0.0; 3]).len(), bounds.len());
+        let mut node = Aabb::EMPTY;
+        tree.walk([0.0; 3], |step| {
+            match step {
+                Step::Node(b) => node = *b,
+                Step::Thing(thing) => assert_eq!(node.union(&bounds[thing as usize]), node),
+            }
+            true
+        });
+    }
+
+    #[test]
+    fn coincident_things_end_in_one_deep_node() {
+        let bounds = vec![
+            Aabb {
+                min: [1.0; 3],
+                max: [1.0; 3]
+            };
+            100
+        ];
+        assert_eq!(
+            met(&Octree::build(&bounds, 4, Copies::OnePerCell), [0.0; 3]).len(),
+            100
+        );
+        assert!(met(&Octree::build(&[Aabb::EMPTY], 4, Copies::One), [0.0; 3]).is_empty());
+    }
+}

@@ -1,0 +1,168 @@
+//! Flat convex polygons.
+
+use crate::geom::Aabb;
+use glam::DVec3;
+use thiserror::Error;
+
+/// Flat, convex, at least three corners, counter-clockwise seen from the front.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConvexPolygon {
+    corners: Vec<[f32; 3]>,
+    normal: [f64; 3],
+}
+
+/// Why corners do not make a convex polygon.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum PolygonError {
+    /// Two corners bound nothing.
+    #[error("a polygon needs at least 3 corners, but has {0}")]
+    TooFewCorners(usize),
+    /// A corner is NaN or infinite.
+    #[error("corner {0} is not finite")]
+    NotFinite(usize),
+    /// All corners lie on one line or in one point.
+    #[error("the corners bound no area")]
+    NoArea,
+    /// A corner stands off the plane of the others.
+    #[error("corner {corner} lies {off} units off the plane of the others")]
+    NotFlat {
+        /// Which corner, counted from 0.
+        corner: usize,
+        /// How far off, in scene units.
+        off: f64,
+    },
+    /// The outline turns the wrong way at a corner.
+    #[error("the outline turns inwards at corner {0}")]
+    NotConvex(usize),
+}
+
+/// How far off its plane a corner may stand, relative to the polygon's size: what f32 positions of a large flat
+/// polygon lose to rounding, with a margin of a hundred.
+const FLATNESS: f64 = 1e-5;
+
+impl ConvexPolygon {
+    /// Checks flatness and convexity, up to the rounding of f32 positions.
+    ///
+    /// # Errors
+    /// One [`PolygonError`] for each broken rule, the first in order of corners.
+    pub fn new(corners: &[[f32; 3]]) -> Result<ConvexPolygon, PolygonError> {
+        if corners.len() < 3 {
+            return Err(PolygonError::TooFewCorners(corners.len()));
+        }
+        if let Some(corner) = corners
+            .iter()
+            .position(|c| c.iter().any(|value| !value.is_finite()))
+        {
+            return Err(PolygonError::NotFinite(corner));
+        }
+        let points: Vec<DVec3> = corners.iter().map(|&c| DVec3::from(c.map(f64::from))).collect();
+        // Newell's sum: twice the area times the normal, also where three corners in a row lie on a line.
+        let origin = points[0];
+        let sum: DVec3 = (0..points.len())
+            .map(|i| (points[i] - origin).cross(points[(i + 1) % points.len()] - origin))
+            .sum();
+        let size = points.iter().map(|&p| (p - origin).length()).fold(0.0, f64::max);
+        if sum.length() <= 1e-12 * size * size || size == 0.0 {
+            return Err(PolygonError::NoArea);
+        }
+        let normal = sum.normalize();
+        let middle = points.iter().sum::<DVec3>() / points.len() as f64;
+        for (i, &point) in points.iter().enumerate() {
+            let off = normal.dot(point - middle).abs();
+            if off > FLATNESS * size {
+                return Err(PolygonError::NotFlat { corner: i, off });
+            }
+            let before = points[(i + points.len() - 1) % points.len()];
+            let after = points[(i + 1) % points.len()];
+            let turn = (point - before).cross(after - point).dot(normal);
+            if turn < -FLATNESS * size * size {
+                return Err(PolygonError::NotConvex(i));
+            }
+        }
+        Ok(ConvexPolygon {
+            corners: corners.to_vec(),
+            normal: normal.into(),
+        })
+    }
+
+    /// A rectangle: `corner`, then `corner + along`, `corner + along + up`, `corner + up`. Its front is the side
+    /// from which these run counter-clockwise.
+    ///
+    /// # Errors
+    /// [`PolygonError::NoArea`] or [`PolygonError::NotFinite`].
+    pub fn rectangle(corner: [f32; 3], along: [f32; 3], up: [f32; 3]) -> Result<ConvexPolygon, PolygonError> {
+        let sum = |a: [f32; 3], b: [f32; 3]| -> [f32; 3] { std::array::from_fn(|axis| a[axis] + b[axis]) };
+        ConvexPolygon::new(&[
+            corner,
+            sum(corner, along),
+            sum(sum(corner, along), up),
+            sum(corner, up),
+        ])
+    }
+
+    /// At least three corners, counter-clockwise seen from the front.
+    pub fn corners(&self) -> &[[f32; 3]] {
+        &self.corners
+    }
+
+    /// Unit normal; it points to the front.
+    pub fn normal(&self) -> [f32; 3] {
+        self.normal.map(|value| value as f32)
+    }
+
+    /// The smallest box around the corners.
+    pub fn bounds(&self) -> Aabb {
+        Aabb::of(self.corners.iter().copied())
+    }
+
+    /// The same outline with front and back exchanged.
+    #[must_use]
+    pub fn flipped(&self) -> ConvexPolygon {
+        ConvexPolygon {
+            corners: self.corners.iter().rev().copied().collect(),
+            normal: self.normal.map(|value| -value),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn polygon(corners: &[[f32; 3]]) -> Result<ConvexPolygon, PolygonError> {
+        ConvexPolygon::new(corners)
+    }
+
+    #[test]
+    fn each_broken_rule_has_its_own_error() {
+        let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        assert!(polygon(&square).is_ok());
+        assert_eq!(polygon(&square[..2]), Err(PolygonError::TooFewCorners(2)));
+        assert_eq!(
+            polygon(&[[0.0; 3], [1.0; 3], [2.0; 3]]),
+            Err(PolygonError::NoArea)
+        );
+        assert_eq!(
+            polygon(&[[f32::NAN; 3], [1.0; 3], [2.0; 3]]),
+            Err(PolygonError::NotFinite(0))
+        );
+        let bent = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.5], [0.0, 1.0, 0.0]];
+        assert!(matches!(polygon(&bent), Err(PolygonError::NotFlat { .. })));
+        let dart = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 2.0, 0.0]];
+        assert_eq!(polygon(&dart), Err(PolygonError::NotConvex(2)));
+    }
+
+    #[test]
+    fn a_flipped_polygon_faces_the_other_way() {
+        let up = ConvexPolygon::rectangle([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]).expect("a square");
+        assert_eq!(up.normal(), [0.0, 0.0, 1.0]);
+        assert_eq!(up.flipped().normal(), [0.0, 0.0, -1.0]);
+        assert_eq!(
+            ConvexPolygon::new(up.flipped().corners())
+                .expect("still a square")
+                .normal(),
+            [0.0, 0.0, -1.0]
+        );
+    }
+}

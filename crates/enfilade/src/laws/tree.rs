@@ -1,0 +1,263 @@
+//! Trees over faces and items, built by `obvhs`, walked by rays in f64.
+//!
+//! Its own walk is in f32, which is too coarse for scenes far from the origin: what it drops would be missed here.
+
+use super::bundle::{Bundle, RAYS};
+use crate::content::{Alpha, Content, ItemId};
+use crate::geom::{Aabb, Transform};
+use crate::mesh::Mesh;
+use glam::{DAffine3, DVec3};
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+use obvhs::{Boundable, BvhBuildParams};
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// A face that a ray meets.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Meeting {
+    pub(super) ray: usize,
+    /// The ray's parameter there.
+    pub(super) w: f64,
+    pub(super) item: ItemId,
+    pub(super) face: u32,
+    pub(super) hides: bool,
+}
+
+/// A content, ready for rays.
+pub(super) struct Trees {
+    content: Arc<Content>,
+    items: Bvh2,
+    /// The items that the tree holds: those that have faces.
+    solid: Vec<ItemId>,
+    /// The tree of each item's faces; in the item's space, or in the fragment's where the item is flattened.
+    faces: Vec<Arc<Faces>>,
+    /// Into each item's space; `None` where its tree is in the fragment's.
+    item_from_fragment: Vec<Option<DAffine3>>,
+}
+
+/// A tree over the triangles of a mesh.
+#[derive(Default)]
+struct Faces {
+    tree: Bvh2,
+    /// Face and last corner of each triangle; empty where all faces are triangles.
+    triangles: Vec<[u32; 2]>,
+}
+
+struct Boxed(Aabb);
+
+impl Boundable for Boxed {
+    fn aabb(&self) -> obvhs::aabb::Aabb {
+        obvhs::aabb::Aabb {
+            min: self.0.min.into(),
+            max: self.0.max.into(),
+        }
+    }
+}
+
+fn tree(boxes: &[Boxed]) -> Bvh2 {
+    if boxes.is_empty() {
+        return Bvh2::default();
+    }
+    let mut unused = Duration::ZERO;
+    build_bvh2(boxes, BvhBuildParams::very_fast_build(), &mut unused)
+}
+
+impl Faces {
+    fn build(mesh: &Mesh, placed: &Transform) -> Faces {
+        let all_triangles = mesh.triangle_count() == u64::from(mesh.face_count());
+        let mut triangles = Vec::new();
+        let mut boxes = Vec::with_capacity(mesh.triangle_count() as usize);
+        for face in 0..mesh.face_count() {
+            let corners = mesh.face(face);
+            for last in 2..corners.len() {
+                if !all_triangles {
+                    triangles.push([face, last as u32]);
+                }
+                let used = [corners[0], corners[last - 1], corners[last]];
+                let corner = |index: u32| placed.point_box(mesh.positions()[index as usize]);
+                boxes.push(Boxed(
+                    used.into_iter().fold(Aabb::EMPTY, |sum, i| sum.union(&corner(i))),
+                ));
+            }
+        }
+        Faces {
+            tree: tree(&boxes),
+            triangles,
+        }
+    }
+}
+
+/// Trees of meshes that are built already, by the mesh's address: contents may share meshes.
+#[derive(Default)]
+pub(super) struct Built(HashMap<usize, Arc<Faces>>);
+
+fn address(mesh: &Arc<Mesh>) -> usize {
+    Arc::as_ptr(mesh).addr()
+}
+
+impl Trees {
+    pub(super) fn build(content: &Arc<Content>, built: &mut Built) -> Trees {
+        let new: Vec<(usize, Arc<Faces>)> = content
+            .meshes()
+            .par_iter()
+            .filter(|mesh| !built.0.contains_key(&address(mesh)))
+            .map(|mesh| (address(mesh), Arc::new(Faces::build(mesh, &Transform::IDENTITY))))
+            .collect();
+        built.0.extend(new);
+        let item_from_fragment: Vec<Option<DAffine3>> = content
+            .items()
+            .iter()
+            .map(|item| item.transform().inverse().map(|back| back.0))
+            .collect();
+        let faces = (content.items().iter().zip(&item_from_fragment))
+            .map(|(item, back)| {
+                let mesh = &content.meshes()[item.mesh.0 as usize];
+                match back {
+                    Some(_) => Arc::clone(&built.0[&address(mesh)]),
+                    None => Arc::new(Faces::build(mesh, &item.transform())),
+                }
+            })
+            .collect();
+        let all = (0..content.items().len() as u32).map(ItemId);
+        let solid: Vec<ItemId> = all
+            .filter(|&item| !content.item(item).bounds.is_empty())
+            .collect();
+        let boxes: Vec<Boxed> = solid
+            .iter()
+            .map(|&item| Boxed(content.item(item).bounds))
+            .collect();
+        Trees {
+            content: Arc::clone(content),
+            items: tree(&boxes),
+            solid,
+            faces,
+            item_from_fragment,
+        }
+    }
+
+    pub(super) fn content(&self) -> &Content {
+        &self.content
+    }
+
+    /// Meets all faces that rays of the bundle (those in `active`) meet no farther than the nearest that hides, or a
+    /// little behind it; `limit` is asked again after each.
+    pub(super) fn walk(&self, bundle: &Bundle, active: [bool; RAYS], found: &mut impl Found) {
+        let slopes = bundle.slopes();
+        let mut waiting: Vec<(f64, u32)> = Vec::with_capacity(64);
+        let enters = |tree: &Bvh2, node: u32, limit: f64| {
+            let bounds = tree.nodes[node as usize].aabb();
+            bundle.enters(
+                &slopes,
+                &Aabb {
+                    min: bounds.min.into(),
+                    max: bounds.max.into(),
+                },
+                limit,
+            )
+        };
+        if !self.items.nodes.is_empty() {
+            waiting.extend(enters(&self.items, 0, found.limit()).map(|w| (w, 0)));
+        }
+        while let Some((w, index)) = waiting.pop() {
+            if w > found.limit() {
+                continue;
+            }
+            let node = &self.items.nodes[index as usize];
+            if node.prim_count > 0 {
+                for prim in node.first_index..node.first_index + node.prim_count {
+                    let item = self.solid[self.items.primitive_indices[prim as usize] as usize];
+                    self.walk_item(item, bundle, active, found);
+                }
+                continue;
+            }
+            push_nearest_last(&mut waiting, node.first_index, |child| {
+                enters(&self.items, child, found.limit())
+            });
+        }
+    }
+
+    fn walk_item(&self, item: ItemId, bundle: &Bundle, active: [bool; RAYS], found: &mut impl Found) {
+        let faces = &self.faces[item.0 as usize];
+        if faces.tree.nodes.is_empty() {
+            return;
+        }
+        let back = &self.item_from_fragment[item.0 as usize];
+        let local = back.map_or(*bundle, |back| bundle.moved(&back));
+        let slopes = local.slopes();
+        let mesh = self.content.mesh_of(item);
+        // A flattened item's faces are met where they stand.
+        let place = back.is_none().then(|| self.content.item(item).transform());
+        let enters = |node: u32, limit: f64| {
+            let bounds = faces.tree.nodes[node as usize].aabb();
+            local.enters(
+                &slopes,
+                &Aabb {
+                    min: bounds.min.into(),
+                    max: bounds.max.into(),
+                },
+                limit,
+            )
+        };
+        let mut waiting: Vec<(f64, u32)> = Vec::with_capacity(64);
+        waiting.extend(enters(0, found.limit()).map(|w| (w, 0)));
+        while let Some((w, index)) = waiting.pop() {
+            if w > found.limit() {
+                continue;
+            }
+            let node = &faces.tree.nodes[index as usize];
+            if node.prim_count == 0 {
+                push_nearest_last(&mut waiting, node.first_index, |child| {
+                    enters(child, found.limit())
+                });
+                continue;
+            }
+            for prim in node.first_index..node.first_index + node.prim_count {
+                let triangle = faces.tree.primitive_indices[prim as usize];
+                let [face, last] = *faces.triangles.get(triangle as usize).unwrap_or(&[triangle, 2]);
+                let corners = mesh.face(face);
+                let corner = |index: u32| {
+                    let position = DVec3::from(mesh.positions()[index as usize].map(f64::from));
+                    place.map_or(position, |place| place.0.transform_point3(position))
+                };
+                let used = [corners[0], corners[last as usize - 1], corners[last as usize]].map(corner);
+                let material = self.content.material_of(&mesh.clusters()[mesh.cluster_of(face)]);
+                for ray in (0..RAYS).filter(|&ray| active[ray]) {
+                    let Some((w, from_behind)) = local.meets(ray, used) else {
+                        continue;
+                    };
+                    if material.double_sided || !from_behind {
+                        let hides = material.alpha == Alpha::Opaque;
+                        found.add(Meeting {
+                            ray,
+                            w,
+                            item,
+                            face,
+                            hides,
+                        });
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Receives what rays meet.
+pub(super) trait Found {
+    /// Beyond this parameter nothing matters any more.
+    fn limit(&self) -> f64;
+    fn add(&mut self, meeting: Meeting);
+}
+
+fn push_nearest_last(waiting: &mut Vec<(f64, u32)>, first: u32, enters: impl Fn(u32) -> Option<f64>) {
+    let children = [first, first + 1].map(|child| (enters(child), child));
+    let [a, b] = children;
+    let ordered = if a.0.unwrap_or(f64::INFINITY) < b.0.unwrap_or(f64::INFINITY) {
+        [b, a]
+    } else {
+        [a, b]
+    };
+    waiting.extend(ordered.into_iter().filter_map(|(w, child)| w.map(|w| (w, child))));
+}

@@ -1,0 +1,62 @@
+//! The lower of two levels: the clusters of one item, near to far.
+
+use super::Visit;
+use crate::content::{Content, ItemId, OpeningId};
+use crate::faces::Faces;
+use crate::geom::Step;
+use crate::passage::{Passage, eye_in};
+use crate::region::Region;
+
+/// Hands out what may be seen of one item, unless that was done already.
+pub(crate) fn hand_out(content: &Content, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
+    let placed = content.item(item);
+    let mesh = content.mesh_of(item);
+    let clusters = mesh.clusters();
+    if clusters.is_empty() || !visit.first_time(item) {
+        return;
+    }
+    let screen_from_item = passage.screen_from(&placed.transform());
+    if clusters.len() == 1 {
+        if may_be_seen(passage, &screen_from_item, &mesh.bounds(), visit) {
+            visit.faces(&Faces::of_cluster(content, item, 0, &screen_from_item));
+        }
+        return;
+    }
+    mesh.walk(eye_in(&screen_from_item).into(), |step| match step {
+        Step::Node(bounds) => may_be_seen(passage, &screen_from_item, bounds, visit),
+        Step::Thing(cluster) => {
+            if may_be_seen(
+                passage,
+                &screen_from_item,
+                &clusters[cluster as usize].bounds,
+                visit,
+            ) {
+                visit.faces(&Faces::of_cluster(content, item, cluster, &screen_from_item));
+            }
+            true
+        }
+    });
+}
+
+/// Hands out all openings, unless they are plain holes.
+pub(super) fn hand_out_openings(content: &Content, passage: &Passage, visit: &mut impl Visit) {
+    if passage.flat {
+        return;
+    }
+    for opening in 0..content.openings().len() as u16 {
+        visit.faces(&Faces::of_opening(
+            content,
+            OpeningId(opening),
+            &passage.screen_from_fragment,
+        ));
+    }
+}
+
+fn may_be_seen(
+    passage: &Passage,
+    screen_from_local: &glam::DAffine3,
+    bounds: &crate::geom::Aabb,
+    visit: &mut impl Visit,
+) -> bool {
+    Region::of(passage, screen_from_local, bounds).is_some_and(|region| visit.enter(&region))
+}

@@ -1,0 +1,65 @@
+//! Orders: what comes next. An order knows nothing of covers; `method` joins the two.
+
+mod items;
+mod octree;
+mod unordered;
+
+pub(crate) use items::hand_out;
+pub use octree::OctreeOrder;
+pub use unordered::Unordered;
+
+use crate::content::{Content, ItemId};
+use crate::faces::Faces;
+use crate::passage::Passage;
+use crate::region::Region;
+
+/// What an order promises: nothing.
+pub struct Unsorted;
+/// What an order promises: nodes come near to far, as far as boxes can be ordered.
+pub struct NodesNearToFar;
+/// What an order promises: no face comes before one that hides it.
+pub struct NearToFar;
+/// What an order promises: no face comes after one that it hides.
+pub struct FarToNear;
+
+/// `A: Gives<B>`: an order that promises A may be used where B is needed.
+#[diagnostic::on_unimplemented(
+    message = "an order that gives `{Self}` does not suit a cover that needs `{Needed}`",
+    label = "this order and this cover do not go together"
+)]
+pub trait Gives<Needed> {}
+impl<T> Gives<Unsorted> for T {}
+impl Gives<NodesNearToFar> for NodesNearToFar {}
+impl Gives<NodesNearToFar> for NearToFar {}
+impl Gives<NearToFar> for NearToFar {}
+impl Gives<FarToNear> for FarToNear {}
+
+/// Hands out faces, in batches, in the order it promises; asks before it enters a node.
+pub trait Order: Send + Sync + Sized + 'static {
+    /// One of [`Unsorted`], [`NodesNearToFar`], [`NearToFar`], [`FarToNear`].
+    type Gives;
+
+    /// Prepares the order of a content.
+    fn build(content: &Content) -> Self;
+
+    /// At most how many bytes [`Order::build`] will take, by an estimate made without building.
+    fn needs_bytes(content: &Content) -> u64;
+
+    /// Memory in bytes.
+    fn bytes(&self) -> u64;
+
+    /// Hands out all faces of the items and openings that may be seen through `passage`.
+    fn visit(&self, content: &Content, passage: &Passage, visit: &mut impl Visit);
+}
+
+/// What walks along with an order.
+pub trait Visit {
+    /// Can anything in this box still be seen? `true` when unsure.
+    fn enter(&mut self, region: &Region) -> bool;
+
+    /// Is it the first time that this item is met in this walk? An item may stand in several nodes.
+    fn first_time(&mut self, item: ItemId) -> bool;
+
+    /// The next batch.
+    fn faces(&mut self, faces: &Faces);
+}

@@ -1,0 +1,37 @@
+//! Unordered: items as they come, by their number.
+//!
+//! Nothing is built, so content may change at will; what is outside the aperture is still left out.
+//! Source: the z-buffer needs no order (Catmull 1974); Boreskov, Using portals to create aggregate scenes.
+//! Cost: building nothing; a walk O(items), and O(log faces) for each large one that is half outside.
+//! Gives nothing: only covers that need no order take it.
+
+use super::items::{hand_out, hand_out_openings};
+use super::{Order, Unsorted, Visit};
+use crate::content::{Content, ItemId};
+use crate::passage::Passage;
+
+/// Items as they come, by their number.
+pub struct Unordered;
+
+impl Order for Unordered {
+    type Gives = Unsorted;
+
+    fn build(_content: &Content) -> Unordered {
+        Unordered
+    }
+
+    fn needs_bytes(_content: &Content) -> u64 {
+        0
+    }
+
+    fn bytes(&self) -> u64 {
+        0
+    }
+
+    fn visit(&self, content: &Content, passage: &Passage, visit: &mut impl Visit) {
+        hand_out_openings(content, passage, visit);
+        for item in 0..content.items().len() as u32 {
+            hand_out(content, passage, ItemId(item), visit);
+        }
+    }
+}

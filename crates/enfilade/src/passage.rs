@@ -1,0 +1,166 @@
+//! One way from the eye into a fragment, through zero or more portals.
+
+use crate::aperture::{Aperture, Rect, Rows};
+use crate::geom::{Aabb, ConvexPolygon, Transform};
+use crate::region::Region;
+use crate::scene::{FragmentId, Portal, PortalId};
+use crate::view::View;
+use glam::{DAffine3, DMat3, DVec3};
+
+/// A passage of a look, by its place in [`VisibleSet::passages`](crate::VisibleSet::passages).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PassageId(pub u32);
+
+/// One way from the eye into a fragment, through zero or more portals: the state of the recursion, the record an
+/// engine draws from, and the answer to "which rooms are seen".
+#[derive(Clone, Debug)]
+pub struct Passage {
+    /// The passage one step nearer to the eye; `None` for the one that the eye stands in.
+    pub parent: Option<PassageId>,
+    /// The portal through which it leaves its parent.
+    pub portal: Option<PortalId>,
+    /// The fragment it leads into.
+    pub fragment: FragmentId,
+    /// Portals followed on the way, 0 where the eye stands.
+    pub crossings: u16,
+    /// The part of the screen that is left.
+    pub aperture: Aperture,
+    /// What is nearer than this along the line of sight neither is seen nor hides.
+    pub near: f32,
+    /// The whole screen, in pixels.
+    pub(crate) size: [u32; 2],
+    /// Are openings plain holes?
+    pub(crate) flat: bool,
+    /// Names the chain of portals: equal for the same way in the next frame.
+    pub(crate) chain: u64,
+    eye_from_fragment: DAffine3,
+    screen_from_eye: DMat3,
+    pub(crate) screen_from_fragment: DAffine3,
+    /// What lies beyond the last portal: n · (X, Y, W) ≥ d, with d ≥ 0.
+    pub(crate) entry: Option<(DVec3, f64)>,
+}
+
+impl Passage {
+    /// The passage that the eye stands in.
+    pub(crate) fn at_the_eye(view: &View, fragment: FragmentId, flat: bool) -> Passage {
+        let (eye_from_fragment, screen_from_eye) = (view.eye_from_fragment(), view.screen_from_eye());
+        Passage {
+            parent: None,
+            portal: None,
+            fragment,
+            crossings: 0,
+            aperture: Aperture::screen(view.size),
+            near: view.near,
+            size: view.size,
+            flat,
+            chain: u64::from(fragment.0),
+            eye_from_fragment,
+            screen_from_eye,
+            screen_from_fragment: compose(&screen_from_eye, &eye_from_fragment),
+            entry: None,
+        }
+    }
+
+    /// What is left behind an opening of this passage's fragment; `None` where no sample is.
+    pub(crate) fn through(
+        &self,
+        own_id: PassageId,
+        portal_id: PortalId,
+        portal: &Portal,
+        outline: &ConvexPolygon,
+        rows: Option<Rows>,
+    ) -> Option<Passage> {
+        let aperture = self.aperture.behind(outline, &self.screen_from_fragment, rows)?;
+        let here_from_there = portal.there_from_here.inverse()?;
+        let eye_from_fragment = self.eye_from_fragment * here_from_there.0;
+        Some(Passage {
+            parent: Some(own_id),
+            portal: Some(portal_id),
+            fragment: portal.to,
+            crossings: self.crossings + 1,
+            aperture,
+            near: self.near,
+            size: self.size,
+            flat: self.flat,
+            chain: next_chain(self.chain, portal_id),
+            eye_from_fragment,
+            screen_from_eye: self.screen_from_eye,
+            screen_from_fragment: compose(&self.screen_from_eye, &eye_from_fragment),
+            entry: Some(self.beyond(outline)),
+        })
+    }
+
+    /// The plane of an outline in screen space, turned so that the eye is on the side that is not entered.
+    fn beyond(&self, outline: &ConvexPolygon) -> (DVec3, f64) {
+        let corners: Vec<DVec3> = outline
+            .corners()
+            .iter()
+            .map(|&c| {
+                self.screen_from_fragment
+                    .transform_point3(DVec3::from(c.map(f64::from)))
+            })
+            .collect();
+        // Newell's sum, from one corner so that far outlines lose nothing.
+        let normal: DVec3 = (1..corners.len() - 1)
+            .map(|i| (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]))
+            .sum::<DVec3>()
+            .normalize_or_zero();
+        let distance = normal.dot(corners[0]);
+        if distance < 0.0 {
+            (-normal, -distance)
+        } else {
+            (normal, distance)
+        }
+    }
+
+    /// From the space of the fragment to eye space: x right, y up, z back.
+    pub fn eye_from_fragment(&self) -> Transform {
+        Transform(self.eye_from_fragment)
+    }
+
+    /// Is the fragment seen mirrored?
+    pub fn mirrored(&self) -> bool {
+        self.eye_from_fragment().mirrors()
+    }
+
+    /// The eye's place in the space of the fragment; behind a portal, where it would stand there.
+    pub fn eye(&self) -> [f64; 3] {
+        eye_in(&self.screen_from_fragment).into()
+    }
+
+    /// May any part of a box, given in another space, be in the view's frustum and beyond the last portal?
+    pub(crate) fn frustum_meets(&self, screen_from_local: &DAffine3, bounds: &Aabb) -> bool {
+        let limits = Rect {
+            x0: 0,
+            y0: 0,
+            x1: self.size[0] as u16,
+            y1: self.size[1] as u16,
+        };
+        Region::in_rect(self, limits, screen_from_local, bounds).is_some()
+    }
+
+    /// From an item's space to (X, Y, W).
+    pub(crate) fn screen_from(&self, fragment_from_item: &Transform) -> DAffine3 {
+        self.screen_from_fragment * fragment_from_item.0
+    }
+}
+
+/// The name of a chain of portals that is one longer.
+pub(crate) fn next_chain(chain: u64, portal: PortalId) -> u64 {
+    (chain ^ u64::from(portal.0))
+        .wrapping_mul(0x9E37_79B9_7F4A_7C15)
+        .rotate_left(29)
+}
+
+/// Where the eye stands in the space that `screen_from_local` maps from; the origin where that is flattened.
+pub(crate) fn eye_in(screen_from_local: &DAffine3) -> DVec3 {
+    let back = screen_from_local.matrix3.inverse() * -screen_from_local.translation;
+    if back.is_finite() { back } else { DVec3::ZERO }
+}
+
+fn compose(screen_from_eye: &DMat3, eye_from_fragment: &DAffine3) -> DAffine3 {
+    DAffine3 {
+        matrix3: *screen_from_eye * eye_from_fragment.matrix3,
+        translation: *screen_from_eye * eye_from_fragment.translation,
+    }
+}

@@ -1,0 +1,185 @@
+//! Survey: views in the open space of a scene, the same for the same scene.
+//!
+//! Idea: stand on the free segment between a point of a surface and the next surface, and look level. A place inside
+//!     a solid is told by rays in many directions: nearly all of them end at the backs of faces.
+//! Source: after the random walks of visibility sampling; the rule is stated with [`survey`].
+//! Cost: about thirty rays a candidate.
+//! No promise: what is inside a solid with wrongly wound faces may pass for open space, and the other way round.
+
+use crate::content::{Content, ItemId};
+use crate::fragment::Ray;
+use crate::scene::{FragmentId, Scene};
+use glam::DVec3;
+
+/// A place in open space, and where to look from there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Standpoint {
+    /// The fragment that it stands in.
+    pub fragment: FragmentId,
+    /// Its place, in the space of the fragment.
+    pub eye: [f32; 3],
+    /// A point straight ahead, level with the eye.
+    pub toward: [f32; 3],
+}
+
+/// Up to `count` places in the open space of a scene, chosen by a fixed seed.
+///
+/// Pick an item, a point on it and a direction at random; stand at a random fraction of the free segment to the next
+/// surface, at least 1 % of its length from both ends; look level in a random direction, but not straight at a wall.
+/// Places inside solids or hard against a surface are left out. Fewer are returned where no more are found, none
+/// where the scene has no open space.
+pub fn survey(scene: &Scene, count: usize) -> Vec<Standpoint> {
+    let contents: Vec<(FragmentId, &Content)> = scene
+        .fragments()
+        .filter_map(|id| scene.content(id).map(|content| (id, &**content)))
+        .filter(|(_, content)| content.items().iter().any(|item| !item.bounds.is_empty()))
+        .collect();
+    let mut found = Vec::new();
+    if contents.is_empty() {
+        return found;
+    }
+    let mut dice = Dice(0x656E_6669_6C61_6465);
+    for _ in 0..TRIES * count {
+        if found.len() == count {
+            break;
+        }
+        let items: usize = contents.iter().map(|(_, content)| content.items().len()).sum();
+        let mut item = dice.below(items);
+        let home = contents.iter().find(|(_, content)| {
+            let here = item < content.items().len();
+            item -= if here { 0 } else { content.items().len() };
+            here
+        });
+        let Some(&(fragment, content)) = home else {
+            continue;
+        };
+        let Some(place) = place_in_the_open(content, ItemId(item as u32), &mut dice) else {
+            continue;
+        };
+        let eye = place.as_vec3().to_array();
+        // Where fragments overlap the eye belongs to the smallest: it must be open there too.
+        if let Some(toward) = look_level(content, place, &mut dice)
+            && scene.locate(eye, toward.as_vec3().to_array()) == Some(fragment)
+        {
+            found.push(Standpoint {
+                fragment,
+                eye,
+                toward: toward.as_vec3().into(),
+            });
+        }
+    }
+    found
+}
+
+/// Candidates for each place wanted, before a scene is said to have no open space.
+const TRIES: usize = 64;
+
+/// A point on the free segment from a face of an item to the next surface.
+fn place_in_the_open(content: &Content, item: ItemId, dice: &mut Dice) -> Option<DVec3> {
+    let mesh = content.mesh_of(item);
+    if mesh.face_count() == 0 {
+        return None;
+    }
+    let face = mesh.face(dice.below(mesh.face_count() as usize) as u32);
+    let transform = content.item(item).transform();
+    let corner = |i: usize| {
+        transform
+            .0
+            .transform_point3(DVec3::from(mesh.positions()[face[i] as usize].map(f64::from)))
+    };
+    let last = 2 + dice.below(face.len() - 2);
+    let [mut u, mut v] = [dice.fraction(), dice.fraction()];
+    if u + v > 1.0 {
+        [u, v] = [1.0 - u, 1.0 - v];
+    }
+    let start = corner(0) * (1.0 - u - v) + corner(last - 1) * u + corner(last) * v;
+    let direction = dice.direction();
+    let size = f64::from(content.bounds().longest_side());
+    // Off the surface by what f32 loses, so that the ray does not end where it begins.
+    let start = start + direction * (1e-5 * size);
+    let free = distance(content, start, direction)?;
+    let place = start + direction * (free * (0.01 + 0.98 * dice.fraction()));
+    is_open(content, place, size).then_some(place)
+}
+
+/// The distance to the next surface; `None` where there is none.
+fn distance(content: &Content, from: DVec3, direction: DVec3) -> Option<f64> {
+    let ray = Ray {
+        origin: from.as_vec3().into(),
+        direction: direction.as_vec3().into(),
+    };
+    content.cast(&ray).map(|hit| hit.distance)
+}
+
+/// Is a place neither inside a solid nor hard against a surface?
+fn is_open(content: &Content, place: DVec3, size: f64) -> bool {
+    let (mut hits, mut from_behind, mut nearest) = (0, 0, f64::INFINITY);
+    for i in 0..DIRECTIONS {
+        let ray = Ray {
+            origin: place.as_vec3().into(),
+            direction: spread(i).as_vec3().into(),
+        };
+        if let Some(hit) = content.cast(&ray) {
+            hits += 1;
+            from_behind += usize::from(hit.from_behind);
+            nearest = nearest.min(hit.distance);
+        }
+    }
+    10 * from_behind < 9 * hits && nearest > CLEARANCE * size
+}
+
+/// Free space around an eye, relative to the fragment's size.
+const CLEARANCE: f64 = 1e-3;
+const DIRECTIONS: usize = 26;
+
+/// Directions spread evenly over the sphere, by the golden angle.
+fn spread(i: usize) -> DVec3 {
+    let height = 1.0 - (2 * i + 1) as f64 / DIRECTIONS as f64;
+    let around = i as f64 * 2.399_963_229_728_653;
+    let radius = (1.0 - height * height).sqrt();
+    DVec3::new(radius * around.cos(), height, radius * around.sin())
+}
+
+/// A level direction with some depth before it: of a few, the first that reaches as far as the median of them.
+fn look_level(content: &Content, place: DVec3, dice: &mut Dice) -> Option<DVec3> {
+    let ahead: [DVec3; 5] = std::array::from_fn(|_| {
+        let angle = std::f64::consts::TAU * dice.fraction();
+        DVec3::new(angle.cos(), 0.0, angle.sin())
+    });
+    let depth = ahead.map(|direction| distance(content, place, direction).unwrap_or(f64::INFINITY));
+    let mut sorted = depth;
+    sorted.sort_by(f64::total_cmp);
+    let chosen = depth.iter().position(|&free| free >= sorted[2])?;
+    let reach = depth[chosen].min(f64::from(content.bounds().longest_side()));
+    Some(place + ahead[chosen] * reach)
+}
+
+/// SplitMix64: Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, OOPSLA 2014.
+struct Dice(u64);
+
+impl Dice {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ z >> 31
+    }
+
+    /// From 0 to just below 1.
+    fn fraction(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// From 0 to `end` - 1; `end` above 0.
+    fn below(&mut self, end: usize) -> usize {
+        (self.fraction() * end as f64) as usize
+    }
+
+    fn direction(&mut self) -> DVec3 {
+        let height = 2.0 * self.fraction() - 1.0;
+        let around = std::f64::consts::TAU * self.fraction();
+        let radius = (1.0 - height * height).sqrt();
+        DVec3::new(radius * around.cos(), height, radius * around.sin())
+    }
+}

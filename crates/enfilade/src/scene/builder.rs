@@ -1,0 +1,373 @@
+//! Puts a scene together, and refuses one that cannot be.
+
+use super::{Body, Exit, FragmentId, Placed, Portal, PortalId, Scene};
+use crate::content::{Content, OpeningId};
+use crate::fragment::Fragment;
+use crate::geom::Transform;
+use crate::method::{Method, TooLarge};
+use glam::{DMat3, DVec3};
+use std::sync::Arc;
+use thiserror::Error;
+
+/// Gathers fragments and portals; [`SceneBuilder::build`] checks them.
+#[derive(Default)]
+pub struct SceneBuilder {
+    fragments: Vec<Waiting>,
+    nested: Vec<Scene>,
+    portals: Vec<(End, End, Transform)>,
+    exits: Vec<(String, End)>,
+    limit_bytes: Option<u64>,
+}
+
+enum Waiting {
+    Ours(String, Arc<Content>, Method),
+    Own(String, Arc<dyn Fragment>),
+}
+
+/// A scene that stands in another, by the order of [`SceneBuilder::nest`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NestedId(u32);
+
+/// One end of a portal: an opening of a fragment, or a named exit of a nested scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum End {
+    /// An opening of a fragment of this scene.
+    Opening(FragmentId, OpeningId),
+    /// An exit of a scene that stands in this one.
+    Exit(NestedId, String),
+}
+
+impl From<(FragmentId, OpeningId)> for End {
+    fn from((fragment, opening): (FragmentId, OpeningId)) -> End {
+        End::Opening(fragment, opening)
+    }
+}
+
+impl From<(NestedId, &str)> for End {
+    fn from((scene, exit): (NestedId, &str)) -> End {
+        End::Exit(scene, exit.to_owned())
+    }
+}
+
+/// Why fragments and portals do not make a scene.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// A portal names a fragment that is not there.
+    #[error("portal {portal} leads to fragment {fragment}, but there are only {fragments}")]
+    NoSuchFragment {
+        /// Which portal, by the order in which they were added; a door is two.
+        portal: usize,
+        /// The fragment it names.
+        fragment: u32,
+        /// How many there are.
+        fragments: usize,
+    },
+    /// A portal names an opening that its fragment does not have.
+    #[error("portal {portal} uses opening {opening} of fragment `{fragment}`, which has only {openings}")]
+    NoSuchOpening {
+        /// Which portal.
+        portal: usize,
+        /// The fragment's name.
+        fragment: String,
+        /// The opening it names.
+        opening: u16,
+        /// How many there are.
+        openings: usize,
+    },
+    /// A portal names an exit that the nested scene does not have.
+    #[error("portal {portal} uses exit `{exit}` of a nested scene, which has only: {exits}")]
+    NoSuchExit {
+        /// Which portal.
+        portal: usize,
+        /// The exit it names.
+        exit: String,
+        /// Those that there are.
+        exits: String,
+    },
+    /// Two portals lead out of one opening.
+    #[error("portals {first} and {second} both lead out of opening `{opening}` of fragment `{fragment}`")]
+    TwoPortals {
+        /// The first of the two.
+        first: usize,
+        /// The second of the two.
+        second: usize,
+        /// The opening's name.
+        opening: String,
+        /// The fragment's name.
+        fragment: String,
+    },
+    /// A portal's transform flattens, shears or stretches.
+    #[error("the transform of portal {0} is not rigid, uniformly scaling or reflecting")]
+    NotSimilar(usize),
+    /// A fragment needs more memory than allowed.
+    #[error("fragment `{fragment}`: {why}")]
+    TooLarge {
+        /// The fragment's name.
+        fragment: String,
+        /// What it needs.
+        why: TooLarge,
+    },
+}
+
+impl SceneBuilder {
+    /// Starts with nothing.
+    pub fn new() -> SceneBuilder {
+        SceneBuilder::default()
+    }
+
+    /// What one fragment's method may build, in bytes; [`Method::DEFAULT_LIMIT`] unless told.
+    pub fn limit_bytes(&mut self, limit: u64) {
+        self.limit_bytes = Some(limit);
+    }
+
+    /// Adds content as a fragment that `method` sees.
+    pub fn add(&mut self, name: &str, content: impl Into<Arc<Content>>, method: Method) -> FragmentId {
+        self.fragments
+            .push(Waiting::Ours(name.to_owned(), content.into(), method));
+        FragmentId(self.fragments.len() as u32 - 1)
+    }
+
+    /// Adds a fragment of one's own.
+    pub fn add_own(&mut self, name: &str, fragment: Arc<dyn Fragment>) -> FragmentId {
+        self.fragments.push(Waiting::Own(name.to_owned(), fragment));
+        FragmentId(self.fragments.len() as u32 - 1)
+    }
+
+    /// Lets a scene stand in this one. It is entered and left through its exits only.
+    pub fn nest(&mut self, scene: &Scene) -> NestedId {
+        self.nested.push(scene.clone());
+        NestedId(self.nested.len() as u32 - 1)
+    }
+
+    /// One way out of `from`, into the fragment that `to` is an opening of.
+    pub fn portal(
+        &mut self,
+        from: impl Into<End>,
+        to: impl Into<End>,
+        there_from_here: Transform,
+    ) -> &mut Self {
+        self.portals.push((from.into(), to.into(), there_from_here));
+        self
+    }
+
+    /// Two portals between two openings at one place, in fragments that share their space.
+    pub fn door(&mut self, a: impl Into<End>, b: impl Into<End>) -> &mut Self {
+        let (a, b) = (a.into(), b.into());
+        self.portal(a.clone(), b.clone(), Transform::IDENTITY)
+            .portal(b, a, Transform::IDENTITY)
+    }
+
+    /// A portal back into the fragment of `opening` that reflects in the opening's plane. An opening that is not
+    /// there is reported by [`SceneBuilder::build`].
+    pub fn mirror(&mut self, fragment: FragmentId, opening: OpeningId) -> &mut Self {
+        let outline = match self.fragments.get(fragment.0 as usize) {
+            Some(Waiting::Ours(_, content, _)) => {
+                content.openings().get(opening.0 as usize).map(|o| &o.outline)
+            }
+            Some(Waiting::Own(_, own)) => own.openings().get(opening.0 as usize).map(|o| &o.outline),
+            None => None,
+        };
+        let reflection = outline.map_or(Transform::IDENTITY, |outline| {
+            Transform::reflection(outline.corners()[0], outline.normal())
+        });
+        self.portal((fragment, opening), (fragment, opening), reflection)
+    }
+
+    /// Names an opening through which one leaves this scene when it stands in another.
+    pub fn exit(&mut self, name: &str, from: impl Into<End>) -> &mut Self {
+        self.exits.push((name.to_owned(), from.into()));
+        self
+    }
+
+    /// Builds every fragment's method and joins everything.
+    ///
+    /// # Errors
+    /// One [`SceneError`] for the first broken rule.
+    pub fn build(self) -> Result<Scene, SceneError> {
+        let limit = self.limit_bytes.unwrap_or(Method::DEFAULT_LIMIT);
+        let own_fragments = self.fragments.len();
+        let mut fragments = Vec::with_capacity(own_fragments);
+        for waiting in self.fragments {
+            fragments.push(place(waiting, limit)?);
+        }
+        let mut joined = Joined {
+            own_fragments,
+            fragments,
+            portals: Vec::new(),
+            scenes: Vec::new(),
+        };
+        for scene in self.nested {
+            joined.take_in(scene);
+        }
+        let taken_in = joined.portals.len();
+        for (number, (from, to, there_from_here)) in self.portals.into_iter().enumerate() {
+            if !is_similarity(&there_from_here) {
+                return Err(SceneError::NotSimilar(number));
+            }
+            let (from, opening) = joined.resolve(number, &from)?;
+            let (to, _) = joined.resolve(number, &to)?;
+            joined.portals.push(Portal {
+                from,
+                opening,
+                to,
+                there_from_here,
+                open: true,
+            });
+        }
+        let mut exits = Vec::new();
+        for (name, from) in self.exits {
+            let (fragment, opening) = joined.resolve(joined.portals.len() - taken_in, &from)?;
+            exits.push(Exit {
+                name,
+                fragment,
+                opening,
+            });
+        }
+        joined.finish(taken_in, exits)
+    }
+}
+
+/// Is the linear part a rotation or reflection times a factor, up to what f32 columns lose?
+fn is_similarity(transform: &Transform) -> bool {
+    let matrix: DMat3 = transform.0.matrix3;
+    let columns: [DVec3; 3] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+    let square = columns[0].length_squared();
+    let close = |value: f64, expected: f64| (value - expected).abs() <= 1e-5 * square;
+    transform.is_finite()
+        && square > 0.0
+        && columns
+            .iter()
+            .all(|column| close(column.length_squared(), square))
+        && (0..3).all(|i| close(columns[i].dot(columns[(i + 1) % 3]), 0.0))
+}
+
+fn place(waiting: Waiting, limit: u64) -> Result<Placed, SceneError> {
+    Ok(match waiting {
+        Waiting::Own(name, fragment) => Placed {
+            name,
+            body: Body::Own(fragment),
+        },
+        Waiting::Ours(name, content, method) => {
+            let built = method.build(Arc::clone(&content), limit);
+            let fragment = built.map_err(|why| SceneError::TooLarge {
+                fragment: name.clone(),
+                why,
+            })?;
+            Placed {
+                name,
+                body: Body::Ours {
+                    content,
+                    method,
+                    fragment,
+                },
+            }
+        }
+    })
+}
+
+/// The flat graph that nested scenes are taken into.
+struct Joined {
+    own_fragments: usize,
+    fragments: Vec<Placed>,
+    portals: Vec<Portal>,
+    scenes: Vec<Vec<Exit>>,
+}
+
+impl Joined {
+    fn take_in(&mut self, scene: Scene) {
+        let shift = self.fragments.len() as u32;
+        let moved = |id: FragmentId| FragmentId(id.0 + shift);
+        self.portals.extend(scene.portals.into_iter().map(|p| Portal {
+            from: moved(p.from),
+            to: moved(p.to),
+            ..p
+        }));
+        self.scenes.push(
+            scene
+                .exits
+                .into_iter()
+                .map(|exit| Exit {
+                    fragment: moved(exit.fragment),
+                    ..exit
+                })
+                .collect(),
+        );
+        self.fragments.extend(scene.fragments);
+    }
+
+    fn resolve(&self, portal: usize, end: &End) -> Result<(FragmentId, OpeningId), SceneError> {
+        let (fragment, opening) = match end {
+            End::Opening(fragment, opening) => (*fragment, *opening),
+            End::Exit(scene, name) => {
+                let exits = self.scenes.get(scene.0 as usize).map_or(&[][..], Vec::as_slice);
+                let found = exits.iter().find(|exit| exit.name == *name);
+                let exit = found.ok_or_else(|| SceneError::NoSuchExit {
+                    portal,
+                    exit: name.clone(),
+                    exits: exits
+                        .iter()
+                        .map(|exit| format!("`{}`", exit.name))
+                        .collect::<Vec<_>>()
+                        .join(", "),
+                })?;
+                return Ok((exit.fragment, exit.opening));
+            }
+        };
+        if fragment.0 as usize >= self.own_fragments {
+            return Err(SceneError::NoSuchFragment {
+                portal,
+                fragment: fragment.0,
+                fragments: self.own_fragments,
+            });
+        }
+        let placed = &self.fragments[fragment.0 as usize];
+        let openings = placed.openings().len();
+        if usize::from(opening.0) >= openings {
+            let fragment = placed.name.clone();
+            return Err(SceneError::NoSuchOpening {
+                portal,
+                fragment,
+                opening: opening.0,
+                openings,
+            });
+        }
+        Ok((fragment, opening))
+    }
+
+    fn finish(self, taken_in: usize, exits: Vec<Exit>) -> Result<Scene, SceneError> {
+        let mut first_opening = vec![0];
+        for placed in &self.fragments {
+            first_opening.push(first_opening[first_opening.len() - 1] + placed.openings().len() as u32);
+        }
+        let mut portal_of: Vec<Option<PortalId>> = vec![None; first_opening[self.fragments.len()] as usize];
+        for (number, portal) in self.portals.iter().enumerate() {
+            let slot = first_opening[portal.from.0 as usize] as usize + usize::from(portal.opening.0);
+            if let Some(first) = portal_of[slot].replace(PortalId(number as u32)) {
+                let placed = &self.fragments[portal.from.0 as usize];
+                return Err(SceneError::TwoPortals {
+                    first: (first.0 as usize).saturating_sub(taken_in),
+                    second: number - taken_in,
+                    opening: placed.openings()[usize::from(portal.opening.0)].name.clone(),
+                    fragment: placed.name.clone(),
+                });
+            }
+        }
+        Ok(Scene {
+            fragments: self.fragments,
+            portals: self.portals,
+            portal_of,
+            first_opening,
+            flat: false,
+            exits,
+        })
+    }
+}
+
+impl Placed {
+    fn openings(&self) -> &[crate::content::Opening] {
+        match &self.body {
+            Body::Ours { fragment, .. } | Body::Own(fragment) => fragment.openings(),
+        }
+    }
+}

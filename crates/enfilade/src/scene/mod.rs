@@ -1,0 +1,216 @@
+//! The aggregate: fragments joined by portals. Only this folder knows where openings lead.
+//!
+//! A scene can stand in another like a fragment: its fragments become the outer scene's when that is built, its
+//! named exits become openings to join. So a look follows one flat graph, however deeply scenes are nested.
+//! Source: Boreskov, Using portals to create aggregate scenes; RenderWare, Portal culling.
+
+mod builder;
+mod portal;
+
+pub use builder::{End, NestedId, SceneBuilder, SceneError};
+pub use portal::{FragmentId, Portal, PortalId};
+
+use crate::content::{Content, OpeningId};
+use crate::fragment::{Fragment, Hit, Ray};
+use crate::geom::Aabb;
+use crate::method::{Method, TooLarge};
+use std::sync::Arc;
+
+/// Fragments, and portals that join them. Shared and immutable while looked at.
+#[derive(Clone)]
+pub struct Scene {
+    fragments: Vec<Placed>,
+    portals: Vec<Portal>,
+    /// The portal of each opening, fragment after fragment; `first_opening` says where a fragment's begin.
+    portal_of: Vec<Option<PortalId>>,
+    first_opening: Vec<u32>,
+    flat: bool,
+    /// Openings through which one leaves the scene, when it stands in another.
+    exits: Vec<Exit>,
+}
+
+/// A fragment in a scene.
+#[derive(Clone)]
+struct Placed {
+    name: String,
+    body: Body,
+}
+
+#[derive(Clone)]
+enum Body {
+    /// Content seen by a method of ours; the method can be exchanged.
+    Ours {
+        content: Arc<Content>,
+        method: Method,
+        fragment: Arc<dyn Fragment>,
+    },
+    /// A fragment of the user's own.
+    Own(Arc<dyn Fragment>),
+}
+
+/// A named way out of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Exit {
+    name: String,
+    fragment: FragmentId,
+    opening: OpeningId,
+}
+
+impl Scene {
+    /// How many fragments there are.
+    pub fn fragment_count(&self) -> usize {
+        self.fragments.len()
+    }
+
+    /// The ids of all fragments.
+    pub fn fragments(&self) -> impl Iterator<Item = FragmentId> + use<> {
+        (0..self.fragments.len() as u32).map(FragmentId)
+    }
+
+    /// A fragment, as whatever sees it.
+    pub fn fragment(&self, id: FragmentId) -> &dyn Fragment {
+        match &self.fragments[id.0 as usize].body {
+            Body::Ours { fragment, .. } | Body::Own(fragment) => &**fragment,
+        }
+    }
+
+    /// A fragment's name.
+    pub fn fragment_name(&self, id: FragmentId) -> &str {
+        &self.fragments[id.0 as usize].name
+    }
+
+    /// What a fragment is made of; `None` where it is one of the user's own.
+    pub fn content(&self, id: FragmentId) -> Option<&Arc<Content>> {
+        match &self.fragments[id.0 as usize].body {
+            Body::Ours { content, .. } => Some(content),
+            Body::Own(_) => None,
+        }
+    }
+
+    /// How a fragment is seen; `None` where it is one of the user's own.
+    pub fn method(&self, id: FragmentId) -> Option<Method> {
+        match &self.fragments[id.0 as usize].body {
+            Body::Ours { method, .. } => Some(*method),
+            Body::Own(_) => None,
+        }
+    }
+
+    /// The portals, by [`PortalId`].
+    pub fn portals(&self) -> &[Portal] {
+        &self.portals
+    }
+
+    /// Where an opening leads; `None` where it leads nowhere.
+    pub fn portal_of(&self, fragment: FragmentId, opening: OpeningId) -> Option<PortalId> {
+        let [first, end] = [0, 1].map(|next| self.first_opening[fragment.0 as usize + next]);
+        let index = first + u32::from(opening.0);
+        if index < end {
+            self.portal_of[index as usize]
+        } else {
+            None
+        }
+    }
+
+    /// Opens or closes a portal, in O(1). The way back, if there is one, is a portal of its own.
+    pub fn set_open(&mut self, portal: PortalId, open: bool) {
+        self.portals[portal.0 as usize].open = open;
+    }
+
+    /// The same scene with every fragment of ours seen by `method`. Contents are shared, not copied.
+    ///
+    /// # Errors
+    /// [`TooLarge`] where a fragment would need more than `limit_bytes` for what the method builds.
+    pub fn with_method(&self, method: Method, limit_bytes: u64) -> Result<Scene, TooLarge> {
+        let mut scene = self.clone();
+        for placed in &mut scene.fragments {
+            if let Body::Ours { content, .. } = &placed.body {
+                let content = Arc::clone(content);
+                let fragment = method.build(Arc::clone(&content), limit_bytes)?;
+                placed.body = Body::Ours {
+                    content,
+                    method,
+                    fragment,
+                };
+            }
+        }
+        Ok(scene)
+    }
+
+    /// The same scene with its openings as plain holes: no portal is followed.
+    #[must_use]
+    pub fn without_portals(&self) -> Scene {
+        Scene {
+            flat: true,
+            ..self.clone()
+        }
+    }
+
+    pub(crate) fn is_flat(&self) -> bool {
+        self.flat
+    }
+
+    /// The fragment that a point stands in: of those whose boxes hold it, the smallest; else the one whose box is
+    /// nearest. `None` only where the scene has no fragment.
+    ///
+    /// Boxes that end in a doorway both hold an eye that stands in it: then the one whose middle is nearer to where
+    /// the eye looks (`toward`) is taken, so that the doorway is behind the eye.
+    pub fn locate(&self, point: [f32; 3], toward: [f32; 3]) -> Option<FragmentId> {
+        let ahead = |bounds: &Aabb| -> f64 {
+            let center = bounds.center();
+            (0..3)
+                .map(|a| f64::from(center[a] - point[a]) * f64::from(toward[a] - point[a]))
+                .sum()
+        };
+        let away = |bounds: &Aabb| -> f64 {
+            (0..3)
+                .map(|a| f64::from((bounds.min[a] - point[a]).max(point[a] - bounds.max[a]).max(0.0)).powi(2))
+                .sum()
+        };
+        let boxes = || {
+            self.fragments()
+                .map(|id| (id, self.fragment(id).bounds()))
+                .filter(|(_, b)| !b.is_empty())
+        };
+        let inside = |bounds: &Aabb| (0..3).all(|a| bounds.min[a] < point[a] && point[a] < bounds.max[a]);
+        let smaller = |a: &(FragmentId, Aabb), b: &(FragmentId, Aabb)| a.1.volume().total_cmp(&b.1.volume());
+        (boxes().filter(|(_, b)| inside(b)).min_by(smaller))
+            .or_else(|| {
+                boxes()
+                    .filter(|(_, b)| b.contains(point))
+                    .max_by(|a, b| ahead(&a.1).total_cmp(&ahead(&b.1)))
+            })
+            .or_else(|| boxes().min_by(|a, b| away(&a.1).total_cmp(&away(&b.1))))
+            .map(|(id, _)| id)
+            .or_else(|| self.fragments().next())
+    }
+
+    /// The smallest box around a fragment's content, in the fragment's own space.
+    pub fn bounds(&self, id: FragmentId) -> Aabb {
+        self.fragment(id).bounds()
+    }
+
+    /// The first face along a ray inside one fragment; portals are not followed.
+    pub fn cast(&self, fragment: FragmentId, ray: &Ray) -> Option<Hit> {
+        self.fragment(fragment).cast(ray)
+    }
+
+    /// Items of all fragments of ours; one that stands in two is counted twice.
+    pub fn item_count(&self) -> usize {
+        self.contents().map(|content| content.items().len()).sum()
+    }
+
+    /// Triangles of all fragments of ours, each copy counted.
+    pub fn triangle_count(&self) -> u64 {
+        self.contents().map(|content| content.triangle_count()).sum()
+    }
+
+    /// Memory in bytes, of contents and of what methods built over them.
+    pub fn bytes(&self) -> u64 {
+        let fragments = self.fragments().map(|id| self.fragment(id).bytes()).sum::<u64>();
+        fragments + (size_of_val(&*self.portals) + size_of_val(&*self.portal_of)) as u64
+    }
+
+    fn contents(&self) -> impl Iterator<Item = &Arc<Content>> {
+        self.fragments().filter_map(|id| self.content(id))
+    }
+}

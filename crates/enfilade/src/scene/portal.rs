@@ -1,0 +1,27 @@
+//! Where openings lead.
+
+use crate::content::OpeningId;
+use crate::geom::Transform;
+
+/// A fragment of a scene, by its place in [`Scene::fragments`](crate::Scene::fragments).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct FragmentId(pub u32);
+
+/// A portal of a scene, by its place in [`Scene::portals`](crate::Scene::portals).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PortalId(pub u32);
+
+/// One way through an opening. A door is two of these; a mirror is one, back into its own fragment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Portal {
+    /// The fragment one looks out of.
+    pub from: FragmentId,
+    /// The opening of that fragment.
+    pub opening: OpeningId,
+    /// The fragment one looks into.
+    pub to: FragmentId,
+    /// From the space of `from` to the space of `to`: rigid, uniformly scaling or reflecting.
+    pub there_from_here: Transform,
+    /// A closed portal is an opaque face.
+    pub open: bool,
+}

@@ -1,0 +1,138 @@
+//! What one fragment reports through one passage.
+
+use crate::aperture::Rows;
+use crate::canvas::{Canvas, Span};
+use crate::content::{Content, ItemId, OpeningId, Owner};
+use std::cmp::Reverse;
+
+/// Gathers what a fragment sees through one passage; cleared for each.
+#[derive(Debug, Default)]
+pub struct Seen {
+    pub(crate) items: Vec<SeenItem>,
+    pub(crate) openings: Vec<SeenOpening>,
+    pub(crate) clusters: Vec<u32>,
+    pub(crate) glass: Vec<GlassSample>,
+    /// Is every sample of glass wanted, or only which glass is seen?
+    pub(crate) paints: bool,
+}
+
+/// An item that may be seen, and which of its clusters.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SeenItem {
+    pub(crate) item: ItemId,
+    /// A run of [`Seen::clusters`]; empty where the item has only one, or it is not known which are seen.
+    pub(crate) clusters: [u32; 2],
+}
+
+/// An opening that may be seen, and the samples it owns, where the method knows them.
+#[derive(Debug)]
+pub(crate) struct SeenOpening {
+    pub(crate) opening: OpeningId,
+    pub(crate) rows: Option<Rows>,
+}
+
+/// A sample at which glass, or a cut-out, is in front of what hides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct GlassSample {
+    pub(crate) y: u16,
+    pub(crate) x: u16,
+    /// Bits of the nearness: they sort as the nearness does.
+    pub(crate) nearness: u32,
+    pub(crate) item: ItemId,
+    pub(crate) face: u32,
+}
+
+impl Seen {
+    /// Reports an item. Report each once.
+    pub fn item(&mut self, item: ItemId) {
+        self.items.push(SeenItem {
+            item,
+            clusters: [0, 0],
+        });
+    }
+
+    /// Reports an opening, and the samples it owns where they are known. Report each once.
+    pub fn opening(&mut self, opening: OpeningId, rows: Option<Rows>) {
+        self.openings.push(SeenOpening { opening, rows });
+    }
+
+    /// Reports that glass, or a cut-out, is in front at a sample; `nearness` is 1 / distance along the line of
+    /// sight. It is painted after what is seen through the openings.
+    #[inline]
+    pub fn glass(&mut self, x: u16, y: u16, nearness: f32, item: ItemId, face: u32) {
+        let same = |last: &GlassSample| last.item == item && last.face == face;
+        if self.paints || !self.glass.last().is_some_and(same) {
+            self.glass.push(GlassSample {
+                y,
+                x,
+                nearness: nearness.to_bits(),
+                item,
+                face,
+            });
+        }
+    }
+
+    pub(crate) fn clear(&mut self, paints: bool) {
+        self.items.clear();
+        self.openings.clear();
+        self.clusters.clear();
+        self.glass.clear();
+        self.paints = paints;
+    }
+}
+
+/// Paints glass over what is behind it: at each sample the farthest first, of equally near ones the one with the
+/// highest number, so that the lowest ends in front.
+pub(crate) fn paint_glass(glass: &mut [GlassSample], canvas: &mut dyn Canvas) {
+    glass.sort_unstable_by_key(|g| (g.y, g.x, g.nearness, Reverse((g.item, g.face))));
+    // Layer by layer: the k-th farthest glass of each sample of a row is painted in one go.
+    let mut spans: Vec<Span> = Vec::new();
+    for row in glass.chunk_by(|a, b| a.y == b.y) {
+        for layer in 0.. {
+            spans.clear();
+            for sample in row.chunk_by(|a, b| a.x == b.x).filter_map(|same| same.get(layer)) {
+                let owner = Owner::Face(sample.item, sample.face);
+                match spans.last_mut() {
+                    Some(span) if span.x1 == sample.x && span.owner == owner => span.x1 += 1,
+                    _ => spans.push(Span {
+                        x0: sample.x,
+                        x1: sample.x + 1,
+                        owner,
+                        see_through: true,
+                    }),
+                }
+            }
+            if spans.is_empty() {
+                break;
+            }
+            canvas.row(row[0].y, &spans);
+        }
+    }
+}
+
+/// Turns owners, in any order and with repeats, into items with their clusters.
+pub(crate) fn report_owners(owners: &mut Vec<(ItemId, u32)>, content: &Content, seen: &mut Seen) {
+    owners.sort_unstable();
+    owners.dedup();
+    for same in owners.chunk_by(|a, b| a.0 == b.0) {
+        let item = same[0].0;
+        let start = seen.clusters.len() as u32;
+        if content.mesh_of(item).clusters().len() > 1 {
+            seen.clusters.extend(same.iter().map(|&(_, cluster)| cluster));
+        }
+        seen.items.push(SeenItem {
+            item,
+            clusters: [start, seen.clusters.len() as u32],
+        });
+    }
+}
+
+impl Owner {
+    /// The item, unless it is an opening.
+    pub fn item(self) -> Option<ItemId> {
+        match self {
+            Owner::Face(item, _) => Some(item),
+            Owner::Opening(_) => None,
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! The eye's place, lens and screen.
+
+use glam::{DAffine3, DMat3, DVec3};
+use thiserror::Error;
+
+/// Where an eye stands, where it looks, and the screen it sees on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct View {
+    /// The eye's place, in the space of the fragment it stands in.
+    pub eye: [f32; 3],
+    /// A point that is seen in the middle of the screen.
+    pub toward: [f32; 3],
+    /// A direction that is seen upright; where it lies along the line of sight another is taken.
+    pub up: [f32; 3],
+    /// Vertical angle of the lens, in radians, above 0 and below π.
+    pub fov_y: f32,
+    /// Columns and rows of the screen, 1 to [`View::MOST_PIXELS`] each. Sample (x, y) stands at (x + ½, y + ½).
+    pub size: [u32; 2],
+    /// What is nearer than this along the line of sight neither is seen nor hides; above 0, in scene units.
+    pub near: f32,
+    /// Width in pixels by which queries are widened and occluders drawn in, for pictures made by hardware that
+    /// snaps corners to a grid; 0 for pictures of our own.
+    pub margin_px: f32,
+}
+
+/// Why a view sees nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ViewError {
+    /// A number is NaN or infinite.
+    #[error("{0} is not finite")]
+    NotFinite(&'static str),
+    /// The eye looks at itself.
+    #[error("the eye and the point it looks toward are the same")]
+    NoDirection,
+    /// The screen has no pixel, or too many.
+    #[error("a screen of {0}x{1} pixels; width and height must be from 1 to {most}", most = View::MOST_PIXELS)]
+    Size(u32, u32),
+    /// The lens is closed or flat.
+    #[error("a lens of {0} degrees; it must be above 0 and below 180")]
+    Lens(f32),
+    /// The near distance is zero or negative.
+    #[error("a near distance of {0}; it must be above 0")]
+    Near(f32),
+}
+
+impl View {
+    /// The greatest width and height, in pixels.
+    pub const MOST_PIXELS: u32 = 16_384;
+
+    /// A view with a lens of 60 degrees, y up, and near limit 10⁻³ of the distance from `eye` to `toward`, at most
+    /// 0.01.
+    pub fn new(eye: [f32; 3], toward: [f32; 3], size: [u32; 2]) -> View {
+        let distance = DVec3::from(eye.map(f64::from)).distance(DVec3::from(toward.map(f64::from))) as f32;
+        View {
+            eye,
+            toward,
+            up: [0.0, 1.0, 0.0],
+            fov_y: 60.0_f32.to_radians(),
+            size,
+            near: (1e-3 * distance).clamp(1e-6, 0.01),
+            margin_px: 0.0,
+        }
+    }
+
+    /// Is everything in range?
+    ///
+    /// # Errors
+    /// One [`ViewError`] for the first broken rule.
+    pub fn check(&self) -> Result<(), ViewError> {
+        let named = [
+            ("the eye", self.eye),
+            ("the point looked toward", self.toward),
+            ("the up direction", self.up),
+        ];
+        if let Some((name, _)) = named
+            .iter()
+            .find(|(_, point)| point.iter().any(|value| !value.is_finite()))
+        {
+            return Err(ViewError::NotFinite(name));
+        }
+        if self.eye == self.toward {
+            return Err(ViewError::NoDirection);
+        }
+        if self
+            .size
+            .iter()
+            .any(|&side| side == 0 || side > View::MOST_PIXELS)
+        {
+            return Err(ViewError::Size(self.size[0], self.size[1]));
+        }
+        if !(self.fov_y > 0.0 && self.fov_y < std::f32::consts::PI) {
+            return Err(ViewError::Lens(self.fov_y.to_degrees()));
+        }
+        if !(self.near > 0.0 && self.near.is_finite()) {
+            return Err(ViewError::Near(self.near));
+        }
+        if !(self.margin_px >= 0.0 && self.margin_px.is_finite()) {
+            return Err(ViewError::NotFinite("the margin"));
+        }
+        Ok(())
+    }
+
+    /// Eye space: right, up, and back, from the eye.
+    pub(crate) fn eye_from_fragment(&self) -> DAffine3 {
+        let [eye, toward, up] = [self.eye, self.toward, self.up].map(|v| DVec3::from(v.map(f64::from)));
+        let back = (eye - toward).normalize_or(DVec3::Z);
+        let upright = |up: DVec3| {
+            let right = up.normalize_or_zero().cross(back);
+            (right.length_squared() > 1e-16).then_some(right)
+        };
+        let right = upright(up)
+            .or_else(|| upright(DVec3::Z))
+            .or_else(|| upright(DVec3::X))
+            .unwrap_or(DVec3::X)
+            .normalize();
+        let rotation = DMat3::from_cols(right, back.cross(right), back).transpose();
+        DAffine3 {
+            matrix3: rotation,
+            translation: rotation * -eye,
+        }
+    }
+
+    /// From eye space to (X, Y, W): the pixel is (X / W, Y / W), y down, and W the distance along the line of
+    /// sight.
+    pub(crate) fn screen_from_eye(&self) -> DMat3 {
+        let [width, height] = self.size.map(f64::from);
+        // Rounded to f32, so that machines whose tangents differ in the last bit of f64 make the same decisions.
+        let focal = 0.5 * height / f64::from((0.5 * f64::from(self.fov_y)).tan() as f32);
+        DMat3::from_cols(
+            DVec3::new(focal, 0.0, 0.0),
+            DVec3::new(0.0, -focal, 0.0),
+            DVec3::new(-0.5 * width, -0.5 * height, -1.0),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_looked_at_is_in_the_middle_and_up_is_up() {
+        let view = View::new([1.0, 2.0, 3.0], [4.0, 2.0, -7.0], [640, 480]);
+        let screen = |point: [f64; 3]| {
+            let at = view.screen_from_eye() * view.eye_from_fragment().transform_point3(DVec3::from(point));
+            (at / at.z, at.z)
+        };
+        let (middle, distance) = screen([4.0, 2.0, -7.0]);
+        assert!((middle.x - 320.0).abs() < 1e-9 && (middle.y - 240.0).abs() < 1e-9);
+        assert!((distance - 109.0_f64.sqrt()).abs() < 1e-9);
+        assert!(screen([4.0, 3.0, -7.0]).0.y < 240.0);
+    }
+
+    #[test]
+    fn a_view_straight_down_is_sound() {
+        let view = View::new([0.0, 5.0, 0.0], [0.0, 0.0, 0.0], [8, 8]);
+        assert!(view.eye_from_fragment().is_finite());
+        assert_eq!(view.check(), Ok(()));
+    }
+
+    #[test]
+    fn each_broken_rule_has_its_own_error() {
+        let sound = View::new([0.0; 3], [0.0, 0.0, -1.0], [8, 8]);
+        let error = |change: fn(&mut View)| {
+            let mut view = sound;
+            change(&mut view);
+            view.check().expect_err("the rule is broken")
+        };
+        assert_eq!(error(|v| v.toward = v.eye), ViewError::NoDirection);
+        assert_eq!(error(|v| v.size = [0, 0]), ViewError::Size(0, 0));
+        assert_eq!(
+            error(|v| v.size = [100_000, 100_000]),
+            ViewError::Size(100_000, 100_000)
+        );
+        assert!(matches!(error(|v| v.fov_y = 4.0), ViewError::Lens(_)));
+        assert!(matches!(error(|v| v.near = 0.0), ViewError::Near(_)));
+        assert!(matches!(
+            error(|v| v.eye[1] = f32::NAN),
+            ViewError::NotFinite("the eye")
+        ));
+    }
+}

@@ -1,0 +1,98 @@
+//! The answer to a look.
+
+use crate::content::{Content, ItemId};
+use crate::geom::Aabb;
+use crate::passage::{Passage, PassageId};
+use crate::scene::Scene;
+
+/// What can be seen: passages, and in each the items.
+#[derive(Debug, Default)]
+pub struct VisibleSet {
+    pub(crate) passages: Vec<Passage>,
+    pub(crate) items: Vec<VisibleItem>,
+    pub(crate) clusters: Vec<u32>,
+    pub(crate) complete: bool,
+}
+
+/// An item that may be seen through a passage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VisibleItem {
+    /// The way it is seen.
+    pub passage: PassageId,
+    /// The item, in the passage's fragment.
+    pub item: ItemId,
+    /// The longer side of its box on the screen, in pixels, within the aperture.
+    pub size_px: u16,
+    pub(crate) clusters: [u32; 2],
+}
+
+impl VisibleSet {
+    /// The ways from the eye into fragments; the first is the one that the eye stands in, and each comes after its
+    /// parent.
+    pub fn passages(&self) -> &[Passage] {
+        &self.passages
+    }
+
+    /// One passage.
+    pub fn passage(&self, id: PassageId) -> &Passage {
+        &self.passages[id.0 as usize]
+    }
+
+    /// What may be seen, passage after passage; within one, each item once.
+    pub fn items(&self) -> &[VisibleItem] {
+        &self.items
+    }
+
+    /// The clusters of an item's mesh that may be seen; empty stands for all.
+    pub fn clusters(&self, item: &VisibleItem) -> &[u32] {
+        &self.clusters[item.clusters[0] as usize..item.clusters[1] as usize]
+    }
+
+    /// Was every opening that is seen also followed? If not, a limit of the viewer stopped it.
+    pub fn complete(&self) -> bool {
+        self.complete
+    }
+
+    /// Triangles of what is in the set: of a large item, those of the clusters that are seen.
+    pub fn triangle_count(&self, scene: &Scene) -> u64 {
+        let triangles = |item: &VisibleItem| {
+            let content = scene.content(self.passage(item.passage).fragment)?;
+            let mesh = content.mesh_of(item.item);
+            let clusters = self.clusters(item);
+            Some(if clusters.is_empty() {
+                mesh.triangle_count()
+            } else {
+                clusters
+                    .iter()
+                    .map(|&cluster| mesh.triangles_in(cluster as usize))
+                    .sum()
+            })
+        };
+        self.items.iter().filter_map(triangles).sum()
+    }
+
+    /// Items and triangles whose boxes meet the frustum, in the fragments that are seen: what would be left to draw
+    /// if nothing hid anything. An item is counted once for each passage.
+    pub fn in_frustum(&self, scene: &Scene) -> (usize, u64) {
+        let [mut items, mut triangles] = [0, 0];
+        for passage in &self.passages {
+            let Some(content) = scene.content(passage.fragment) else {
+                continue;
+            };
+            let met = (0..content.items().len() as u32)
+                .map(ItemId)
+                .filter(|&item| in_frustum(passage, content, item));
+            for item in met {
+                items += 1;
+                triangles += content.mesh_of(item).triangle_count();
+            }
+        }
+        (items as usize, triangles)
+    }
+}
+
+fn in_frustum(passage: &Passage, content: &Content, item: ItemId) -> bool {
+    let bounds: Aabb = content.mesh_of(item).bounds();
+    let screen_from_item = passage.screen_from(&content.item(item).transform());
+    passage.frustum_meets(&screen_from_item, &bounds)
+}

@@ -1,0 +1,106 @@
+//! Colours: sRGB and back, and colours that tell numbers apart.
+
+use std::sync::LazyLock;
+
+/// Linear light, 0 to 1, in steps of 1/4095, as sRGB bytes.
+static ENCODED: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    let encode = |step: u16| {
+        let linear = f64::from(step) / 4095.0;
+        let srgb = if linear <= 0.003_130_8 {
+            12.92 * linear
+        } else {
+            1.055 * linear.powf(1.0 / 2.4) - 0.055
+        };
+        (255.0 * srgb + 0.5) as u8
+    };
+    (0..4096).map(encode).collect()
+});
+
+/// sRGB bytes as linear light, 0 to 1.
+static DECODED: LazyLock<Vec<f32>> = LazyLock::new(|| {
+    let decode = |byte: u16| {
+        let srgb = f64::from(byte) / 255.0;
+        if srgb <= 0.040_45 {
+            srgb / 12.92
+        } else {
+            ((srgb + 0.055) / 1.055).powf(2.4)
+        }
+    };
+    (0..256).map(|byte| decode(byte) as f32).collect()
+});
+
+/// Linear light as sRGB bytes; what is out of range is clamped. IEC 61966-2-1.
+pub(crate) fn encode(linear: [f32; 3]) -> [u8; 3] {
+    linear.map(|value| ENCODED[(value.clamp(0.0, 1.0) * 4095.0 + 0.5) as usize])
+}
+
+/// sRGB bytes as linear light.
+pub(crate) fn decode(bytes: [u8; 3]) -> [f32; 3] {
+    bytes.map(|byte| DECODED[usize::from(byte)])
+}
+
+/// A colour for a number: neighbours differ in hue by the golden angle, so that few are alike.
+pub(crate) fn distinct(number: u64) -> [f32; 3] {
+    let mixed = number.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let hue = (mixed >> 40) as f32 / (1_u32 << 24) as f32;
+    let light = 0.35 + 0.5 * (mixed >> 16 & 0xFF) as f32 / 255.0;
+    let wave = |shift: f32| {
+        let at = (hue + shift).fract() * 6.0 - 3.0;
+        (at.abs() - 1.0).clamp(0.0, 1.0)
+    };
+    [0.0, 2.0 / 3.0, 1.0 / 3.0].map(|shift| light * (0.25 + 0.75 * wave(shift)))
+}
+
+/// From blue through green and yellow to red, for `part` from 0 to 1.
+pub(crate) fn rainbow(part: f32) -> [f32; 3] {
+    along(
+        &[
+            [0.05, 0.1, 0.7],
+            [0.0, 0.6, 0.7],
+            [0.1, 0.7, 0.1],
+            [0.9, 0.8, 0.05],
+            [0.8, 0.05, 0.03],
+        ],
+        part,
+    )
+}
+
+/// From black through blue, green and yellow to white, for `part` from 0 to 1.
+pub(crate) fn heat(part: f32) -> [f32; 3] {
+    along(
+        &[
+            [0.0; 3],
+            [0.05, 0.05, 0.5],
+            [0.05, 0.5, 0.25],
+            [0.9, 0.7, 0.05],
+            [1.0; 3],
+        ],
+        part,
+    )
+}
+
+fn along(stops: &[[f32; 3]], part: f32) -> [f32; 3] {
+    let at = part.clamp(0.0, 1.0) * (stops.len() - 1) as f32;
+    let first = (at as usize).min(stops.len() - 2);
+    let between = at - first as f32;
+    std::array::from_fn(|i| stops[first][i] * (1.0 - between) + stops[first + 1][i] * between)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_survive_the_way_to_linear_light_and_back() {
+        for byte in 0..=255 {
+            assert_eq!(encode(decode([byte; 3])), [byte; 3]);
+        }
+    }
+
+    #[test]
+    fn neighbouring_numbers_have_different_colours() {
+        for number in 0..1000 {
+            assert_ne!(encode(distinct(number)), encode(distinct(number + 1)));
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! Reads a file and says what is in it: `cargo run --release -p enfilade_import --example read_a_file -- FILE`.
+#![allow(clippy::print_stdout, reason = "an example shows what it does")]
+
+use enfilade_import::{ReadOptions, read};
+use std::path::Path;
+use std::time::Instant;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let file = std::env::args().nth(1).ok_or("name a .glb or .gltf file")?;
+    let start = Instant::now();
+    let import = read(Path::new(&file), &ReadOptions::default())?;
+    let took = start.elapsed();
+
+    let content = &import.content;
+    println!("{} items, {} meshes, {} triangles", content.items().len(), content.meshes().len(), content.triangle_count());
+    println!("{} bytes in memory, read in {took:.1?}", content.bytes());
+    for camera in &import.cameras {
+        println!("camera {:?} at {:?}", camera.name, camera.eye);
+    }
+    for warning in &import.warnings {
+        println!("warning: {warning}");
+    }
+    Ok(())
+}

@@ -1,0 +1,286 @@
+//! Why a file is not read.
+
+use enfilade::{ContentError, MeshError};
+use std::io;
+use thiserror::Error;
+
+/// A file that is not read, and the rule that it breaks.
+#[derive(Debug, Error)]
+#[error("{file}: {rule}")]
+pub struct ImportError {
+    /// The file, as it was named.
+    pub file: String,
+    /// What is wrong in it.
+    pub rule: BrokenRule,
+}
+
+/// What is wrong in a file. A `place` is `accessor 12`, `meshes[3].primitives[0]` or `node 7 "Door"`.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum BrokenRule {
+    /// The system does not hand out the file.
+    #[error("cannot be read: {0}")]
+    Unreadable(io::Error),
+    /// A folder, a pipe or a device.
+    #[error("is not a file; name a .glb or .gltf file")]
+    NotAFile,
+    /// Neither the magic number of a `.glb` nor the start of a JSON object.
+    #[error("is not glTF: it begins with {begins}. Only glTF 2.0 is read yet (.glb, or .gltf with its .bin files)")]
+    NotGltf {
+        /// The first bytes, as text.
+        begins: String,
+    },
+    /// A `.glb` ends early.
+    #[error("is cut short: its {part} should end at byte {needs}, but the file has only {has}; copy or export it again")]
+    Truncated {
+        /// The part in which it ends.
+        part: &'static str,
+        /// Where that part should end.
+        needs: u64,
+        /// Bytes that are there.
+        has: u64,
+    },
+    /// A `.glb` that does not begin with its JSON.
+    #[error("its first chunk is not JSON; export it again")]
+    NoJsonChunk,
+    /// Another version of glTF.
+    #[error("is of glTF version {0}; only version 2.0 is read. Export it again as glTF 2.0")]
+    Version(String),
+    /// Not JSON, or not what glTF wants there.
+    #[error("its JSON cannot be read: {0}")]
+    Json(String),
+    /// More memory is needed than allowed.
+    #[error(
+        "{place} would take the memory needed to {needs_bytes} bytes, more than the limit of {limit_bytes}; \
+         allow more, or cut the file in pieces"
+    )]
+    TooLarge {
+        /// What would take it.
+        place: String,
+        /// About what is needed, with all that was read before.
+        needs_bytes: u64,
+        /// What was allowed.
+        limit_bytes: u64,
+    },
+    /// The file cannot be shown rightly without an extension.
+    #[error("needs the extension {extension}, which is not read; {remedy}")]
+    ExtensionRequired {
+        /// Its name.
+        extension: String,
+        /// What to do about it.
+        remedy: &'static str,
+    },
+    /// Something that is glTF, but not read yet, and without which a shape would be wrong.
+    #[error("{place} is {what}, which is not read yet; {remedy}")]
+    NotReadYet {
+        /// Where.
+        place: String,
+        /// What it is.
+        what: &'static str,
+        /// What to do about it.
+        remedy: &'static str,
+    },
+    /// A number that names nothing.
+    #[error("{place} names {kind} {index}, but there are only {count}")]
+    NoSuch {
+        /// Where.
+        place: String,
+        /// What it names.
+        kind: &'static str,
+        /// Which of them.
+        index: u32,
+        /// How many there are.
+        count: usize,
+    },
+    /// A buffer is to be fetched from elsewhere.
+    #[error("{place} lies at `{uri}`; nothing is fetched. Save it beside the file and name it there")]
+    NotLocal {
+        /// Which buffer.
+        place: String,
+        /// The address.
+        uri: String,
+    },
+    /// A buffer's path is absolute or climbs with `..`.
+    #[error("{place} is `{uri}`, which leads out of the file's folder; move it into that folder and name it there")]
+    LeavesFolder {
+        /// Which buffer.
+        place: String,
+        /// The path.
+        uri: String,
+    },
+    /// A buffer stands in a file, and there is no folder to look in.
+    #[error("{place} is the file `{uri}`, but no folder was given to look for it")]
+    NoFolder {
+        /// Which buffer.
+        place: String,
+        /// The path.
+        uri: String,
+    },
+    /// A buffer's address has bad percent signs, or its data are not base64.
+    #[error("{place} has a bad address: {why}")]
+    BadUri {
+        /// Which buffer.
+        place: String,
+        /// What is bad about it.
+        why: String,
+    },
+    /// A buffer's file is not read.
+    #[error("{place} is the file `{path}`, which {why}")]
+    BufferFile {
+        /// Which buffer.
+        place: String,
+        /// Where it was looked for.
+        path: String,
+        /// What is wrong with it.
+        why: Box<BrokenRule>,
+    },
+    /// A buffer with neither an address nor a chunk of the `.glb`.
+    #[error("{place} has no bytes: no uri, and it is not the binary chunk of a .glb. If it was compressed, export it without")]
+    BufferWithoutBytes {
+        /// Which buffer.
+        place: String,
+    },
+    /// A buffer is shorter than it says.
+    #[error("{place} should have {needs} bytes, but only {has} are there; copy or export it again")]
+    BufferTooShort {
+        /// Which buffer.
+        place: String,
+        /// What it says.
+        needs: u64,
+        /// What is there.
+        has: u64,
+    },
+    /// A buffer view reaches past its buffer.
+    #[error("{place} ends at byte {end} of buffer {buffer}, which has only {length}")]
+    ViewOutOfBuffer {
+        /// Which buffer view.
+        place: String,
+        /// Where it ends.
+        end: u128,
+        /// Its buffer.
+        buffer: u32,
+        /// The bytes of that.
+        length: u64,
+    },
+    /// An accessor reaches past its buffer view.
+    #[error("{place} ends at byte {end} of bufferView {view}, which has only {length}")]
+    AccessorOutOfView {
+        /// Which accessor.
+        place: String,
+        /// Where it ends.
+        end: u128,
+        /// Its buffer view.
+        view: u32,
+        /// The bytes of that.
+        length: u64,
+    },
+    /// Elements overlap.
+    #[error("{place} has elements of {element} bytes, but its bufferView {view} has a byteStride of {stride}")]
+    BadStride {
+        /// Which accessor.
+        place: String,
+        /// Its buffer view.
+        view: u32,
+        /// From one element to the next.
+        stride: u64,
+        /// The bytes of an element.
+        element: u64,
+    },
+    /// An accessor holds something else than what it is used for.
+    #[error("{place} holds {found}, but {wanted} are wanted; {remedy}")]
+    WrongType {
+        /// Which accessor.
+        place: String,
+        /// What it holds.
+        found: String,
+        /// What is wanted.
+        wanted: &'static str,
+        /// What to do about it.
+        remedy: &'static str,
+    },
+    /// A position that a triangle uses is NaN or infinite.
+    #[error("{place} has a triangle at position {position}, which is not finite; repair the mesh and export it again")]
+    PositionNotFinite {
+        /// Which primitive.
+        place: String,
+        /// Which position.
+        position: u32,
+    },
+    /// An index names a position that is not there.
+    #[error("{place} has index {index} at place {corner} of its indices, but only {positions} positions")]
+    IndexOutOfRange {
+        /// Which primitive.
+        place: String,
+        /// Which of its indices.
+        corner: usize,
+        /// The position it names.
+        index: u32,
+        /// How many there are.
+        positions: u64,
+    },
+    /// Corners are numbered with 32 bits.
+    #[error("{place} has more than 4 billion corners; cut it in pieces")]
+    TooManyCorners {
+        /// Which mesh.
+        place: String,
+    },
+    /// A drawing mode that glTF does not know.
+    #[error("{place} has mode {mode}; modes are 0 (points) to 6 (triangle fan)")]
+    BadMode {
+        /// Which primitive.
+        place: String,
+        /// Its mode.
+        mode: u32,
+    },
+    /// An alpha mode that glTF does not know.
+    #[error("{place} has alphaMode `{mode}`; modes are OPAQUE, MASK and BLEND")]
+    BadAlphaMode {
+        /// Which material.
+        place: String,
+        /// Its mode.
+        mode: String,
+    },
+    /// A node is a child twice.
+    #[error("{node} is a child of both {first} and {second}; a node has one parent")]
+    TwoParents {
+        /// The node.
+        node: String,
+        /// One parent.
+        first: String,
+        /// The other; the same one where it names the node twice.
+        second: String,
+    },
+    /// A node is its own ancestor.
+    #[error("these nodes are each other's children, in a ring: {0}")]
+    NodeCycle(String),
+    /// A scene begins in the middle of a tree.
+    #[error("{scene} begins with {node}, which is a child of {parent}; a scene begins with nodes that have no parent")]
+    NotARoot {
+        /// The scene.
+        scene: String,
+        /// The node.
+        node: String,
+        /// The node's parent.
+        parent: String,
+    },
+    /// A matrix whose last row is not 0, 0, 0, 1.
+    #[error("{0} has a matrix with perspective; only moving, turning, scaling and shearing are possible")]
+    NotAffine(String),
+    /// A rotation of length zero.
+    #[error("{0} has a rotation of length zero; no rotation at all is 0, 0, 0, 1")]
+    NoRotation(String),
+    /// A place beyond what 32-bit numbers hold.
+    #[error("{0} stands at a place, or has a size, that is not finite")]
+    NodeNotFinite(String),
+    /// What is left to the mesh to check.
+    #[error("{place}: {why}")]
+    Mesh {
+        /// Which mesh.
+        place: String,
+        /// The rule it breaks.
+        why: MeshError,
+    },
+    /// What is left to the content to check.
+    #[error("{0}")]
+    Content(ContentError),
+}

@@ -1,0 +1,84 @@
+//! The file as a whole: which bytes are JSON, which are the binary chunk.
+
+use crate::BrokenRule;
+
+/// The two parts of a file.
+#[derive(Debug, PartialEq)]
+pub(super) struct Container<'a> {
+    pub(super) json: &'a [u8],
+    /// The binary chunk of a `.glb`, where it has one.
+    pub(super) binary: Option<&'a [u8]>,
+}
+
+const MAGIC: &[u8] = b"glTF";
+const HEADER: usize = 12;
+const JSON: [u8; 4] = *b"JSON";
+const BINARY: [u8; 4] = *b"BIN\0";
+
+impl<'a> Container<'a> {
+    /// Finds the parts. The first bytes decide what the file is, since names lie.
+    pub(super) fn split(bytes: &'a [u8]) -> Result<Container<'a>, BrokenRule> {
+        if bytes.starts_with(MAGIC) {
+            return split_binary(bytes);
+        }
+        let json = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+        if json.trim_ascii_start().starts_with(b"{") {
+            return Ok(Container { json, binary: None });
+        }
+        let begins = match bytes {
+            [] => "nothing at all".to_owned(),
+            _ => format!("`{}`", bytes[..bytes.len().min(12)].escape_ascii()),
+        };
+        Err(BrokenRule::NotGltf { begins })
+    }
+}
+
+/// A `.glb`: magic, version and length, then chunks, each with its own length and kind.
+fn split_binary(bytes: &[u8]) -> Result<Container<'_>, BrokenRule> {
+    let word = |at: usize| bytes.get(at..).and_then(|rest| rest.first_chunk::<4>());
+    let has = bytes.len() as u64;
+    let cut = |part, needs| BrokenRule::Truncated { part, needs, has };
+    let (Some(version), Some(length)) = (word(4), word(8)) else {
+        return Err(cut("header", HEADER as u64));
+    };
+    let version = u32::from_le_bytes(*version);
+    if version != 2 {
+        return Err(BrokenRule::Version(version.to_string()));
+    }
+    let length = u64::from(u32::from_le_bytes(*length));
+    let chunk = |part: &'static str, start: usize| {
+        let (Some(size), Some(kind)) = (word(start), word(start + 4)) else {
+            return Err(cut(part, start as u64 + 8));
+        };
+        let end = start as u64 + 8 + u64::from(u32::from_le_bytes(*size));
+        match usize::try_from(end).ok().and_then(|end| bytes.get(start + 8..end)) {
+            Some(inside) => Ok((*kind, inside, end)),
+            None => Err(cut(part, end)),
+        }
+    };
+    let (kind, json, json_end) = chunk("JSON chunk", HEADER)?;
+    if kind != JSON {
+        return Err(BrokenRule::NoJsonChunk);
+    }
+    let mut binary = None;
+    if json_end + 8 <= length {
+        let (kind, inside, _) = chunk("binary chunk", json_end as usize)?;
+        binary = (kind == BINARY).then_some(inside);
+    }
+    if length > has {
+        return Err(cut("last chunk", length));
+    }
+    Ok(Container { json, binary })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn json_may_have_space_and_a_byte_order_mark_before_it() {
+        for text in ["{}", " \n{}", "\u{feff}{}"] {
+            assert!(Container::split(text.as_bytes()).is_ok(), "{text:?}");
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Nodes: the forest is checked, then walked without recursion, each place worked out in f64.
+//!
+//! Source: glTF 2.0 Specification, section 3.5.
+//! Cost: O(nodes), however deep they are nested.
+
+use super::document::{Document, Node, find};
+use crate::BrokenRule;
+use crate::warning::{WarningKind, Warnings};
+use enfilade::Transform;
+use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
+
+/// A node of the scene that shows something, and where it stands.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placed {
+    pub(super) node: u32,
+    pub(super) world: Transform,
+}
+
+/// The nodes of the default scene that have a mesh or a camera, by their numbers.
+pub(super) fn place(document: &Document, warnings: &mut Warnings) -> Result<Vec<Placed>, BrokenRule> {
+    let parents = parents(document)?;
+    if let Some(node) = on_a_cycle(&parents) {
+        return Err(BrokenRule::NodeCycle(name_the_cycle(document, &parents, node)));
+    }
+    let mut placed = Vec::new();
+    let mut entered = vec![false; document.nodes.len()];
+    // A stack: what is to be entered first is pushed last.
+    let mut waiting: Vec<(u32, DAffine3)> =
+        roots(document, &parents)?.iter().rev().map(|&root| (root, DAffine3::IDENTITY)).collect();
+    while let Some((number, world_from_parent)) = waiting.pop() {
+        // A scene may name a node twice; it is there once all the same.
+        if std::mem::replace(&mut entered[number as usize], true) {
+            continue;
+        }
+        let node = &document.nodes[number as usize];
+        let world_from_node = world_from_parent * parent_from_node(document, number, node, warnings)?;
+        if node.mesh.is_some() || node.camera.is_some() {
+            let world = rounded(&world_from_node);
+            if !world.is_finite() {
+                return Err(BrokenRule::NodeNotFinite(document.node_name(number)));
+            }
+            if node.mesh.is_some() && world.inverse().is_none() {
+                warnings.name(WarningKind::Flattened, || document.node_name(number));
+            }
+            placed.push(Placed { node: number, world });
+        }
+        waiting.extend(node.children.iter().rev().map(|&child| (child, world_from_node)));
+    }
+    placed.sort_unstable_by_key(|placed| placed.node);
+    Ok(placed)
+}
+
+/// The nodes that the scene begins with: those of the default scene, else of the first, else all without a parent.
+fn roots(document: &Document, parents: &[Option<u32>]) -> Result<Vec<u32>, BrokenRule> {
+    let Some(number) = document.scene.or((!document.scenes.is_empty()).then_some(0)) else {
+        return Ok((0_u32..).zip(parents).filter(|(_, parent)| parent.is_none()).map(|(root, _)| root).collect());
+    };
+    let scene = find(&document.scenes, number, "scene", || "the document".to_owned())?;
+    let place = || format!("scene {number}");
+    for &root in &scene.nodes {
+        find(&document.nodes, root, "node", place)?;
+        if let Some(parent) = parents[root as usize] {
+            return Err(BrokenRule::NotARoot {
+                scene: place(),
+                node: document.node_name(root),
+                parent: document.node_name(parent),
+            });
+        }
+    }
+    Ok(scene.nodes.clone())
+}
+
+fn parents(document: &Document) -> Result<Vec<Option<u32>>, BrokenRule> {
+    let mut parents: Vec<Option<u32>> = vec![None; document.nodes.len()];
+    for (parent, node) in (0_u32..).zip(&document.nodes) {
+        for &child in &node.children {
+            find(&document.nodes, child, "node", || document.node_name(parent))?;
+            if let Some(first) = parents[child as usize].replace(parent) {
+                let [node, first, second] = [child, first, parent].map(|number| document.node_name(number));
+                return Err(BrokenRule::TwoParents { node, first, second });
+            }
+        }
+    }
+    Ok(parents)
+}
+
+/// A node that is its own ancestor, if there is one.
+fn on_a_cycle(parents: &[Option<u32>]) -> Option<u32> {
+    // Each climb stops where an earlier one came by, so all climbs together meet a node at most twice.
+    let mut met_from: Vec<Option<u32>> = vec![None; parents.len()];
+    for start in 0..parents.len() as u32 {
+        let mut next = Some(start);
+        while let Some(node) = next {
+            match met_from[node as usize].replace(start) {
+                Some(earlier) if earlier == start => return Some(node),
+                Some(_) => break,
+                None => next = parents[node as usize],
+            }
+        }
+    }
+    None
+}
+
+/// The nodes of a cycle, from a parent to its child and so on, the first again at the end.
+fn name_the_cycle(document: &Document, parents: &[Option<u32>], node: u32) -> String {
+    const MOST: usize = 6;
+    let upward = std::iter::successors(parents[node as usize], |&at| parents[at as usize]);
+    let mut cycle: Vec<u32> = upward.take_while(|&at| at != node).collect();
+    cycle.push(node);
+    cycle.reverse();
+    let mut names: Vec<String> = cycle.iter().take(MOST).map(|&at| document.node_name(at)).collect();
+    if cycle.len() > MOST {
+        names.push(format!("and so on: {} more", cycle.len() - MOST));
+    }
+    names.push(document.node_name(node));
+    names.join(", ")
+}
+
+fn parent_from_node(
+    document: &Document,
+    number: u32,
+    node: &Node,
+    warnings: &mut Warnings,
+) -> Result<DAffine3, BrokenRule> {
+    let name = || document.node_name(number);
+    if let Some(matrix) = &node.matrix {
+        let matrix = DMat4::from_cols_array(matrix);
+        if !matrix.row(3).abs_diff_eq(DVec4::W, 1e-6) {
+            return Err(BrokenRule::NotAffine(name()));
+        }
+        let affine = DAffine3::from_mat4(matrix);
+        if shears(&affine) {
+            warnings.name(WarningKind::Sheared, name);
+        }
+        return Ok(affine);
+    }
+    let translation = node.translation.as_deref().map_or(DVec3::ZERO, |&t| DVec3::from(t));
+    let scale = node.scale.as_deref().map_or(DVec3::ONE, |&s| DVec3::from(s));
+    let rotation = match node.rotation.as_deref() {
+        None => DQuat::IDENTITY,
+        Some(&[x, y, z, w]) => {
+            // Scaled by the largest part first: squares of what JSON can hold may vanish or overflow.
+            let largest = [x, y, z, w].into_iter().fold(0.0_f64, |most, part| most.max(part.abs()));
+            if largest == 0.0 {
+                return Err(BrokenRule::NoRotation(name()));
+            }
+            DQuat::from_vec4((DVec4::new(x, y, z, w) / largest).normalize())
+        }
+    };
+    Ok(DAffine3::from_scale_rotation_translation(scale, rotation, translation))
+}
+
+/// Do axes that were square to each other no longer stand so, beyond what 32-bit numbers lose?
+fn shears(affine: &DAffine3) -> bool {
+    let [x, y, z] = [affine.matrix3.x_axis, affine.matrix3.y_axis, affine.matrix3.z_axis];
+    [(x, y), (y, z), (z, x)].into_iter().any(|(a, b)| a.dot(b).abs() > 1e-4 * a.length() * b.length())
+}
+
+/// As items keep their places: rounded once, after all multiplying is done.
+fn rounded(affine: &DAffine3) -> Transform {
+    Transform::from_columns(affine.to_cols_array_2d().map(|column| column.map(|value| value as f32)))
+}

@@ -1,0 +1,147 @@
+//! What a reader leaves out, said in few words.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// Something that a file has and that was not read, or that is odd. Its text is one line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// What it is.
+    pub kind: WarningKind,
+    /// How many of them there are; 0 for what cannot be counted.
+    pub count: usize,
+    /// The first few of them by name, where names help to find them.
+    pub first: Vec<String>,
+}
+
+/// What a warning is about, worst first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum WarningKind {
+    /// Nothing can be seen.
+    EmptyScene,
+    /// The file has more scenes than the one that was read.
+    OtherScenes,
+    /// Extensions that the file uses.
+    Extensions,
+    /// Primitives that are points.
+    Points,
+    /// Primitives that are lines.
+    Lines,
+    /// Primitives without positions.
+    NoPositions,
+    /// Triangle lists whose last corners make no triangle.
+    CornersLeft,
+    /// Nodes that make their mesh flat: a scale of zero, or a matrix that cannot be undone.
+    Flattened,
+    /// Nodes whose matrix shears, which glTF forbids.
+    Sheared,
+    /// Cameras without perspective.
+    OrthographicCameras,
+    /// Cameras whose angle, near distance or place makes no picture.
+    BadCameras,
+    /// Meshes that change their shape.
+    MorphTargets,
+    /// Nodes whose mesh follows a skeleton.
+    Skins,
+    /// Movements.
+    Animations,
+    /// Images on faces.
+    Textures,
+    /// Primitives with normals.
+    Normals,
+    /// Primitives with colors at their corners.
+    VertexColors,
+}
+
+impl WarningKind {
+    fn text(self) -> &'static str {
+        match self {
+            WarningKind::EmptyScene => "the scene is empty: none of its nodes has a triangle",
+            WarningKind::OtherScenes => "only the default scene is read, others are not",
+            WarningKind::Extensions => "extensions not read",
+            WarningKind::Points => "points are not drawn",
+            WarningKind::Lines => "lines are not drawn",
+            WarningKind::NoPositions => "primitives without positions are not drawn",
+            WarningKind::CornersLeft => "the last corners of a list of triangles make no triangle and are left out",
+            WarningKind::Flattened => "nodes flatten their mesh, which may then be seen as a line or not at all",
+            WarningKind::Sheared => "node matrices shear, which glTF forbids; they are taken as they are",
+            WarningKind::OrthographicCameras => "orthographic cameras are not read yet",
+            WarningKind::BadCameras => "cameras that can make no picture are left out",
+            WarningKind::MorphTargets => "morph targets are not read yet: shapes are those before any morph",
+            WarningKind::Skins => "skins are not read yet: meshes are in their rest pose",
+            WarningKind::Animations => "animations are not read yet: everything stands still",
+            WarningKind::Textures => "textures are not read yet: faces have their base color",
+            WarningKind::Normals => "normals are not read yet: faces are flat",
+            WarningKind::VertexColors => "vertex colors are not read yet",
+        }
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.kind.text())?;
+        match (self.count, self.first.len()) {
+            (0, _) => Ok(()),
+            (count, 0) => write!(f, " ({count})"),
+            (count, named) if count == named => write!(f, " ({})", self.first.join(", ")),
+            (count, named) => write!(f, " ({} and {} more)", self.first.join(", "), count - named),
+        }
+    }
+}
+
+/// Gathers warnings, one of each kind.
+#[derive(Debug, Default)]
+pub(crate) struct Warnings(BTreeMap<WarningKind, Warning>);
+
+impl Warnings {
+    /// Notes `count` things that need no names; notes nothing where there are none.
+    pub(crate) fn count(&mut self, kind: WarningKind, count: usize) {
+        if count > 0 {
+            self.of(kind).count += count;
+        }
+    }
+
+    /// Notes one thing, which is named while there are few.
+    pub(crate) fn name(&mut self, kind: WarningKind, name: impl FnOnce() -> String) {
+        const FEW: usize = 6;
+        let warning = self.of(kind);
+        warning.count += 1;
+        if warning.first.len() < FEW {
+            warning.first.push(name());
+        }
+    }
+
+    /// Notes what is so or not.
+    pub(crate) fn state(&mut self, kind: WarningKind, is_so: bool) {
+        if is_so {
+            self.of(kind);
+        }
+    }
+
+    pub(crate) fn into_list(self) -> Vec<Warning> {
+        self.0.into_values().collect()
+    }
+
+    fn of(&mut self, kind: WarningKind) -> &mut Warning {
+        self.0.entry(kind).or_insert(Warning { kind, count: 0, first: Vec::new() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_warning_names_few_and_counts_all() {
+        let mut warnings = Warnings::default();
+        warnings.count(WarningKind::Textures, 21);
+        warnings.count(WarningKind::Skins, 0);
+        (0..9).for_each(|n| warnings.name(WarningKind::Points, || format!("p{n}")));
+        warnings.state(WarningKind::EmptyScene, true);
+        let texts: Vec<String> = warnings.into_list().iter().map(Warning::to_string).collect();
+        assert_eq!(texts[0], "the scene is empty: none of its nodes has a triangle");
+        assert_eq!(texts[1], "points are not drawn (p0, p1, p2, p3, p4, p5 and 3 more)");
+        assert_eq!(texts[2], "textures are not read yet: faces have their base color (21)");
+    }
+}

@@ -1,0 +1,122 @@
+//! What is left out, and said to be.
+
+use crate::file::{File, reads, warnings};
+use serde_json::json;
+
+/// A leaf with a change to it gives exactly these warnings.
+#[track_caller]
+fn warns(change: impl FnOnce(&mut File), expected: &[&str]) {
+    let mut file = File::leaf();
+    change(&mut file);
+    assert_eq!(warnings(&reads(&file)), expected);
+}
+
+#[test]
+fn a_plain_file_gives_no_warning() {
+    warns(|_| (), &[]);
+}
+
+#[test]
+fn a_scene_without_triangles_is_called_empty() {
+    let empty = "the scene is empty: none of its nodes has a triangle";
+    warns(|file| file.json["nodes"] = json!([]), &[empty]);
+    warns(|file| file.json["nodes"] = json!([{ "name": "Nothing" }]), &[empty]);
+    warns(|file| file.json["meshes"][0]["primitives"] = json!([]), &[empty]);
+    warns(|file| file.json["scenes"] = json!([{}]), &[empty]);
+}
+
+#[test]
+fn scenes_beside_the_default_one_are_counted() {
+    let other = "only the default scene is read, others are not (2)";
+    warns(|file| file.json["scenes"] = json!([{ "nodes": [0] }, {}, {}]), &[other]);
+}
+
+#[test]
+fn extensions_that_only_change_the_look_are_named_even_if_required() {
+    warns(
+        |file| {
+            file.json["extensionsUsed"] = json!(["KHR_materials_clearcoat", "EXT_mesh_gpu_instancing"]);
+            file.json["extensionsRequired"] = json!(["KHR_texture_transform", "KHR_materials_clearcoat"]);
+        },
+        &["extensions not read (EXT_mesh_gpu_instancing, KHR_materials_clearcoat, KHR_texture_transform)"],
+    );
+}
+
+#[test]
+fn compression_with_a_plain_copy_beside_it_is_passed_over() {
+    warns(
+        |file| {
+            file.json["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
+            file.json["meshes"][0]["primitives"][0]["extensions"] =
+                json!({ "KHR_draco_mesh_compression": { "bufferView": 99, "attributes": { "POSITION": 0 } } });
+        },
+        &["extensions not read (KHR_draco_mesh_compression)"],
+    );
+}
+
+#[test]
+fn what_changes_only_the_look_is_counted() {
+    warns(
+        |file| {
+            file.json["textures"] = json!([{}, { "source": 0 }]);
+            file.json["skins"] = json!([{ "joints": [0] }]);
+            file.json["animations"] = json!([{}, {}, {}]);
+            let attributes = &mut file.json["meshes"][0]["primitives"][0]["attributes"];
+            *attributes = json!({ "POSITION": 0, "NORMAL": 7, "COLOR_0": 8, "TEXCOORD_0": 9 });
+            file.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 0 }]);
+        },
+        &[
+            "morph targets are not read yet: shapes are those before any morph (meshes[0].primitives[0])",
+            "skins are not read yet: meshes are in their rest pose (1)",
+            "animations are not read yet: everything stands still (3)",
+            "textures are not read yet: faces have their base color (2)",
+            "normals are not read yet: faces are flat (1)",
+            "vertex colors are not read yet (1)",
+        ],
+    );
+}
+
+#[test]
+fn corners_that_make_no_triangle_are_left_out() {
+    warns(
+        |file| {
+            let indices = file.indices(5121, 5, vec![0, 1, 2, 0, 1]);
+            file.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
+        },
+        &["the last corners of a list of triangles make no triangle and are left out (meshes[0].primitives[0])"],
+    );
+}
+
+#[test]
+fn a_primitive_without_positions_is_not_drawn() {
+    warns(
+        |file| {
+            file.json["meshes"][0]["primitives"].as_array_mut().expect("a list").push(json!({ "attributes": {} }));
+        },
+        &["primitives without positions are not drawn (meshes[0].primitives[1])"],
+    );
+}
+
+#[test]
+fn nodes_that_flatten_or_shear_are_named() {
+    let flat = "nodes flatten their mesh, which may then be seen as a line or not at all (node 0 \"Leaf\")";
+    warns(|file| file.json["nodes"][0]["scale"] = json!([1, 1, 0]), &[flat]);
+    warns(|file| file.json["nodes"][0]["scale"] = json!([0, 0, 0]), &[flat]);
+    let sheared = "node matrices shear, which glTF forbids; they are taken as they are (node 0 \"Leaf\")";
+    let matrix = json!([1, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+    warns(|file| file.json["nodes"][0]["matrix"] = matrix, &[sheared]);
+    warns(|file| file.json["nodes"][0]["scale"] = json!([1e-12, 1e-12, 1e-12]), &[]);
+}
+
+#[test]
+fn a_hundred_odd_things_of_a_kind_are_one_warning() {
+    warns(
+        |file| {
+            for _ in 0..100 {
+                file.node(json!({ "mesh": 0, "scale": [0, 1, 1] }));
+            }
+        },
+        &["nodes flatten their mesh, which may then be seen as a line or not at all \
+           (node 1, node 2, node 3, node 4, node 5, node 6 and 94 more)"],
+    );
+}

@@ -1,0 +1,274 @@
+//! A room while it is built: things are put in, holes are cut, and at the end it is closed round them.
+
+use super::envelope::{Axis, Ceiling, Finish, Hole, Plan, Side, envelope};
+use super::floor::Floor;
+use super::palette::materials;
+use super::workshop::Workshop;
+use crate::random::Random;
+use crate::shape::Shape;
+use enfilade::{Content, ContentBuilder, ConvexPolygon, MaterialId, Mesh, MeshId, OpeningId, Transform};
+use glam::{Vec2, Vec3, vec2, vec3};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// The paving lies so high above the closed floor beneath it.
+pub(crate) const PAVING: f32 = 0.02;
+
+/// What a room is before anything stands in it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Design {
+    pub(crate) name: &'static str,
+    pub(crate) plan: Plan,
+    /// Height of the walls.
+    pub(crate) height: f32,
+    pub(crate) ceiling: Ceiling,
+    pub(crate) style: Style,
+}
+
+/// Materials of a room, from the floor up.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Style {
+    pub(crate) floor: Floor,
+    /// Skirting, door frames, the cornice.
+    pub(crate) trim: MaterialId,
+    /// Edges of the trim and frames of the panels.
+    pub(crate) gilt: MaterialId,
+    /// The wall below the rail, and above it.
+    pub(crate) dado: MaterialId,
+    pub(crate) wall: MaterialId,
+    /// Fields within the frames of the panels.
+    pub(crate) field: MaterialId,
+    pub(crate) ceiling: MaterialId,
+    /// Sides of doorways and windows.
+    pub(crate) reveal: MaterialId,
+}
+
+/// A doorway or window, in the frame of its wall.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Doorway {
+    /// The wall, by its place on the plan.
+    pub(crate) wall: usize,
+    /// From the wall's left end to the middle of the doorway.
+    pub(crate) along: f32,
+    pub(crate) width: f32,
+    /// Height of the lower edge; 0 where one walks through.
+    pub(crate) sill: f32,
+    /// Height where the arch begins, and the arch's own.
+    pub(crate) spring: f32,
+    pub(crate) rise: f32,
+    /// From the wall to the plane of the opening.
+    pub(crate) depth: f32,
+}
+
+impl Doorway {
+    /// The stretch of the wall that it takes, with a margin on both sides.
+    pub(crate) fn reach(&self, margin: f32) -> [f32; 2] {
+        let half = 0.5 * self.width + margin;
+        [self.along - half, self.along + half]
+    }
+}
+
+/// A wall of a room, seen from inside.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wall {
+    pub(crate) left: Vec2,
+    pub(crate) right: Vec2,
+}
+
+/// A room being built.
+pub(crate) struct Room<'a> {
+    pub(crate) design: Design,
+    pub(crate) shop: &'a mut Workshop,
+    pub(crate) random: Random,
+    pub(crate) holes: Vec<Hole>,
+    pub(crate) doorways: Vec<Doorway>,
+    /// For each wall, the stretches along it that panels must leave free.
+    pub(crate) taken: Vec<Vec<[f32; 2]>>,
+    /// Mirrors hung so far.
+    pub(crate) mirrors: Vec<OpeningId>,
+    content: ContentBuilder,
+    meshes: HashMap<*const Mesh, MeshId>,
+    counts: HashMap<String, u32>,
+}
+
+impl Wall {
+    pub(crate) fn length(&self) -> f32 {
+        self.left.distance(self.right)
+    }
+
+    /// The wall's own frame `along` metres from its left end and `up` from the floor: x right, y up, z out of the
+    /// wall.
+    pub(crate) fn at(&self, along: f32, up: f32) -> Transform {
+        let right = (self.right - self.left).normalize();
+        let at = self.left + right * along;
+        Transform::from_columns([
+            [right.x, 0.0, right.y],
+            [0.0, 1.0, 0.0],
+            [-right.y, 0.0, right.x],
+            [at.x, up, at.y],
+        ])
+    }
+
+    /// How far along the wall the point of it is that is nearest to one of the plan.
+    pub(crate) fn along(&self, point: Vec2) -> f32 {
+        (point - self.left).dot((self.right - self.left).normalize())
+    }
+}
+
+/// A place to stand on the paving, turned counter-clockwise seen from above; fronts look to +z before.
+pub(crate) fn spot(x: f32, z: f32, degrees: f32) -> Transform {
+    Transform::translation([x, PAVING, z])
+        * Transform::rotation([0.0, 1.0, 0.0], f64::from(degrees).to_radians())
+}
+
+/// A shift.
+pub(crate) fn shift(x: f32, y: f32, z: f32) -> Transform {
+    Transform::translation([x, y, z])
+}
+
+/// The same factor along all axes.
+pub(crate) fn scaled(factor: f32) -> Transform {
+    Transform::scaling([factor; 3])
+}
+
+impl<'a> Room<'a> {
+    pub(crate) fn new(design: Design, shop: &'a mut Workshop, random: Random) -> Room<'a> {
+        let walls = design.plan.corners().len();
+        Room {
+            design,
+            shop,
+            random,
+            holes: Vec::new(),
+            doorways: Vec::new(),
+            taken: vec![Vec::new(); walls],
+            mirrors: Vec::new(),
+            content: ContentBuilder::new(materials()),
+            meshes: HashMap::new(),
+            counts: HashMap::new(),
+        }
+    }
+
+    /// Puts a thing in. Things of one name are numbered.
+    pub(crate) fn put(&mut self, thing: &str, mesh: &Arc<Mesh>, at: Transform) {
+        let count = self.counts.entry(thing.to_owned()).or_default();
+        *count += 1;
+        let name = format!("{}: {thing} {count}", self.design.name);
+        let id = *(self.meshes.entry(Arc::as_ptr(mesh)))
+            .or_insert_with(|| self.content.mesh(Arc::clone(mesh)));
+        self.content.item(&name, id, at);
+    }
+
+    /// Puts in a thing that there is only one of, made where it stands.
+    pub(crate) fn make(&mut self, thing: &str, shape: &Shape) {
+        self.put(thing, &shape.mesh(), Transform::IDENTITY);
+    }
+
+    /// Adds an opening; its front looks into the room.
+    pub(crate) fn opening(&mut self, name: &str, outline: &[Vec3]) -> OpeningId {
+        let corners: Vec<[f32; 3]> = outline.iter().map(|corner| corner.to_array()).collect();
+        self.content.opening(name, ConvexPolygon::new(&corners).expect("outlines are made convex"))
+    }
+
+    pub(crate) fn walls(&self) -> Vec<Wall> {
+        let corners = self.design.plan.corners();
+        (0..corners.len())
+            .map(|i| Wall { left: corners[i], right: corners[(i + 1) % corners.len()] })
+            .collect()
+    }
+
+    pub(crate) fn wall(&self, side: Side) -> Wall {
+        self.walls()[self.design.plan.wall(side)]
+    }
+
+    /// Keeps panels away from a stretch of a wall.
+    pub(crate) fn take(&mut self, wall: usize, from: f32, to: f32) {
+        self.taken[wall].push([from, to]);
+    }
+
+    /// Puts a thing on a wall: `along` it from its left end, `up` from the floor.
+    pub(crate) fn hang(&mut self, thing: &str, mesh: &Arc<Mesh>, side: Side, along: f32, up: f32) {
+        let at = self.wall(side).at(along, up);
+        self.put(thing, mesh, at);
+    }
+
+    /// Cuts a hole into a wall: an outline in the wall's frame at `along`, `depth` deep. Returns its far outline.
+    pub(crate) fn cut(
+        &mut self,
+        wall: usize,
+        along: f32,
+        outline: &[Vec2],
+        depth: f32,
+        back: Option<MaterialId>,
+        reveal: MaterialId,
+    ) -> Vec<Vec3> {
+        let frame = self.walls()[wall].at(along, 0.0);
+        let far: Vec<Vec3> =
+            outline.iter().map(|at| Vec3::from(frame.point([at.x, at.y, -depth]))).collect();
+        let reach = outline.iter().fold(0.0, |most: f32, at| most.max(at.x.abs()));
+        self.take(wall, along - reach, along + reach);
+        self.holes.push(Hole { wall, far: far.clone(), back, reveal });
+        far
+    }
+
+    /// Leaves a doorway free in a wall.
+    pub(crate) fn doorway(&mut self, door: Doorway, far: Vec<Vec3>) {
+        let [from, to] = door.reach(0.36);
+        self.take(door.wall, from, to);
+        self.holes.push(Hole { wall: door.wall, far, back: None, reveal: self.design.style.reveal });
+        self.doorways.push(door);
+    }
+
+    /// Closes the room round what was put in.
+    pub(crate) fn close(mut self) -> (Content, Vec<OpeningId>) {
+        let Design { plan, height, ceiling, style, .. } = self.design;
+        let finish = Finish { floor: style.trim, wall: style.wall, ceiling: style.ceiling };
+        let shell = envelope(plan, height, ceiling, &self.holes, finish);
+        self.make("shell floor", &shell.floor);
+        for wall in &shell.walls {
+            self.make("shell wall", wall);
+        }
+        if !matches!(ceiling, Ceiling::Sky) {
+            self.make("shell ceiling", &shell.ceiling);
+        }
+        (self.content.build().expect("a room is made of sound things"), self.mirrors)
+    }
+}
+
+/// A rectangle with half an ellipse on top, counter-clockwise from its lower left corner; its foot's middle is at
+/// (0, `foot`). A `rise` of 0 leaves the top flat.
+pub(crate) fn arched(width: f32, foot: f32, spring: f32, rise: f32) -> Vec<Vec2> {
+    const STEPS: usize = 12;
+    let half = 0.5 * width;
+    let mut outline = vec![vec2(-half, foot), vec2(half, foot), vec2(half, spring)];
+    if rise > 0.0 {
+        outline.extend((1..STEPS).map(|i| {
+            let (sin, cos) = (std::f64::consts::PI * i as f64 / STEPS as f64).sin_cos();
+            vec2(half * cos as f32, spring + rise * sin as f32)
+        }));
+    }
+    outline.push(vec2(-half, spring));
+    outline
+}
+
+impl Design {
+    /// Height of the highest point of the ceiling.
+    pub(crate) fn crown(&self) -> f32 {
+        match self.ceiling {
+            Ceiling::Flat | Ceiling::Sky => self.height,
+            Ceiling::Cove(_, rise) | Ceiling::Vault(_, rise) | Ceiling::Dome(rise, _) => self.height + rise,
+        }
+    }
+
+    /// A point of the plan at a height.
+    pub(crate) fn above(at: Vec2, height: f32) -> Vec3 {
+        vec3(at.x, height, at.y)
+    }
+
+    /// The direction of the vault, if the room has one.
+    pub(crate) fn vault(&self) -> Option<Axis> {
+        match self.ceiling {
+            Ceiling::Vault(axis, _) => Some(axis),
+            _ => None,
+        }
+    }
+}

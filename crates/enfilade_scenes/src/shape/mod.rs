@@ -1,0 +1,240 @@
+//! Faces on their way to becoming a mesh.
+
+mod clip;
+mod fill;
+mod loft;
+mod solid;
+mod sweep;
+
+pub(crate) use clip::clip;
+pub(crate) use fill::fill;
+pub(crate) use loft::{around, ball, band, fluted, knot, lathe, loft, round_tube, tube};
+pub(crate) use solid::{block, cuboid, prism, superquadric, taper};
+pub(crate) use sweep::{frame, moulding, surround};
+
+use enfilade::{ConvexPolygon, MaterialId, Mesh, Part, Transform};
+use glam::Vec3;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Faces gathered by material. What cannot be a flat convex face becomes triangles.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Shape {
+    sheets: Vec<Sheet>,
+}
+
+/// The faces of one material, each with corners of its own until a mesh is made.
+#[derive(Clone, Debug)]
+struct Sheet {
+    material: MaterialId,
+    corners: Vec<Vec3>,
+    sides: Vec<u32>,
+}
+
+impl Shape {
+    pub(crate) fn new() -> Shape {
+        Shape::default()
+    }
+
+    /// Adds a face, counter-clockwise from its front. One that bends beyond what a face may is cut into triangles.
+    pub(crate) fn face(&mut self, material: MaterialId, corners: &[Vec3]) {
+        let count = corners.len();
+        let corners: Vec<Vec3> =
+            (0..count).filter(|&i| corners[i] != corners[(i + 1) % count]).map(|i| corners[i]).collect();
+        if corners.len() < 3 {
+            return;
+        }
+        let flat = corners.len() == 3 || {
+            let outline: Vec<[f32; 3]> = corners.iter().map(|corner| corner.to_array()).collect();
+            ConvexPolygon::new(&outline).is_ok()
+        };
+        if flat {
+            self.push(material, corners.iter().copied(), corners.len());
+        } else {
+            for i in 1..corners.len() - 1 {
+                self.triangle(material, [corners[0], corners[i], corners[i + 1]]);
+            }
+        }
+    }
+
+    /// Adds a triangle, unless two of its corners are one.
+    pub(crate) fn triangle(&mut self, material: MaterialId, corners: [Vec3; 3]) {
+        let [a, b, c] = corners;
+        if a != b && b != c && c != a {
+            self.push(material, corners.into_iter(), 3);
+        }
+    }
+
+    /// Adds a copy of all faces of `other`, as `placed` places them.
+    pub(crate) fn add(&mut self, other: &Shape, placed: Transform) -> &mut Shape {
+        let mirrors = placed.mirrors();
+        for sheet in &other.sheets {
+            let mut start = 0;
+            for &sides in &sheet.sides {
+                let face = &sheet.corners[start..start + sides as usize];
+                let moved = face.iter().map(|corner| Vec3::from(placed.point(corner.to_array())));
+                if mirrors {
+                    self.push(sheet.material, moved.rev(), face.len());
+                } else {
+                    self.push(sheet.material, moved, face.len());
+                }
+                start += sides as usize;
+            }
+        }
+        self
+    }
+
+    /// Adds all faces of `other` where they are.
+    pub(crate) fn join(&mut self, other: Shape) -> &mut Shape {
+        for sheet in other.sheets {
+            let own = self.sheet(sheet.material);
+            own.corners.extend(sheet.corners);
+            own.sides.extend(sheet.sides);
+        }
+        self
+    }
+
+    /// The same faces, each moved corner by corner; those that no longer are flat become triangles.
+    pub(crate) fn bent(self, bend: impl Fn(Vec3) -> Vec3) -> Shape {
+        let mut shape = Shape::new();
+        for sheet in self.sheets {
+            let mut start = 0;
+            for sides in sheet.sides {
+                let moved: Vec<Vec3> =
+                    sheet.corners[start..start + sides as usize].iter().map(|&corner| bend(corner)).collect();
+                shape.face(sheet.material, &moved);
+                start += sides as usize;
+            }
+        }
+        shape
+    }
+
+    /// The same faces, seen from the other side.
+    pub(crate) fn flipped(mut self) -> Shape {
+        for sheet in &mut self.sheets {
+            let mut start = 0;
+            for &sides in &sheet.sides {
+                sheet.corners[start..start + sides as usize].reverse();
+                start += sides as usize;
+            }
+        }
+        self
+    }
+
+    /// The mesh of all faces; corners at the same place become one.
+    pub(crate) fn mesh(&self) -> Arc<Mesh> {
+        let welded: Vec<(Vec<[f32; 3]>, Vec<u32>)> = self.sheets.iter().map(Sheet::welded).collect();
+        let parts: Vec<Part> = (self.sheets.iter().zip(&welded))
+            .map(|(sheet, (positions, corners))| Part {
+                positions,
+                corners,
+                sides: sheet.sides.iter().any(|&sides| sides != 3).then_some(&*sheet.sides),
+                material: sheet.material,
+            })
+            .collect();
+        Arc::new(Mesh::new(&parts).expect("faces are checked as they are added"))
+    }
+
+    fn sheet(&mut self, material: MaterialId) -> &mut Sheet {
+        let index = self.sheets.iter().position(|sheet| sheet.material == material).unwrap_or_else(|| {
+            self.sheets.push(Sheet { material, corners: Vec::new(), sides: Vec::new() });
+            self.sheets.len() - 1
+        });
+        &mut self.sheets[index]
+    }
+
+    fn push(&mut self, material: MaterialId, corners: impl Iterator<Item = Vec3>, sides: usize) {
+        let sheet = self.sheet(material);
+        // Minus zero becomes zero, so that corners at the same place have the same bits.
+        sheet.corners.extend(corners.map(|corner| corner + Vec3::ZERO));
+        sheet.sides.push(sides as u32);
+    }
+}
+
+impl Sheet {
+    fn welded(&self) -> (Vec<[f32; 3]>, Vec<u32>) {
+        let mut positions = Vec::new();
+        let mut places: HashMap<[u32; 3], u32> = HashMap::with_capacity(self.corners.len() / 2);
+        let corners = (self.corners.iter())
+            .map(|corner| {
+                *places.entry(corner.to_array().map(f32::to_bits)).or_insert_with(|| {
+                    positions.push(corner.to_array());
+                    positions.len() as u32 - 1
+                })
+            })
+            .collect();
+        (positions, corners)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STONE: MaterialId = MaterialId(0);
+
+    /// Six times the volume inside, by the sum over faces; negative where faces look inwards.
+    fn volume(shape: &Shape) -> f32 {
+        let mut sum = 0.0;
+        for sheet in &shape.sheets {
+            let mut start = 0;
+            for &sides in &sheet.sides {
+                let face = &sheet.corners[start..start + sides as usize];
+                for i in 1..face.len() - 1 {
+                    sum += face[0].dot(face[i].cross(face[i + 1]));
+                }
+                start += sides as usize;
+            }
+        }
+        sum / 6.0
+    }
+
+    /// Every edge has a neighbour that runs the other way.
+    fn is_closed(shape: &Shape) -> bool {
+        let mut edges: HashMap<[[u32; 3]; 2], i32> = HashMap::new();
+        for sheet in &shape.sheets {
+            let mut start = 0;
+            for &sides in &sheet.sides {
+                let face = &sheet.corners[start..start + sides as usize];
+                for i in 0..face.len() {
+                    let [a, b] = [face[i], face[(i + 1) % face.len()]].map(|c| c.to_array().map(f32::to_bits));
+                    *edges.entry([a, b]).or_default() += 1;
+                    *edges.entry([b, a]).or_default() -= 1;
+                }
+                start += sides as usize;
+            }
+        }
+        edges.values().all(|&excess| excess == 0)
+    }
+
+    #[test]
+    fn solids_are_closed_and_look_outwards() {
+        let path = [Vec3::ZERO, Vec3::new(0.3, 1.0, 0.0), Vec3::new(0.0, 2.0, 0.5)];
+        for (name, solid) in [
+            ("block", block(STONE, [-1.0; 3], [1.0, 2.0, 3.0])),
+            ("taper", taper(STONE, [1.0, 2.0], 3.0, [0.5, 0.25])),
+            ("prism", prism(STONE, &[Vec3::ZERO, Vec3::Z, Vec3::X], Vec3::Y)),
+            ("lathe", lathe(STONE, &[[0.0, 0.0], [1.0, 0.0], [0.5, 2.0], [0.0, 3.0]], 12)),
+            ("fluted", fluted(STONE, &[[0.0, 0.0], [1.0, 0.0], [0.8, 2.0], [0.0, 2.0]], 12, 4, 0.1)),
+            ("ball", ball(STONE, 1.0, 6, 9)),
+            ("tube", tube(STONE, &path, |_| 0.1, 7)),
+            ("knot", knot(STONE, 2, 3, 1.0, 0.4, 0.1, 40, 6)),
+            ("superquadric", superquadric(STONE, [1.0, 2.0, 1.0], 0.4, 1.6, 8, 12)),
+        ] {
+            assert!(is_closed(&solid), "{name} is not closed");
+            assert!(volume(&solid) > 0.0, "{name} is inside out");
+        }
+    }
+
+    #[test]
+    fn a_mirrored_copy_still_looks_outwards() {
+        let mut shape = Shape::new();
+        shape.add(&block(STONE, [0.0; 3], [1.0; 3]), Transform::scaling([-1.0, 1.0, 1.0]));
+        assert!(volume(&shape) > 0.0);
+    }
+
+    #[test]
+    fn corners_at_one_place_become_one() {
+        assert_eq!(block(STONE, [0.0; 3], [1.0; 3]).mesh().positions().len(), 8);
+    }
+}

@@ -9,12 +9,16 @@ use std::path::PathBuf;
 ///
 /// Without a verb: draws the built-in scene @enfilade to enfilade.png and compares the methods on it.
 #[derive(Debug, Parser)]
-#[command(name = "enfilade", version, after_help = "\
+#[command(
+    name = "enfilade",
+    version,
+    after_help = "\
 Examples:
   enfilade
   enfilade look @enfilade --survey 2 --size 320x180
   enfilade draw scene.glb -o picture.png --size 320x180
-  enfilade info scene.glb")]
+  enfilade info scene.glb"
+)]
 pub(crate) struct Args {
     #[command(subcommand)]
     pub(crate) verb: Option<Verb>,
@@ -51,11 +55,11 @@ pub(crate) struct DrawArgs {
     #[arg(long, value_name = "WHAT", default_value = "image", value_parser = values::show)]
     pub(crate) show: Show,
     #[command(flatten)]
+    pub(crate) json: JsonArg,
+    #[command(flatten)]
     pub(crate) cameras: CameraArgs,
     #[command(flatten)]
     pub(crate) methods: MethodArgs,
-    #[command(flatten)]
-    pub(crate) json: JsonArg,
 }
 
 /// Options of `look`.
@@ -76,11 +80,11 @@ pub(crate) struct LookArgs {
           value_parser = values::check)]
     pub(crate) check: Option<u32>,
     #[command(flatten)]
+    pub(crate) json: JsonArg,
+    #[command(flatten)]
     pub(crate) cameras: CameraArgs,
     #[command(flatten)]
     pub(crate) methods: MethodArgs,
-    #[command(flatten)]
-    pub(crate) json: JsonArg,
 }
 
 /// Options of `info`.
@@ -93,9 +97,9 @@ pub(crate) struct InfoArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArg,
     #[command(flatten)]
-    pub(crate) limits: LimitArgs,
-    #[command(flatten)]
     pub(crate) json: JsonArg,
+    #[command(flatten)]
+    pub(crate) limits: LimitArgs,
 }
 
 /// Which scene.
@@ -123,7 +127,9 @@ impl JsonArg {
 
 /// Which views.
 #[derive(Debug, clap::Args)]
-#[command(next_help_heading = "Cameras (left out: the file's first camera, else the first view of the survey)")]
+#[command(
+    next_help_heading = "Cameras (left out: the file's first camera, else the first view of the survey)"
+)]
 pub(crate) struct CameraArgs {
     /// Where the eye stands
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true, requires = "toward",
@@ -202,11 +208,18 @@ mod tests {
     fn every_help_ends_with_examples() {
         let mut root = Args::command();
         let mut helps = vec![root.render_help().to_string()];
-        helps.extend(root.get_subcommands_mut().map(|verb| verb.render_help().to_string()));
+        // clap's own `help` stands among the verbs.
+        let verbs = root
+            .get_subcommands_mut()
+            .filter(|verb| verb.get_name() != "help");
+        helps.extend(verbs.map(|verb| verb.render_help().to_string()));
         assert_eq!(helps.len(), 4);
         for help in helps {
             let (_, examples) = help.split_once("\nExamples:\n").expect("there are examples");
-            assert!(examples.lines().all(|line| line.starts_with("  enfilade")), "{examples}");
+            assert!(
+                examples.lines().all(|line| line.starts_with("  enfilade")),
+                "{examples}"
+            );
         }
     }
 }

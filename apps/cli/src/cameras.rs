@@ -3,9 +3,10 @@
 use crate::args::CameraArgs;
 use crate::open::Opened;
 use crate::out;
+use crate::progress::Progress;
 use crate::values::among;
 use anyhow::{Context, Result, anyhow, bail};
-use enfilade::{Ray, Scene, View};
+use enfilade::{Ray, Scene, Standpoint, View};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
@@ -27,15 +28,43 @@ pub(crate) struct Camera {
 
 impl From<enfilade_import::Camera> for Camera {
     fn from(camera: enfilade_import::Camera) -> Camera {
-        let enfilade_import::Camera { name, eye, toward, up, fov_y, near } = camera;
-        Camera { name, eye, toward, up, fov_y, near: Some(near) }
+        let enfilade_import::Camera {
+            name,
+            eye,
+            toward,
+            up,
+            fov_y,
+            near,
+        } = camera;
+        Camera {
+            name,
+            eye,
+            toward,
+            up,
+            fov_y,
+            near: Some(near),
+        }
     }
 }
 
 impl From<enfilade_scenes::Camera> for Camera {
     fn from(camera: enfilade_scenes::Camera) -> Camera {
-        let enfilade_scenes::Camera { name, eye, toward, up, fov_y, .. } = camera;
-        Camera { name, eye, toward, up, fov_y, near: None }
+        let enfilade_scenes::Camera {
+            name,
+            eye,
+            toward,
+            up,
+            fov_y,
+            ..
+        } = camera;
+        Camera {
+            name,
+            eye,
+            toward,
+            up,
+            fov_y,
+            near: None,
+        }
     }
 }
 
@@ -53,7 +82,9 @@ impl Camera {
 /// The views that are asked for, each one sound. None only where a survey finds no open space.
 pub(crate) fn views(args: &CameraArgs, opened: &Opened) -> Result<Vec<View>> {
     let views = if let (Some(eye), Some(toward)) = (args.eye, args.toward) {
-        vec![checked(plain(args, eye, toward), || "--eye and --toward".to_owned())?]
+        vec![checked(plain(args, eye, toward), || {
+            "--eye and --toward".to_owned()
+        })?]
     } else if let Some(path) = &args.path {
         read_path(path, args)?
     } else if let Some(count) = args.survey {
@@ -61,14 +92,27 @@ pub(crate) fn views(args: &CameraArgs, opened: &Opened) -> Result<Vec<View>> {
     } else if let Some(name) = &args.camera {
         vec![named(name, args, opened)?]
     } else if let Some(camera) = opened.cameras.first() {
-        vec![checked(camera.view(args), || format!("{}: camera `{}`", opened.file, camera.name))?]
+        vec![checked(camera.view(args), || {
+            format!("{}: camera `{}`", opened.file, camera.name)
+        })?]
     } else {
-        let found = enfilade::survey(&opened.scene, 1);
-        return Ok(vec![found.first().map_or_else(|| from_outside(args, &opened.scene), |s| plain(args, s.eye, s.toward))]);
+        let found = survey(&opened.scene, 1);
+        return Ok(vec![found.first().map_or_else(
+            || from_outside(args, &opened.scene),
+            |s| plain(args, s.eye, s.toward),
+        )]);
     };
-    for view in views.iter().filter(|view| is_inside_a_solid(&opened.scene, view)) {
+    // A long path is not asked about to its end: that would take longer than the looks.
+    const ASKED: usize = 100;
+    for view in views
+        .iter()
+        .take(ASKED)
+        .filter(|view| is_inside_a_solid(&opened.scene, view))
+    {
         let [x, y, z] = view.eye;
-        out::warn(format_args!("the eye at {x},{y},{z} seems to stand inside something solid: all around are backs of faces"));
+        out::warn(format_args!(
+            "the eye at {x},{y},{z} seems to stand inside something solid: around it are backs of faces"
+        ));
     }
     Ok(views)
 }
@@ -90,34 +134,61 @@ fn named(name: &str, args: &CameraArgs, opened: &Opened) -> Result<View> {
     if opened.cameras.is_empty() {
         bail!("{file}: there are no cameras in it; use --eye and --toward, --path or --survey");
     }
-    let camera = opened.cameras.iter().find(|camera| camera.name == name).ok_or_else(|| {
-        let names = opened.cameras.iter().map(|camera| camera.name.as_str());
-        anyhow!("{file}: there is no camera `{name}`; {}", among(name, names))
-    })?;
+    let camera = opened
+        .cameras
+        .iter()
+        .find(|camera| camera.name == name)
+        .ok_or_else(|| {
+            let names = opened.cameras.iter().map(|camera| camera.name.as_str());
+            anyhow!("{file}: there is no camera `{name}`; {}", among(name, names))
+        })?;
     checked(camera.view(args), || format!("{file}: camera `{name}`"))
 }
 
 fn surveyed(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>> {
-    let found = enfilade::survey(scene, count);
+    let found = survey(scene, count);
     match found.len() {
         0 => out::warn("the survey finds no open space to stand in; use --eye and --toward"),
-        fewer if fewer < count => out::warn(format_args!("the survey finds only {fewer} of {count} places to stand")),
+        fewer if fewer < count => out::warn(format_args!(
+            "the survey finds only {fewer} of {count} places to stand"
+        )),
         _ => {}
     }
-    Ok(found.iter().map(|place| plain(args, place.eye, place.toward)).collect())
+    Ok(found
+        .iter()
+        .map(|place| plain(args, place.eye, place.toward))
+        .collect())
+}
+
+fn survey(scene: &Scene, count: usize) -> Vec<Standpoint> {
+    let _progress = Progress::spinner("looking for places to stand");
+    enfilade::survey(scene, count)
 }
 
 /// All of a scene that one cannot stand in, from before it and above.
 fn from_outside(args: &CameraArgs, scene: &Scene) -> View {
-    out::warn("the survey finds no open space to stand in, so the eye stands outside; use --eye and --toward");
-    let boxes = scene.fragments().map(|id| scene.bounds(id)).filter(|bounds| !bounds.is_empty());
+    out::warn(
+        "the survey finds no open space to stand in, so the eye stands outside; use --eye and --toward",
+    );
+    let boxes = scene
+        .fragments()
+        .map(|id| scene.bounds(id))
+        .filter(|bounds| !bounds.is_empty());
     let Some(bounds) = boxes.reduce(|a, b| a.union(&b)) else {
         return plain(args, [0.0; 3], [0.0, 0.0, -1.0]);
     };
     let (center, away) = (bounds.center(), 1.5 * bounds.longest_side().max(1e-3));
-    let view = plain(args, [center[0] + 0.4 * away, center[1] + 0.5 * away, center[2] + away], center);
+    let view = plain(
+        args,
+        [center[0] + 0.4 * away, center[1] + 0.5 * away, center[2] + away],
+        center,
+    );
     // Coordinates may be so large that the steps above are lost in them.
-    if view.check().is_ok() { view } else { plain(args, [0.0; 3], [0.0, 0.0, -1.0]) }
+    if view.check().is_ok() {
+        view
+    } else {
+        plain(args, [0.0; 3], [0.0, 0.0, -1.0])
+    }
 }
 
 /// A line of a path.
@@ -146,7 +217,8 @@ fn read_path(path: &Path, args: &CameraArgs) -> Result<Vec<View>> {
             continue;
         }
         let wants = r#"a line is {"eye":[x,y,z],"toward":[x,y,z]}, with "up" and "fov" if need be"#;
-        let line: Line = serde_json::from_str(&text).map_err(|error| anyhow!("{}: {error}; {wants}", place()))?;
+        let line: Line =
+            serde_json::from_str(&text).map_err(|error| anyhow!("{}: {error}; {wants}", place()))?;
         let mut view = plain(args, line.eye, line.toward);
         view.up = line.up.unwrap_or(view.up);
         view.fov_y = line.fov.map_or(view.fov_y, f32::to_radians);
@@ -163,13 +235,30 @@ fn read_path(path: &Path, args: &CameraArgs) -> Result<Vec<View>> {
     Ok(views)
 }
 
-/// Do rays in all directions end at the backs of faces? `false` when unsure.
+/// Do rays in all directions end, most of them at the backs of faces? `false` when unsure.
 fn is_inside_a_solid(scene: &Scene, view: &View) -> bool {
-    let Some(fragment) = scene.locate(view.eye, view.toward) else { return false };
+    let Some(fragment) = scene.locate(view.eye, view.toward) else {
+        return false;
+    };
     let steps = [-1.0_f32, 0.0, 1.0];
-    let mut directions = steps.into_iter().flat_map(|x| steps.map(|y| [x, y])).flat_map(|[x, y]| steps.map(|z| [x, y, z]));
-    directions.all(|direction| {
-        let ray = Ray { origin: view.eye, direction };
-        direction == [0.0; 3] || scene.cast(fragment, &ray).is_some_and(|hit| hit.from_behind)
-    })
+    let directions = steps
+        .into_iter()
+        .flat_map(|x| steps.map(|y| [x, y]))
+        .flat_map(|[x, y]| steps.map(|z| [x, y, z]));
+    let (mut rays, mut from_behind) = (0, 0);
+    for direction in directions.filter(|direction| *direction != [0.0; 3]) {
+        let Some(hit) = scene.cast(
+            fragment,
+            &Ray {
+                origin: view.eye,
+                direction,
+            },
+        ) else {
+            return false;
+        };
+        rays += 1;
+        from_behind += usize::from(hit.from_behind);
+    }
+    // Not all: a wall that reaches into the floor holds some of the floor's front.
+    4 * from_behind >= 3 * rays
 }

@@ -20,7 +20,9 @@ pub(crate) struct Found {
 /// `viewers` are those that looked before, so that what they remember is put to the test too.
 pub(crate) fn check(prepared: &[Prepared], viewers: &mut [Viewer], views: &[View]) -> Vec<Vec<Found>> {
     let mut found: Vec<Vec<Found>> = prepared.iter().map(|_| Vec::new()).collect();
-    let Some(first) = prepared.first().filter(|_| !views.is_empty()) else { return found };
+    let Some(first) = prepared.first().filter(|_| !views.is_empty()) else {
+        return found;
+    };
     let building = Progress::spinner("building the reference");
     let reference = Reference::new(&first.scene);
     drop(building);

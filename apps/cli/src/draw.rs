@@ -20,8 +20,15 @@ use std::time::Instant;
 
 /// Runs `draw`.
 pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
-    if !args.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png")) {
-        bail!("cannot write {}: pictures are PNG, so its name must end in .png", args.output.display());
+    if !args
+        .output
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("png"))
+    {
+        bail!(
+            "cannot write {}: pictures are PNG, so its name must end in .png",
+            args.output.display()
+        );
     }
     // Names made from this one lie in the same folder.
     Destination::new(&args.output)?;
@@ -39,8 +46,14 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
     let progress = Progress::steps("drawing", prepared.len() * views.len() * passes);
     let (mut reports, mut said) = (Vec::new(), String::new());
     for prepared in &prepared {
-        let base = if all { with_word(&args.output, prepared.method) } else { args.output.clone() };
-        let files: Vec<PathBuf> = (0..views.len()).map(|number| numbered(&base, number, views.len())).collect();
+        let base = if all {
+            with_word(&args.output, prepared.method)
+        } else {
+            args.output.clone()
+        };
+        let files: Vec<PathBuf> = (0..views.len())
+            .map(|number| numbered(&base, number, views.len()))
+            .collect();
         let mut viewer = prepared.viewer();
         for (view, file) in views.iter().zip(&files) {
             let start = Instant::now();
@@ -95,7 +108,11 @@ fn with_word(file: &Path, word: &str) -> PathBuf {
 /// `a-007.png` where there are several.
 fn numbered(file: &Path, number: usize, of: usize) -> PathBuf {
     let digits = (of.max(1) - 1).to_string().len().max(3);
-    if of == 1 { file.to_owned() } else { with_word(file, &format!("{number:0digits$}")) }
+    if of == 1 {
+        file.to_owned()
+    } else {
+        with_word(file, &format!("{number:0digits$}"))
+    }
 }
 
 /// Draws a view, shading included.
@@ -117,6 +134,9 @@ mod tests {
     #[test]
     fn several_pictures_are_numbered() {
         let named = |number, of| numbered(Path::new("out/a.png"), number, of).display().to_string();
-        assert_eq!([named(0, 1), named(7, 12), named(7, 12_000)], ["out/a.png", "out/a-007.png", "out/a-00007.png"]);
+        assert_eq!(
+            [named(0, 1), named(7, 12), named(7, 12_000)],
+            ["out/a.png", "out/a-007.png", "out/a-00007.png"]
+        );
     }
 }

@@ -8,7 +8,7 @@ use crate::report::{Sink, rounded};
 use crate::text::{bytes, count, ms, plural, point};
 use crate::values::Choice;
 use anyhow::Result;
-use enfilade::{Aabb, Alpha, Content, Scene};
+use enfilade::{Aabb, Alpha, Content, Material, Scene};
 use serde::Serialize;
 use std::collections::HashSet;
 use std::fmt::Write;
@@ -87,7 +87,11 @@ pub(crate) fn run(args: &InfoArgs) -> Result<Outcome> {
 impl Inventory {
     fn of(opened: Opened) -> Inventory {
         let scene = &opened.scene;
-        let contents: Vec<&Content> = scene.fragments().filter_map(|id| scene.content(id)).map(|c| &**c).collect();
+        let contents: Vec<&Content> = scene
+            .fragments()
+            .filter_map(|id| scene.content(id))
+            .map(|c| &**c)
+            .collect();
         // Fragments may share meshes and tables of materials: each is counted once.
         let mut counted = HashSet::new();
         let meshes: Vec<_> = contents
@@ -96,7 +100,12 @@ impl Inventory {
             .filter(|mesh| counted.insert(Arc::as_ptr(mesh).addr()))
             .collect();
         let mut materials = Materials::default();
-        for content in contents.iter().filter(|content| counted.insert(content.materials().as_ptr().addr())) {
+        let mut tables: Vec<&[Material]> = Vec::new();
+        for content in &contents {
+            if tables.contains(&content.materials()) {
+                continue;
+            }
+            tables.push(content.materials());
             content.materials().iter().for_each(|material| {
                 *match material.alpha {
                     Alpha::Opaque => &mut materials.opaque,
@@ -106,7 +115,10 @@ impl Inventory {
                 materials.double_sided += usize::from(material.double_sided);
             });
         }
-        let boxes = scene.fragments().map(|id| scene.bounds(id)).filter(|bounds| !bounds.is_empty());
+        let boxes = scene
+            .fragments()
+            .map(|id| scene.bounds(id))
+            .filter(|bounds| !bounds.is_empty());
         Inventory {
             format: opened.format,
             items: scene.item_count(),
@@ -115,7 +127,9 @@ impl Inventory {
             triangles_drawn: scene.triangle_count(),
             clusters: meshes.iter().map(|mesh| mesh.clusters().len()).sum(),
             materials,
-            bounds: boxes.reduce(|a, b| a.union(&b)).map(|Aabb { min, max, .. }| Bounds { min, max }),
+            bounds: boxes
+                .reduce(|a, b| a.union(&b))
+                .map(|Aabb { min, max, .. }| Bounds { min, max }),
             fragments: fragments(scene),
             portals: scene.portals().len(),
             openings: contents.iter().map(|content| content.openings().len()).sum(),
@@ -133,11 +147,27 @@ impl Inventory {
         let mut say = |what: &str, value: String| {
             let _ = writeln!(text, "  {what:<10} {value}");
         };
-        say("items", format!("{}, of {}", count(self.items as u64), plural(self.meshes, "mesh").replace("meshs", "meshes")));
-        say("triangles", format!("{} drawn, {} unique", count(self.triangles_drawn), count(self.triangles_unique)));
+        say("items", count(self.items as u64));
+        say("meshes", count(self.meshes as u64));
+        say(
+            "triangles",
+            format!(
+                "{} drawn, {} unique",
+                count(self.triangles_drawn),
+                count(self.triangles_unique)
+            ),
+        );
         say("clusters", count(self.clusters as u64));
-        let Materials { opaque, mask, blend, double_sided } = self.materials;
-        say("materials", format!("{opaque} opaque, {mask} cut-out, {blend} glass; {double_sided} of them double-sided"));
+        let Materials {
+            opaque,
+            mask,
+            blend,
+            double_sided,
+        } = self.materials;
+        say(
+            "materials",
+            format!("{opaque} opaque, {mask} cut-out, {blend} glass; {double_sided} of them double-sided"),
+        );
         match &self.bounds {
             Some(Bounds { min, max }) => say("bounds", format!("from {} to {}", point(*min), point(*max))),
             None => say("bounds", "none: the scene is empty".to_owned()),
@@ -146,14 +176,39 @@ impl Inventory {
             say("cameras", "none".to_owned());
         }
         for camera in &self.cameras {
-            let CameraEntry { name, eye, toward, fov, .. } = camera;
-            say("camera", format!("{name}: from {} toward {}, {fov:.1} degrees", point(*eye), point(*toward)));
+            let CameraEntry {
+                name,
+                eye,
+                toward,
+                fov,
+                ..
+            } = camera;
+            say(
+                "camera",
+                format!(
+                    "{name}: from {} toward {}, {fov:.1} degrees",
+                    point(*eye),
+                    point(*toward)
+                ),
+            );
         }
         for fragment in &self.fragments {
-            let FragmentEntry { name, method, items, triangles, openings } = fragment;
+            let FragmentEntry {
+                name,
+                method,
+                items,
+                triangles,
+                openings,
+            } = fragment;
             let openings = plural(*openings, "opening");
             let items = plural(*items, "item");
-            say("fragment", format!("{name}: {items}, {} triangles, {openings}, by {method}", count(*triangles)));
+            say(
+                "fragment",
+                format!(
+                    "{name}: {items}, {} triangles, {openings}, by {method}",
+                    count(*triangles)
+                ),
+            );
         }
         say("portals", count(self.portals as u64));
         say("openings", count(self.openings as u64));
@@ -169,7 +224,13 @@ impl Inventory {
 impl From<crate::cameras::Camera> for CameraEntry {
     fn from(camera: crate::cameras::Camera) -> CameraEntry {
         let fov = rounded(f64::from(camera.fov_y).to_degrees());
-        CameraEntry { name: camera.name, eye: camera.eye, toward: camera.toward, up: camera.up, fov }
+        CameraEntry {
+            name: camera.name,
+            eye: camera.eye,
+            toward: camera.toward,
+            up: camera.up,
+            fov,
+        }
     }
 }
 

@@ -21,6 +21,8 @@ mod welcome;
 
 use args::{Args, Verb};
 use clap::Parser;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// How a run ended that could be carried out.
@@ -33,7 +35,11 @@ enum Outcome {
 }
 
 fn main() -> ExitCode {
-    let outcome = match Args::parse().verb {
+    let args = match Args::try_parse() {
+        Ok(args) => args,
+        Err(error) => return refuse(&error),
+    };
+    let outcome = match args.verb {
         None => welcome::run(),
         Some(Verb::Draw(args)) => draw::run(&args),
         Some(Verb::Look(args)) => look::run(&args),
@@ -47,4 +53,22 @@ fn main() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// Help is asked for, or the command line makes no sense; a scene where the verb should be is told how to go on.
+fn refuse(error: &clap::Error) -> ExitCode {
+    let word = error
+        .get(ContextKind::InvalidSubcommand)
+        .filter(|_| error.kind() == ErrorKind::InvalidSubcommand);
+    if let Some(ContextValue::String(word)) = word
+        && (word.starts_with('@') || Path::new(word).extension().is_some())
+    {
+        out::note(format_args!(
+            "error: `{word}` is a scene, not a verb; try `enfilade look {word}`"
+        ));
+        return ExitCode::from(2);
+    }
+    // A reader of the help that has gone away has what it wanted.
+    let _ = error.print();
+    ExitCode::from(if error.use_stderr() { 2 } else { 0 })
 }

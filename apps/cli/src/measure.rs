@@ -102,7 +102,11 @@ impl Look {
 
 /// The items of a set over all passages, each once, in order.
 pub(crate) fn distinct(set: &VisibleSet) -> Vec<(FragmentId, ItemId)> {
-    let mut items: Vec<_> = set.items().iter().map(|seen| (set.passage(seen.passage).fragment, seen.item)).collect();
+    let mut items: Vec<_> = set
+        .items()
+        .iter()
+        .map(|seen| (set.passage(seen.passage).fragment, seen.item))
+        .collect();
     items.sort_unstable();
     items.dedup();
     items
@@ -114,7 +118,10 @@ mod tests {
 
     #[test]
     fn the_middle_and_the_last_hundredth() {
-        assert_eq!([&[][..], &[3.0], &[3.0, 1.0], &[9.0, 1.0, 2.0]].map(median), [0.0, 3.0, 2.0, 2.0]);
+        assert_eq!(
+            [&[][..], &[3.0], &[3.0, 1.0], &[9.0, 1.0, 2.0]].map(median),
+            [0.0, 3.0, 2.0, 2.0]
+        );
         let hundred: Vec<f64> = (1..=200).map(f64::from).collect();
         assert_eq!((p99(&hundred), p99(&[5.0, 7.0]), p99(&[])), (198.0, 7.0, 0.0));
     }

@@ -14,9 +14,15 @@ pub(crate) struct Names<'a> {
 impl<'a> Names<'a> {
     /// Counts the names of a scene.
     pub(crate) fn new(scene: &'a Scene) -> Names<'a> {
-        let mut names = Names { scene, in_scene: HashMap::new(), in_fragment: HashMap::new() };
+        let mut names = Names {
+            scene,
+            in_scene: HashMap::new(),
+            in_fragment: HashMap::new(),
+        };
         for fragment in scene.fragments() {
-            let Some(content) = scene.content(fragment) else { continue };
+            let Some(content) = scene.content(fragment) else {
+                continue;
+            };
             for item in (0..content.items().len() as u32).map(ItemId) {
                 let name = content.name(item);
                 *names.in_scene.entry(name).or_default() += 1;
@@ -28,7 +34,10 @@ impl<'a> Names<'a> {
 
     /// The unique name of an item.
     pub(crate) fn of(&self, (fragment, item): (FragmentId, ItemId)) -> String {
-        let name = self.scene.content(fragment).map_or("", |content| content.name(item));
+        let name = self
+            .scene
+            .content(fragment)
+            .map_or("", |content| content.name(item));
         let times = |times: Option<&u32>| times.copied().unwrap_or(0);
         if !name.is_empty() && times(self.in_scene.get(name)) == 1 {
             return name.to_owned();
@@ -50,10 +59,14 @@ mod tests {
     #[test]
     fn every_item_has_a_name_of_its_own() {
         let mut scene = SceneBuilder::new();
-        for (room, items) in [("hall", &["lamp", "chair", "chair", ""][..]), ("attic", &["chair", "trunk"])] {
+        for (room, items) in [
+            ("hall", &["lamp", "chair", "chair", ""][..]),
+            ("attic", &["chair", "trunk"]),
+        ] {
             let mut content = ContentBuilder::new([Material::opaque([1.0; 3])]);
             let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-            let mesh = content.mesh(Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)).expect("a triangle"));
+            let mesh =
+                content.mesh(Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)).expect("a triangle"));
             items.iter().for_each(|item| {
                 content.item(item, mesh, Transform::IDENTITY);
             });
@@ -62,7 +75,10 @@ mod tests {
         let scene = scene.build().expect("sound");
         let names = Names::new(&scene);
         let of = |fragment, item| names.of((FragmentId(fragment), ItemId(item)));
-        assert_eq!([of(0, 0), of(0, 1), of(0, 2), of(0, 3)], ["lamp", "hall/chair#1", "hall/chair#2", "hall/item#3"]);
+        assert_eq!(
+            [of(0, 0), of(0, 1), of(0, 2), of(0, 3)],
+            ["lamp", "hall/chair#1", "hall/chair#2", "hall/item#3"]
+        );
         assert_eq!([of(1, 0), of(1, 1)], ["attic/chair", "trunk"]);
     }
 }

@@ -1,7 +1,7 @@
 //! Scenes, from a file or by the name of a built-in one.
 
-use crate::cameras::Camera;
 use crate::args::LimitArgs;
+use crate::cameras::Camera;
 use crate::out;
 use crate::progress::Progress;
 use crate::values::{Choice, among};
@@ -36,14 +36,23 @@ pub(crate) fn open(name: &str, choice: Choice, limits: &LimitArgs) -> Result<Ope
     }?;
     opened.load_ms = start.elapsed().as_secs_f64() * 1e3;
     drop(progress);
-    opened.warnings.iter().for_each(|warning| out::warn(format_args!("{name}: {warning}")));
+    opened
+        .warnings
+        .iter()
+        .for_each(|warning| out::warn(format_args!("{name}: {warning}")));
     Ok(opened)
 }
 
 fn open_built_in(file: &str, name: &str) -> Result<Opened> {
     let built = enfilade_scenes::built_in(name).ok_or_else(|| {
-        let names: Vec<String> = enfilade_scenes::NAMES.iter().map(|name| format!("@{name}")).collect();
-        anyhow!("there is no built-in scene `{file}`; {}", among(file, names.iter().map(String::as_str)))
+        let names: Vec<String> = enfilade_scenes::NAMES
+            .iter()
+            .map(|name| format!("@{name}"))
+            .collect();
+        anyhow!(
+            "there is no built-in scene `{file}`; {}",
+            among(file, names.iter().map(String::as_str))
+        )
     })?;
     Ok(Opened {
         file: file.to_owned(),
@@ -59,7 +68,7 @@ fn open_file(file: &str, choice: Choice, limits: &LimitArgs) -> Result<Opened> {
     let path = Path::new(file);
     let mut options = ReadOptions::default();
     options.limit_bytes = limits.memory.unwrap_or(options.limit_bytes);
-    if !path.exists() && enfilade_scenes::built_in(file).is_some() {
+    if !path.exists() && enfilade_scenes::NAMES.contains(&file) {
         bail!("{file}: there is no such file; the built-in scene is called @{file}");
     }
     let import = enfilade_import::read(path, &options)?;
@@ -71,12 +80,21 @@ fn open_file(file: &str, choice: Choice, limits: &LimitArgs) -> Result<Opened> {
     };
     let mut builder = SceneBuilder::new();
     builder.limit_bytes(limits.memory.unwrap_or(Method::DEFAULT_LIMIT));
-    let name = path.file_stem().map_or("scene".into(), |stem| stem.to_string_lossy());
+    let name = path
+        .file_stem()
+        .map_or("scene".into(), |stem| stem.to_string_lossy());
     builder.add(&name, import.content, method);
-    let scene = builder.build().with_context(|| format!("{file}: raise --memory, or choose another --method"))?;
+    let remedy = "raise --memory, or choose another --method";
+    let scene = builder
+        .build()
+        .map_err(|why| anyhow!("{file}: {why}; {remedy}"))?;
     Ok(Opened {
         file: file.to_owned(),
-        format: if is_binary(path) { "glTF 2.0, binary" } else { "glTF 2.0" },
+        format: if is_binary(path) {
+            "glTF 2.0, binary"
+        } else {
+            "glTF 2.0"
+        },
         scene,
         cameras: import.cameras.into_iter().map(Camera::from).collect(),
         warnings: import.warnings.iter().map(ToString::to_string).collect(),
@@ -86,7 +104,10 @@ fn open_file(file: &str, choice: Choice, limits: &LimitArgs) -> Result<Opened> {
 
 fn is_binary(path: &Path) -> bool {
     let mut first = [0; 4];
-    File::open(path).and_then(|mut file| file.read_exact(&mut first)).is_ok() && &first == b"glTF"
+    File::open(path)
+        .and_then(|mut file| file.read_exact(&mut first))
+        .is_ok()
+        && &first == b"glTF"
 }
 
 /// Lets the whole program use so many threads, and says how many these are.

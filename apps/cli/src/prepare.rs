@@ -4,7 +4,7 @@ use crate::args::MethodArgs;
 use crate::open::Opened;
 use crate::report::Skipped;
 use crate::values::Choice;
-use anyhow::{Context, Result};
+use anyhow::{Result, anyhow};
 use enfilade::{Contract, Method, Scene, TooLarge, View, Viewer};
 use std::sync::Arc;
 use std::time::Instant;
@@ -30,7 +30,11 @@ impl Prepared {
 
     /// Memory of the scene, of what was built over it, and of the buffers for a screen of this size, in bytes.
     pub(crate) fn bytes(&self, size: [u32; 2]) -> u64 {
-        self.scene.bytes() + methods_of(&self.scene).iter().map(|method| method.screen_bytes(size)).sum::<u64>()
+        self.scene.bytes()
+            + methods_of(&self.scene)
+                .iter()
+                .map(|method| method.screen_bytes(size))
+                .sum::<u64>()
     }
 }
 
@@ -38,23 +42,36 @@ impl Prepared {
 ///
 /// # Errors
 /// A method that would need too much memory, unless all were asked for: then it is skipped.
-pub(crate) fn prepare(opened: &Opened, args: &MethodArgs, view: Option<&View>) -> Result<(Vec<Prepared>, Vec<Skipped>)> {
+pub(crate) fn prepare(
+    opened: &Opened,
+    args: &MethodArgs,
+    view: Option<&View>,
+) -> Result<(Vec<Prepared>, Vec<Skipped>)> {
     let build = |choice| build(&opened.scene, choice, args, view);
     if args.choice() != Choice::All {
-        let remedy = || format!("{}: raise --memory, choose a smaller --size or another --method", opened.file);
-        return Ok((vec![build(args.choice()).with_context(remedy)?], Vec::new()));
+        let remedy = "raise --memory, or choose a smaller --size or another --method";
+        let built = build(args.choice()).map_err(|why| anyhow!("{}: {why}; {remedy}", opened.file))?;
+        return Ok((vec![built], Vec::new()));
     }
     let (mut prepared, mut skipped) = (Vec::new(), Vec::new());
     for method in Method::ALL {
         match build(Choice::One(method)) {
             Ok(built) => prepared.push(built),
-            Err(why) => skipped.push(Skipped { method: method.name(), why: why.to_string() }),
+            Err(why) => skipped.push(Skipped {
+                method: method.name(),
+                why: why.to_string(),
+            }),
         }
     }
     Ok((prepared, skipped))
 }
 
-fn build(scene: &Scene, choice: Choice, args: &MethodArgs, view: Option<&View>) -> Result<Prepared, TooLarge> {
+fn build(
+    scene: &Scene,
+    choice: Choice,
+    args: &MethodArgs,
+    view: Option<&View>,
+) -> Result<Prepared, TooLarge> {
     let limit = args.limits.memory.unwrap_or(Method::DEFAULT_LIMIT);
     let start = Instant::now();
     let built = match choice {
@@ -70,11 +87,21 @@ fn build(scene: &Scene, choice: Choice, args: &MethodArgs, view: Option<&View>) 
     let build_ms = start.elapsed().as_secs_f64() * 1e3;
     let methods = methods_of(&built);
     if let Some(view) = view {
-        methods.iter().try_for_each(|method| method.check_screen(view, limit))?;
+        methods
+            .iter()
+            .try_for_each(|method| method.check_screen(view, limit))?;
     }
     Ok(Prepared {
-        method: if let Choice::One(method) = choice { method.name() } else { "own" },
-        contract: methods.iter().map(|method| method.contract()).min().unwrap_or(Contract::Exact),
+        method: if let Choice::One(method) = choice {
+            method.name()
+        } else {
+            "own"
+        },
+        contract: methods
+            .iter()
+            .map(|method| method.contract())
+            .min()
+            .unwrap_or(Contract::Exact),
         scene: if args.flat { built.without_portals() } else { built },
         build_ms,
         coherence: !args.no_coherence,
@@ -82,7 +109,9 @@ fn build(scene: &Scene, choice: Choice, args: &MethodArgs, view: Option<&View>) 
 }
 
 fn contents(scene: &Scene) -> impl Iterator<Item = (&Arc<enfilade::Content>, Method)> {
-    scene.fragments().filter_map(|id| Some((scene.content(id)?, scene.method(id)?)))
+    scene
+        .fragments()
+        .filter_map(|id| Some((scene.content(id)?, scene.method(id)?)))
 }
 
 /// The methods that a scene's fragments are seen by, each once.

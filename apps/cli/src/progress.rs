@@ -20,7 +20,11 @@ impl Progress {
 
     /// Work in `steps` steps.
     pub(crate) fn steps(what: &str, steps: usize) -> Progress {
-        Progress::start(Some(steps as u64), "{msg} {wide_bar} {pos} of {len}, {eta} left", what)
+        Progress::start(
+            Some(steps as u64),
+            "{msg} {wide_bar} {pos} of {len}, {eta} left",
+            what,
+        )
     }
 
     /// One step is done.
@@ -29,14 +33,18 @@ impl Progress {
     }
 
     fn start(steps: Option<u64>, template: &str, what: &str) -> Progress {
-        let bar = ProgressBar::with_draw_target(steps, ProgressDrawTarget::hidden()).with_message(what.to_owned());
+        let bar =
+            ProgressBar::with_draw_target(steps, ProgressDrawTarget::hidden()).with_message(what.to_owned());
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
         let waiting = std::io::stderr().is_terminal().then(|| {
             let (over, ends) = channel();
             let shown = bar.clone();
-            (over, std::thread::spawn(move || show_after_a_second(&shown, || ends.recv_timeout(A_SECOND))))
+            (
+                over,
+                std::thread::spawn(move || show_after_a_second(&shown, || ends.recv_timeout(A_SECOND))),
+            )
         });
         Progress { bar, waiting }
     }

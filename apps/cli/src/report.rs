@@ -95,7 +95,10 @@ pub(crate) struct Skipped {
 #[serde(untagged)]
 pub(crate) enum Reports {
     One(Box<Report>),
-    All { methods: Vec<Report>, skipped: Vec<Skipped> },
+    All {
+        methods: Vec<Report>,
+        skipped: Vec<Skipped>,
+    },
 }
 
 impl Reports {
@@ -163,10 +166,22 @@ impl SceneReport {
 
 impl Report {
     /// The report of a method over views of one size.
-    pub(crate) fn new(opened: &Opened, prepared: &Prepared, views: &[View], size: [u32; 2], looks: Looks) -> Report {
+    pub(crate) fn new(
+        opened: &Opened,
+        prepared: &Prepared,
+        views: &[View],
+        size: [u32; 2],
+        looks: Looks,
+    ) -> Report {
         let names = Names::new(&prepared.scene);
         let times: Vec<f64> = looks.each.iter().map(|look| look.ms).collect();
-        let mean = |sum: usize| if views.is_empty() { 0.0 } else { sum as f64 / views.len() as f64 };
+        let mean = |sum: usize| {
+            if views.is_empty() {
+                0.0
+            } else {
+                sum as f64 / views.len() as f64
+            }
+        };
         Report {
             scene: SceneReport::new(opened),
             method: prepared.method,
@@ -186,7 +201,11 @@ impl Report {
                 missed: 0,
                 pixels_different: 0,
             },
-            views: views.iter().zip(looks.each).map(|(view, look)| ViewReport::new(view, look, &names)).collect(),
+            views: views
+                .iter()
+                .zip(looks.each)
+                .map(|(view, look)| ViewReport::new(view, look, &names))
+                .collect(),
         }
     }
 

@@ -23,17 +23,29 @@ impl Destination {
             bail!("{}: it is a folder; name a file in it", fails());
         }
         let special = there.is_some_and(|there| !there.is_file());
-        let destination = Destination { path: path_there.unwrap_or_else(|_| path.to_owned()), special };
+        let destination = Destination {
+            path: path_there.unwrap_or_else(|_| path.to_owned()),
+            special,
+        };
         if path.file_name().is_none() {
             bail!("{}: it does not end in a file's name", fails());
         }
         if !special {
             let folder = destination.folder();
             if !folder.is_dir() {
-                bail!("{}: there is no folder {}; make it first, or name another", fails(), folder.display());
+                bail!(
+                    "{}: there is no folder {}; make it first, or name another",
+                    fails(),
+                    folder.display()
+                );
             }
             let probe = destination.beside();
-            OpenOptions::new().write(true).create(true).truncate(true).open(&probe).with_context(fails)?;
+            OpenOptions::new()
+                .write(true)
+                .create(true)
+                .truncate(true)
+                .open(&probe)
+                .with_context(fails)?;
             fs::remove_file(&probe).with_context(fails)?;
         }
         Ok(destination)
@@ -49,9 +61,9 @@ impl Destination {
             return fill(&self.path).with_context(fails);
         }
         let passing = self.beside();
-        let written = fill(&passing).with_context(fails).and_then(|()| {
-            fs::rename(&passing, &self.path).with_context(fails)
-        });
+        let written = fill(&passing)
+            .with_context(fails)
+            .and_then(|()| fs::rename(&passing, &self.path).with_context(fails));
         if written.is_err() {
             // The first error says more than one about the leftover.
             let _ = fs::remove_file(&passing);
@@ -60,7 +72,10 @@ impl Destination {
     }
 
     fn folder(&self) -> &Path {
-        self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+        self.path
+            .parent()
+            .filter(|folder| !folder.as_os_str().is_empty())
+            .unwrap_or(Path::new("."))
     }
 
     /// A hidden name in the same folder, with the same ending.
@@ -86,8 +101,14 @@ mod tests {
         let path = folder.path().join("a.txt");
         let destination = Destination::new(&path).expect("it can be written");
         assert!(!path.exists());
-        assert!(destination.write(|_| -> std::io::Result<()> { Err(std::io::Error::other("full")) }).is_err());
-        destination.write(|path| fs::write(path, "whole")).expect("written");
+        assert!(
+            destination
+                .write(|_| -> std::io::Result<()> { Err(std::io::Error::other("full")) })
+                .is_err()
+        );
+        destination
+            .write(|path| fs::write(path, "whole"))
+            .expect("written");
         assert_eq!(fs::read_to_string(&path).expect("there"), "whole");
         assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
     }
@@ -95,7 +116,12 @@ mod tests {
     #[test]
     fn what_cannot_be_written_is_said_before() {
         let folder = tempfile::tempdir().expect("a folder");
-        let error = |path: &Path| Destination::new(path).err().map(|error| format!("{error:#}")).unwrap_or_default();
+        let error = |path: &Path| {
+            Destination::new(path)
+                .err()
+                .map(|error| format!("{error:#}"))
+                .unwrap_or_default()
+        };
         assert!(error(&folder.path().join("no/a.txt")).contains("there is no folder"));
         assert!(error(folder.path()).contains("it is a folder"));
     }

@@ -7,7 +7,7 @@ pub(crate) fn count(number: u64) -> String {
     let digits = number.to_string();
     let mut grouped = String::new();
     for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && (digits.len() - place) % 3 == 0 {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) {
             grouped.push(',');
         }
         grouped.push(digit);
@@ -17,7 +17,11 @@ pub(crate) fn count(number: u64) -> String {
 
 /// `1 item`, `2 items`.
 pub(crate) fn plural(number: usize, one: &str) -> String {
-    format!("{} {one}{}", count(number as u64), if number == 1 { "" } else { "s" })
+    format!(
+        "{} {one}{}",
+        count(number as u64),
+        if number == 1 { "" } else { "s" }
+    )
 }
 
 /// `12.3 MB`, in powers of a thousand.
@@ -62,7 +66,11 @@ pub(crate) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
         let mut line = String::new();
         for (column, (cell, &width)) in row.iter().zip(&widths).enumerate() {
             // Writing to a String cannot fail.
-            let _ = if column == 0 { write!(line, "  {cell:<width$}") } else { write!(line, "  {cell:>width$}") };
+            let _ = if column == 0 {
+                write!(line, "  {cell:<width$}")
+            } else {
+                write!(line, "  {cell:>width$}")
+            };
         }
         text.push_str(line.trim_end());
         text.push('\n');
@@ -76,14 +84,29 @@ mod tests {
 
     #[test]
     fn numbers_read_well() {
-        assert_eq!([0, 999, 1000, 1_234_567].map(count), ["0", "999", "1,000", "1,234,567"]);
-        assert_eq!([1, 999, 1000, 999_999, 2_500_000_000].map(bytes), ["1 byte", "999 bytes", "1.0 kB", "1.0 MB", "2.5 GB"]);
-        assert_eq!([0.0, 9.876, 43.21, 1234.5].map(ms), ["0.00", "9.88", "43.2", "1234"]);
+        assert_eq!(
+            [0, 999, 1000, 1_234_567].map(count),
+            ["0", "999", "1,000", "1,234,567"]
+        );
+        assert_eq!(
+            [1, 999, 1000, 999_999, 2_500_000_000].map(bytes),
+            ["1 byte", "999 bytes", "1.0 kB", "1.0 MB", "2.5 GB"]
+        );
+        assert_eq!(
+            [0.0, 9.876, 43.21, 1234.5].map(ms),
+            ["0.00", "9.88", "43.2", "1234"]
+        );
     }
 
     #[test]
     fn columns_stand_under_their_headers() {
-        let rows = [vec!["z-buffer".to_owned(), "7".to_owned()], vec!["b".to_owned(), "1,000".to_owned()]];
-        assert_eq!(table(&["method", "n"], &rows), "  method        n\n  z-buffer      7\n  b         1,000\n");
+        let rows = [
+            vec!["z-buffer".to_owned(), "7".to_owned()],
+            vec!["b".to_owned(), "1,000".to_owned()],
+        ];
+        assert_eq!(
+            table(&["method", "n"], &rows),
+            "  method        n\n  z-buffer      7\n  b         1,000\n"
+        );
     }
 }

@@ -19,7 +19,9 @@ pub(crate) fn method(text: &str) -> Result<Choice, String> {
         return Ok(Choice::All);
     }
     let names = || Method::ALL.iter().map(|method| method.name()).chain(["all"]);
-    Method::by_name(text).map(Choice::One).ok_or_else(|| among(text, names()))
+    Method::by_name(text)
+        .map(Choice::One)
+        .ok_or_else(|| among(text, names()))
 }
 
 pub(crate) fn show(text: &str) -> Result<Show, String> {
@@ -30,8 +32,15 @@ pub(crate) fn show(text: &str) -> Result<Show, String> {
 pub(crate) fn point(text: &str) -> Result<[f32; 3], String> {
     let wants = "three numbers are wanted, such as 1,2.5,-3";
     let values = text.split(',').map(|value| {
-        let number: f32 = value.trim().parse().map_err(|_| format!("`{value}` is not a number; {wants}"))?;
-        if number.is_finite() { Ok(number) } else { Err(format!("`{value}` is not finite; {wants}")) }
+        let number: f32 = value
+            .trim()
+            .parse()
+            .map_err(|_| format!("`{value}` is not a number; {wants}"))?;
+        if number.is_finite() {
+            Ok(number)
+        } else {
+            Err(format!("`{value}` is not finite; {wants}"))
+        }
     });
     let values = values.collect::<Result<Vec<f32>, String>>()?;
     <[f32; 3]>::try_from(values).map_err(|_| wants.to_owned())
@@ -39,18 +48,32 @@ pub(crate) fn point(text: &str) -> Result<[f32; 3], String> {
 
 /// `WxH`, in pixels.
 pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
-    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    let sides = text
+        .split_once(['x', 'X'])
+        .and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     let sides: [u64; 2] = sides.ok_or("width and height are wanted, such as 1280x720")?;
-    if sides.iter().any(|side| !(1..=u64::from(View::MOST_PIXELS)).contains(side)) {
-        return Err(format!("width and height must be from 1 to {}", View::MOST_PIXELS));
+    if sides
+        .iter()
+        .any(|side| !(1..=u64::from(View::MOST_PIXELS)).contains(side))
+    {
+        return Err(format!(
+            "width and height must be from 1 to {}",
+            View::MOST_PIXELS
+        ));
     }
     Ok(sides.map(|side| side as u32))
 }
 
 /// Degrees, as a lens can have.
 pub(crate) fn degrees(text: &str) -> Result<f32, String> {
-    let angle: f32 = text.parse().map_err(|_| "a number of degrees is wanted, such as 60")?;
-    if angle > 0.0 && angle < 180.0 { Ok(angle) } else { Err("it must be above 0 and below 180 degrees".to_owned()) }
+    let angle: f32 = text
+        .parse()
+        .map_err(|_| "a number of degrees is wanted, such as 60")?;
+    if angle > 0.0 && angle < 180.0 {
+        Ok(angle)
+    } else {
+        Err("it must be above 0 and below 180 degrees".to_owned())
+    }
 }
 
 /// Bytes, plain or with a unit: `2GB`, `500MB`, `1.5 GiB`.
@@ -71,7 +94,11 @@ pub(crate) fn bytes(text: &str) -> Result<u64, String> {
     };
     let number: f64 = number.trim().parse().map_err(|_| wants())?;
     let bytes = number * factor;
-    if bytes >= 1.0 && bytes < 1e18 { Ok(bytes as u64) } else { Err(wants()) }
+    if (1.0..1e18).contains(&bytes) {
+        Ok(bytes as u64)
+    } else {
+        Err(wants())
+    }
 }
 
 /// How many places a pixel the reference looks through: 1.
@@ -79,7 +106,10 @@ pub(crate) fn check(text: &str) -> Result<u32, String> {
     match text.parse::<u32>() {
         Ok(1) => Ok(1),
         Ok(0) | Err(_) => Err("`--check` stands alone".to_owned()),
-        Ok(_) => Err("more than one place a pixel is for strict methods, and there is none yet; use `--check`".to_owned()),
+        Ok(_) => Err(
+            "more than one place a pixel is for strict methods, and there is none yet; use `--check`"
+                .to_owned(),
+        ),
     }
 }
 
@@ -88,10 +118,20 @@ pub(crate) fn among<'a>(mistyped: &str, names: impl Iterator<Item = &'a str>) ->
     const FEW: usize = 24;
     let names: Vec<&str> = names.collect();
     let likeness = |name: &str| strsim::jaro_winkler(&mistyped.to_lowercase(), &name.to_lowercase());
-    let nearest = names.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b))).filter(|name| likeness(name) > 0.7);
+    let nearest = names
+        .iter()
+        .max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
+        .filter(|name| likeness(name) > 0.7);
     let question = nearest.map_or(String::new(), |name| format!("did you mean {name}? "));
-    let more = if names.len() > FEW { format!(" and {} more", names.len() - FEW) } else { String::new() };
-    format!("{question}There are: {}{more}", names[..names.len().min(FEW)].join(", "))
+    let more = if names.len() > FEW {
+        format!(" and {} more", names.len() - FEW)
+    } else {
+        String::new()
+    };
+    format!(
+        "{question}There are: {}{more}",
+        names[..names.len().min(FEW)].join(", ")
+    )
 }
 
 #[cfg(test)]
@@ -103,8 +143,14 @@ mod tests {
         assert_eq!(point("1,2.5, -3"), Ok([1.0, 2.5, -3.0]));
         assert_eq!(size("1280x720"), Ok([1280, 720]));
         assert_eq!(degrees("60"), Ok(60.0));
-        assert_eq!(["2GB", "500MB", "1.5 kB", "12", "1KiB"].map(bytes), [2_000_000_000, 500_000_000, 1500, 12, 1024].map(Ok));
-        assert_eq!(["all", "z-buffer"].map(method), [Ok(Choice::All), Ok(Choice::One(Method::ZBuffer))]);
+        assert_eq!(
+            ["2GB", "500MB", "1.5 kB", "12", "1KiB"].map(bytes),
+            [2_000_000_000, 500_000_000, 1500, 12, 1024].map(Ok)
+        );
+        assert_eq!(
+            ["all", "z-buffer"].map(method),
+            [Ok(Choice::All), Ok(Choice::One(Method::ZBuffer))]
+        );
         assert_eq!(check("1"), Ok(1));
     }
 

@@ -9,7 +9,7 @@ use crate::open::open;
 use crate::out;
 use crate::prepare::prepare;
 use crate::progress::Progress;
-use crate::report::{Skipped, SceneReport};
+use crate::report::{SceneReport, Skipped};
 use crate::save::Destination;
 use crate::text::{count, ms, plural, table};
 use crate::values::Choice;
@@ -22,10 +22,17 @@ const PICTURE: &str = "enfilade.png";
 
 /// Draws the picture, and prints the table and what to try next.
 pub(crate) fn run() -> Result<Outcome> {
-    let Some(Verb::Look(args)) = Args::try_parse_from(["enfilade", "look", "@enfilade", "--method", "all"])?.verb else {
+    let Some(Verb::Look(args)) =
+        Args::try_parse_from(["enfilade", "look", "@enfilade", "--method", "all"])?.verb
+    else {
         bail!("the main job is no longer a look");
     };
-    let LookArgs { scene, cameras, methods, .. } = &args;
+    let LookArgs {
+        scene,
+        cameras,
+        methods,
+        ..
+    } = &args;
     Destination::new(Path::new(PICTURE))?;
     let opened = open(&scene.scene, Choice::All, &methods.limits)?;
     let views = cameras::views(cameras, &opened)?;
@@ -55,7 +62,13 @@ pub(crate) fn run() -> Result<Outcome> {
     if let Some(picture) = &picture {
         save(picture, Path::new(PICTURE))?;
     }
-    let SceneReport { items, triangles, fragments, portals, .. } = SceneReport::new(&opened);
+    let SceneReport {
+        items,
+        triangles,
+        fragments,
+        portals,
+        ..
+    } = SceneReport::new(&opened);
     let [width, height] = cameras.size;
     let mut text = format!(
         "Enfilade, the built-in palace: {}, {} triangles, {} joined by {}.\n\
@@ -65,7 +78,18 @@ pub(crate) fn run() -> Result<Outcome> {
         plural(fragments, "fragment"),
         plural(portals, "portal"),
     );
-    text += &table(&["method", "contract", "passages", "items", "triangles", "look ms", "draw ms"], &rows);
+    text += &table(
+        &[
+            "method",
+            "contract",
+            "passages",
+            "items",
+            "triangles",
+            "look ms",
+            "draw ms",
+        ],
+        &rows,
+    );
     for Skipped { method, why } in &skipped {
         text += &format!("  {method} is skipped: {why}\n");
     }

@@ -188,6 +188,11 @@ impl Mesh {
         self.tree.walk(eye, visit);
     }
 
+    /// The tree over the clusters.
+    pub(crate) fn tree(&self) -> &Octree {
+        &self.tree
+    }
+
     /// All corners of a run of faces, and where each face begins among them (`None`: every three).
     pub(crate) fn runs(&self, faces: Range<u32>) -> (&[u32], Option<&[u32]>) {
         let (start, end) = (faces.start as usize, faces.end as usize);

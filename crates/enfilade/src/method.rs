@@ -173,6 +173,7 @@ where
     ) {
         let mut cover = memory.take::<C>();
         let mut waiting = memory.take::<Waiting>();
+        let mut scratch = memory.take::<O::Scratch>();
         let last = if C::PRIMES && memory.coherence {
             memory.recall.seen_last(passage.chain)
         } else {
@@ -195,7 +196,7 @@ where
         {
             hand_out(&self.content, passage, item, &mut walk);
         }
-        self.order.visit(&self.content, passage, &mut walk);
+        self.order.visit(&self.content, passage, &mut scratch, &mut walk);
         for (item, cluster) in waiting.0.drain(..) {
             let screen_from_item = passage.screen_from(&self.content.item(item).transform());
             let bounds = self.content.mesh_of(item).clusters()[cluster as usize].bounds;
@@ -213,6 +214,7 @@ where
         }
         memory.put_back(cover);
         memory.put_back(waiting);
+        memory.put_back(scratch);
     }
 }
 

@@ -14,8 +14,8 @@ pub struct Stats {
     pub triangles: u64,
     /// Triangles hidden as a whole, before any of their samples was touched.
     pub triangles_hidden: u64,
-    /// Samples held against a depth.
-    pub samples_tested: u64,
+    /// Samples that the other triangles cover, each triangle's counted.
+    pub samples: u64,
     /// Items that were seen first because the last look saw them.
     pub items_primed: u64,
 }
@@ -29,7 +29,7 @@ impl Stats {
             ("batches", self.batches),
             ("triangles", self.triangles),
             ("triangles_hidden", self.triangles_hidden),
-            ("samples_tested", self.samples_tested),
+            ("samples", self.samples),
             ("items_primed", self.items_primed),
         ]
     }

@@ -12,7 +12,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let took = start.elapsed();
 
     let content = &import.content;
-    println!("{} items, {} meshes, {} triangles", content.items().len(), content.meshes().len(), content.triangle_count());
+    println!(
+        "{} items, {} meshes, {} triangles",
+        content.items().len(),
+        content.meshes().len(),
+        content.triangle_count()
+    );
     println!("{} bytes in memory, read in {took:.1?}", content.bytes());
     for camera in &import.cameras {
         println!("camera {:?} at {:?}", camera.name, camera.eye);

@@ -18,7 +18,11 @@ impl Budget {
     pub(crate) fn take(&mut self, bytes: u64, place: impl FnOnce() -> String) -> Result<(), BrokenRule> {
         let taken = self.taken.saturating_add(bytes);
         if taken > self.limit {
-            return Err(BrokenRule::TooLarge { place: place(), needs_bytes: taken, limit_bytes: self.limit });
+            return Err(BrokenRule::TooLarge {
+                place: place(),
+                needs_bytes: taken,
+                limit_bytes: self.limit,
+            });
         }
         self.taken = taken;
         Ok(())
@@ -33,6 +37,9 @@ mod tests {
     fn what_does_not_fit_is_refused_and_takes_nothing() {
         let mut budget = Budget::new(100);
         let mut take = |bytes| budget.take(bytes, String::new).is_ok();
-        assert_eq!([60, 41, u64::MAX, 40, 1].map(&mut take), [true, false, false, true, false]);
+        assert_eq!(
+            [60, 41, u64::MAX, 40, 1].map(&mut take),
+            [true, false, false, true, false]
+        );
     }
 }

@@ -25,13 +25,17 @@ pub enum BrokenRule {
     #[error("is not a file; name a .glb or .gltf file")]
     NotAFile,
     /// Neither the magic number of a `.glb` nor the start of a JSON object.
-    #[error("is not glTF: it begins with {begins}. Only glTF 2.0 is read yet (.glb, or .gltf with its .bin files)")]
+    #[error(
+        "is not glTF: it begins with {begins}. Only glTF 2.0 is read yet (.glb, or .gltf with its .bin files)"
+    )]
     NotGltf {
         /// The first bytes, as text.
         begins: String,
     },
     /// A `.glb` ends early.
-    #[error("is cut short: its {part} should end at byte {needs}, but the file has only {has}; copy or export it again")]
+    #[error(
+        "is cut short: its {part} should end at byte {needs}, but the file has only {has}; copy or export it again"
+    )]
     Truncated {
         /// The part in which it ends.
         part: &'static str,
@@ -101,7 +105,9 @@ pub enum BrokenRule {
         uri: String,
     },
     /// A buffer's path is absolute or climbs with `..`.
-    #[error("{place} is `{uri}`, which leads out of the file's folder; move it into that folder and name it there")]
+    #[error(
+        "{place} is `{uri}`, which leads out of the file's folder; move it into that folder and name it there"
+    )]
     LeavesFolder {
         /// Which buffer.
         place: String,
@@ -135,7 +141,9 @@ pub enum BrokenRule {
         why: Box<BrokenRule>,
     },
     /// A buffer with neither an address nor a chunk of the `.glb`.
-    #[error("{place} has no bytes: no uri, and it is not the binary chunk of a .glb. If it was compressed, export it without")]
+    #[error(
+        "{place} has no bytes: no uri, and it is not the binary chunk of a .glb. If it was compressed, export it without"
+    )]
     BufferWithoutBytes {
         /// Which buffer.
         place: String,
@@ -175,7 +183,9 @@ pub enum BrokenRule {
         length: u64,
     },
     /// Elements overlap.
-    #[error("{place} has elements of {element} bytes, but its bufferView {view} has a byteStride of {stride}")]
+    #[error(
+        "{place} has elements of {element} bytes, but its bufferView {view} has a byteStride of {stride}"
+    )]
     BadStride {
         /// Which accessor.
         place: String,
@@ -199,7 +209,9 @@ pub enum BrokenRule {
         remedy: &'static str,
     },
     /// A position that a triangle uses is NaN or infinite.
-    #[error("{place} has a triangle at position {position}, which is not finite; repair the mesh and export it again")]
+    #[error(
+        "{place} has a triangle at position {position}, which is not finite; repair the mesh and export it again"
+    )]
     PositionNotFinite {
         /// Which primitive.
         place: String,
@@ -254,7 +266,9 @@ pub enum BrokenRule {
     #[error("these nodes are each other's children, in a ring: {0}")]
     NodeCycle(String),
     /// A scene begins in the middle of a tree.
-    #[error("{scene} begins with {node}, which is a child of {parent}; a scene begins with nodes that have no parent")]
+    #[error(
+        "{scene} begins with {node}, which is a child of {parent}; a scene begins with nodes that have no parent"
+    )]
     NotARoot {
         /// The scene.
         scene: String,

@@ -73,7 +73,10 @@ impl Default for ReadOptions {
 /// # Errors
 /// An [`ImportError`] for the first broken rule that is met; the same one every time.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
-    let failed = |rule| ImportError { file: path.display().to_string(), rule };
+    let failed = |rule| ImportError {
+        file: path.display().to_string(),
+        rule,
+    };
     let mut budget = Budget::new(options.limit_bytes);
     let bytes = read_regular_file(path, None, &|| "the file".to_owned(), &mut budget).map_err(failed)?;
     gltf::import(&bytes, path.parent(), budget).map_err(failed)
@@ -85,9 +88,14 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
 /// # Errors
 /// As [`read`].
 pub fn read_bytes(bytes: &[u8], folder: Option<&Path>, options: &ReadOptions) -> Result<Import, ImportError> {
-    let failed = |rule| ImportError { file: "the bytes given".to_owned(), rule };
+    let failed = |rule| ImportError {
+        file: "the bytes given".to_owned(),
+        rule,
+    };
     let mut budget = Budget::new(options.limit_bytes);
-    budget.take(bytes.len() as u64, || "the file".to_owned()).map_err(failed)?;
+    budget
+        .take(bytes.len() as u64, || "the file".to_owned())
+        .map_err(failed)?;
     gltf::import(bytes, folder, budget).map_err(failed)
 }
 
@@ -109,6 +117,8 @@ fn read_regular_file(
     let mut bytes = Vec::new();
     let no_room = |_| BrokenRule::Unreadable(std::io::ErrorKind::OutOfMemory.into());
     bytes.try_reserve_exact(wanted as usize).map_err(no_room)?;
-    file.take(wanted).read_to_end(&mut bytes).map_err(BrokenRule::Unreadable)?;
+    file.take(wanted)
+        .read_to_end(&mut bytes)
+        .map_err(BrokenRule::Unreadable)?;
     Ok(bytes)
 }

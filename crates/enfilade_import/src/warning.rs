@@ -63,8 +63,12 @@ impl WarningKind {
             WarningKind::Points => "points are not drawn",
             WarningKind::Lines => "lines are not drawn",
             WarningKind::NoPositions => "primitives without positions are not drawn",
-            WarningKind::CornersLeft => "the last corners of a list of triangles make no triangle and are left out",
-            WarningKind::Flattened => "nodes flatten their mesh, which may then be seen as a line or not at all",
+            WarningKind::CornersLeft => {
+                "the last corners of a list of triangles make no triangle and are left out"
+            }
+            WarningKind::Flattened => {
+                "nodes flatten their mesh, which may then be seen as a line or not at all"
+            }
             WarningKind::Sheared => "node matrices shear, which glTF forbids; they are taken as they are",
             WarningKind::OrthographicCameras => "orthographic cameras are not read yet",
             WarningKind::BadCameras => "cameras that can make no picture are left out",
@@ -124,7 +128,11 @@ impl Warnings {
     }
 
     fn of(&mut self, kind: WarningKind) -> &mut Warning {
-        self.0.entry(kind).or_insert(Warning { kind, count: 0, first: Vec::new() })
+        self.0.entry(kind).or_insert(Warning {
+            kind,
+            count: 0,
+            first: Vec::new(),
+        })
     }
 }
 
@@ -141,7 +149,13 @@ mod tests {
         warnings.state(WarningKind::EmptyScene, true);
         let texts: Vec<String> = warnings.into_list().iter().map(Warning::to_string).collect();
         assert_eq!(texts[0], "the scene is empty: none of its nodes has a triangle");
-        assert_eq!(texts[1], "points are not drawn (p0, p1, p2, p3, p4, p5 and 3 more)");
-        assert_eq!(texts[2], "textures are not read yet: faces have their base color (21)");
+        assert_eq!(
+            texts[1],
+            "points are not drawn (p0, p1, p2, p3, p4, p5 and 3 more)"
+        );
+        assert_eq!(
+            texts[2],
+            "textures are not read yet: faces have their base color (21)"
+        );
     }
 }

@@ -20,13 +20,22 @@ pub struct Camera {
 impl Camera {
     /// A camera with y up and a lens of 60 degrees.
     pub fn new(name: &str, eye: [f32; 3], toward: [f32; 3]) -> Camera {
-        Camera { name: name.to_owned(), eye, toward, up: [0.0, 1.0, 0.0], fov_y: 60.0_f32.to_radians() }
+        Camera {
+            name: name.to_owned(),
+            eye,
+            toward,
+            up: [0.0, 1.0, 0.0],
+            fov_y: 60.0_f32.to_radians(),
+        }
     }
 
     /// The same camera with a lens of `degrees`, measured upright.
     #[must_use]
     pub fn lens(self, degrees: f32) -> Camera {
-        Camera { fov_y: degrees.to_radians(), ..self }
+        Camera {
+            fov_y: degrees.to_radians(),
+            ..self
+        }
     }
 
     /// What it sees on a screen of `size` pixels.

@@ -6,8 +6,9 @@
 //! Cost: clear and finish O(samples of the aperture); a face O(samples it covers).
 //! Exact: hides no box; its set is the owners that are left, and glass held against the final depth.
 
-use super::raster::{Raster, Sink, Triangle};
-use super::samples::{Sample, Samples, owned_by};
+use super::raster::{Band, Raster, Sink, Triangle};
+use super::report::Report;
+use super::samples::{Sample, Samples, look_through, nearness};
 use super::{Cover, Sight};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
@@ -32,7 +33,8 @@ impl Cover for DepthBuffer {
     const PRIMES: bool = false;
 
     fn clear(&mut self, passage: &Passage, trace: bool) {
-        self.samples.clear(passage, trace);
+        self.samples.shape(passage, trace);
+        self.samples.open(passage);
     }
 
     fn sees(&mut self, _region: &Region) -> Sight {
@@ -45,8 +47,9 @@ impl Cover for DepthBuffer {
     }
 
     fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Seen) {
-        self.samples
-            .look_through(&mut self.raster, faces, passage, stats, seen);
+        let samples = &self.samples;
+        let depth = |x, y| nearness(samples.row(y, x, x + 1)[0]);
+        look_through(depth, &mut self.raster, faces, passage, stats, seen);
     }
 
     fn finish(
@@ -56,7 +59,13 @@ impl Cover for DepthBuffer {
         seen: &mut Seen,
         canvas: Option<&mut dyn Canvas>,
     ) {
-        self.samples.finish(content, seen, canvas);
+        let mut report = Report::new(content, canvas.map(|canvas| canvas as &mut dyn Canvas));
+        let Rect { x0, y0, x1, y1 } = self.samples.rect;
+        for y in y0..y1 {
+            report.samples(x0, self.samples.row(y, x0, x1));
+            report.end_row(y, &self.samples);
+        }
+        report.finish(seen);
     }
 
     fn needs_bytes(size: [u32; 2]) -> u64 {
@@ -65,24 +74,15 @@ impl Cover for DepthBuffer {
 }
 
 impl Sink for Samples {
+    #[inline(always)]
     fn hides(&mut self, _rect: &Rect, _nearest: f32) -> bool {
         false
     }
 
     #[inline(always)]
-    fn run(&mut self, y: u16, x0: u16, x1: u16, triangle: &Triangle) {
-        keep_nearest(self.row(y, x0, x1), x0, y, triangle);
-        self.count(y, x0, x1, triangle.owner);
-    }
-}
-
-/// Lets a triangle own those samples of a run at which it is nearest.
-#[inline(always)]
-pub(super) fn keep_nearest(samples: &mut [Sample], x0: u16, y: u16, triangle: &Triangle) {
-    let row = triangle.row(y);
-    let owner = owned_by(triangle.owner);
-    for (x, sample) in (i32::from(x0)..).zip(samples) {
-        let new = Sample::from(row.bits(x)) << 32 | owner;
-        *sample = if new > *sample { new } else { *sample };
+    fn band(&mut self, band: &Band, triangle: &Triangle) {
+        for (y, [x0, x1]) in band.rows() {
+            self.keep_nearest(y, x0, x1, triangle);
+        }
     }
 }

@@ -2,8 +2,11 @@
 
 mod depth_buffer;
 mod depth_pyramid;
+mod half_plane;
 mod raster;
+mod report;
 mod samples;
+mod tiles;
 
 pub use depth_buffer::DepthBuffer;
 pub use depth_pyramid::DepthPyramid;

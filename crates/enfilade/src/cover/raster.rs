@@ -6,34 +6,57 @@
 //! Source: Olano, Greer, Triangle Scan Conversion Using 2D Homogeneous Coordinates, Graphics Hardware 1997.
 //! Cost: a triangle O(rows it touches) + O(samples it owns); one without a sample about 20 ns.
 //! Exact up to the rounding of f64: edges within 10⁻⁹ pixel, and a shared edge has the same bits on both sides, so
-//! that each sample belongs to exactly one of them.
+//! that each sample belongs to exactly one of them. The same bits at every SIMD level: the compiler only widens it.
 
+use super::half_plane::HalfPlane;
 use crate::aperture::Rect;
 use crate::faces::{Faces, Of};
 use crate::passage::Passage;
 use crate::stats::Stats;
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch, f64x8};
 use glam::DVec3;
+
+/// Rows are handed out by eights, from a multiple of eight.
+pub(super) const BAND: usize = 8;
 
 /// Receives the samples of triangles.
 pub(super) trait Sink {
     /// Is all that lies in `rect` and is no nearer than `nearest` hidden already? `false` when unsure.
     fn hides(&mut self, rect: &Rect, nearest: f32) -> bool;
 
-    /// A run of samples of row `y` that the triangle owns. Never empty.
-    fn run(&mut self, y: u16, x0: u16, x1: u16, triangle: &Triangle);
+    /// The samples of some rows that the triangle owns.
+    fn band(&mut self, band: &Band, triangle: &Triangle);
+}
+
+/// Runs of samples in up to eight rows, from row `y`, a multiple of eight.
+pub(super) struct Band {
+    pub(super) y: u16,
+    /// The first column and the one after the last, of each row; equal where it holds no sample.
+    pub(super) runs: [[u16; 2]; BAND],
+}
+
+impl Band {
+    /// The rows that hold a sample.
+    #[inline(always)]
+    pub(super) fn rows(&self) -> impl Iterator<Item = (u16, [u16; 2])> + '_ {
+        (self.y..).zip(self.runs).filter(|(_, [x0, x1])| x0 < x1)
+    }
 }
 
 /// A triangle whose samples are being handed out.
+#[derive(Clone, Copy)]
 pub(super) struct Triangle {
     /// The number of its face.
     pub(super) owner: u32,
     /// Nearness at a sample is `nearness · (x + ½, y + ½, 1)`, kept within `least` and `greatest`.
-    nearness: DVec3,
+    pub(super) nearness: DVec3,
     least: f64,
     greatest: f64,
 }
 
 /// Nearness along one row.
+#[derive(Clone, Copy)]
 pub(super) struct Row {
     base: f64,
     step: f64,
@@ -66,9 +89,18 @@ impl Row {
 }
 
 /// Corners of the batch at hand, on the screen.
-#[derive(Default)]
 pub(super) struct Raster {
+    level: Level,
     corners: Vec<Corner>,
+}
+
+impl Default for Raster {
+    fn default() -> Raster {
+        Raster {
+            level: Level::new(),
+            corners: Vec::new(),
+        }
+    }
 }
 
 #[derive(Clone, Copy)]
@@ -80,118 +112,66 @@ struct Corner {
     nearness: f64,
 }
 
-/// A side of a line on the screen: a·x + b·y + c above zero, or zero where `owns`.
-#[derive(Clone, Copy)]
-struct HalfPlane {
-    a: f64,
-    b: f64,
-    c: f64,
-    /// −1 / a.
-    root: f64,
-    owns: bool,
-}
-
-impl HalfPlane {
-    /// The side where `normal · (x, y, 1)` is positive; of two sides of one line, exactly one owns the line.
-    #[inline(always)]
-    fn new(normal: DVec3) -> HalfPlane {
-        let DVec3 { x: a, y: b, z: c } = normal;
-        HalfPlane {
-            a,
-            b,
-            c,
-            root: -1.0 / a,
-            owns: a > 0.0 || (a == 0.0 && b > 0.0),
-        }
-    }
-
-    #[inline(always)]
-    fn holds(&self, x: i32, at_row: f64) -> bool {
-        let value = self.a * (f64::from(x) + 0.5) + at_row;
-        value > 0.0 || (value == 0.0 && self.owns)
-    }
-
-    /// Narrows the columns `x0..x1` of a row, whose centre is at `y`, to those held.
-    #[inline(always)]
-    fn narrow(&self, y: f64, x0: &mut i32, x1: &mut i32) {
-        let at_row = self.b * y + self.c;
-        if self.a == 0.0 {
-            if !(at_row > 0.0 || (at_row == 0.0 && self.owns)) {
-                *x1 = *x0;
-            }
-            return;
-        }
-        // Where the line crosses the row; rounding may put it one column off, so the columns about it are asked.
-        let crossing = at_row * self.root - 0.5;
-        let crossing = if crossing > f64::from(*x0) {
-            crossing
-        } else {
-            f64::from(*x0)
-        };
-        let mut column = (if crossing < f64::from(*x1) {
-            crossing
-        } else {
-            f64::from(*x1)
-        }) as i32;
-        if self.a > 0.0 {
-            while column > *x0 && self.holds(column - 1, at_row) {
-                column -= 1;
-            }
-            while column < *x1 && !self.holds(column, at_row) {
-                column += 1;
-            }
-            *x0 = column;
-        } else {
-            while column < *x1 && self.holds(column, at_row) {
-                column += 1;
-            }
-            while column > *x0 && !self.holds(column - 1, at_row) {
-                column -= 1;
-            }
-            *x1 = column;
-        }
-    }
-}
-
 impl Raster {
     /// Hands the samples of a batch to `sink`, face after face.
     pub(super) fn run(&mut self, faces: &Faces, passage: &Passage, sink: &mut impl Sink, stats: &mut Stats) {
-        let matrix = faces.screen_from_local;
-        self.corners.clear();
-        self.corners.extend(faces.positions.iter().map(|position| {
-            let at = matrix.transform_point3(DVec3::from(position.map(f64::from)));
-            let nearness = 1.0 / at.z;
-            Corner {
-                at,
-                pixel: [at.x * nearness, at.y * nearness],
-                nearness,
-            }
-        }));
-        let batch = Batch {
-            rect: passage.aperture.rect(),
-            // An opening that the eye stands in is seen through, however near it is.
-            near: if matches!(faces.of, Of::Opening(_)) {
-                0.0
-            } else {
-                f64::from(passage.near)
-            },
-            entry: passage.entry,
-            // A face is seen from its front where the determinant of its corners has this sign.
-            front: if faces.double_sided {
-                0.0
-            } else {
-                -matrix.matrix3.determinant()
-            },
-        };
         stats.batches += 1;
-        let corners = &self.corners;
-        faces.for_each(|owner, face| {
-            let corner = |i: usize| &corners[(face[i] - faces.first_position) as usize];
-            for last in 2..face.len() {
-                batch.triangle(owner, [corner(0), corner(last - 1), corner(last)], sink, stats);
-            }
-        });
+        let corners = &mut self.corners;
+        dispatch!(self.level, simd => run_batch(simd, corners, faces, passage, sink, stats));
     }
+}
+
+#[inline(always)]
+fn run_batch<S: Simd>(
+    simd: S,
+    corners: &mut Vec<Corner>,
+    faces: &Faces,
+    passage: &Passage,
+    sink: &mut impl Sink,
+    stats: &mut Stats,
+) {
+    let matrix = faces.screen_from_local;
+    corners.clear();
+    corners.extend(faces.positions.iter().map(|&[x, y, z]| {
+        let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
+        let at = matrix.matrix3.x_axis * x
+            + matrix.matrix3.y_axis * y
+            + matrix.matrix3.z_axis * z
+            + matrix.translation;
+        let nearness = 1.0 / at.z;
+        Corner {
+            at,
+            pixel: [at.x * nearness, at.y * nearness],
+            nearness,
+        }
+    }));
+    let batch = Batch {
+        rect: passage.aperture.rect(),
+        // An opening that the eye stands in is seen through, however near it is.
+        near: if matches!(faces.of, Of::Opening(_)) {
+            0.0
+        } else {
+            f64::from(passage.near)
+        },
+        entry: passage.entry,
+        // A face is seen from its front where the determinant of its corners has this sign.
+        front: if faces.double_sided {
+            0.0
+        } else {
+            -matrix.matrix3.determinant()
+        },
+    };
+    let first = faces.first_position;
+    faces.for_each(
+        #[inline(always)]
+        |owner, face| {
+            for last in 2..face.len() {
+                let used =
+                    [face[0], face[last - 1], face[last]].map(|index| &corners[(index - first) as usize]);
+                batch.triangle(simd, owner, used, sink, stats);
+            }
+        },
+    );
 }
 
 /// What holds for all triangles of a batch.
@@ -207,7 +187,14 @@ const BEYOND: f64 = 1.0 + 1.0 / (1_u64 << 18) as f64;
 
 impl Batch {
     #[inline(always)]
-    fn triangle(&self, owner: u32, corners: [&Corner; 3], sink: &mut impl Sink, stats: &mut Stats) {
+    fn triangle<S: Simd>(
+        &self,
+        simd: S,
+        owner: u32,
+        corners: [&Corner; 3],
+        sink: &mut impl Sink,
+        stats: &mut Stats,
+    ) {
         let [a, b, c] = corners.map(|corner| corner.at);
         let crosses_near = a.z <= self.near || b.z <= self.near || c.z <= self.near;
         let (rect, least, greatest) = if crosses_near {
@@ -217,11 +204,20 @@ impl Batch {
             }
         } else {
             let [p, q, r] = corners.map(|corner| corner.pixel);
-            let low = |axis: usize| smaller(p[axis], smaller(q[axis], r[axis]));
-            let high = |axis: usize| greater(p[axis], greater(q[axis], r[axis]));
-            let rect = Rect::around([low(0), low(1)], [high(0), high(1)], &self.rect);
+            let low = [
+                smaller(p[0], smaller(q[0], r[0])),
+                smaller(p[1], smaller(q[1], r[1])),
+            ];
+            let high = [
+                greater(p[0], greater(q[0], r[0])),
+                greater(p[1], greater(q[1], r[1])),
+            ];
             let [p, q, r] = corners.map(|corner| corner.nearness);
-            (rect, smaller(p, smaller(q, r)), greater(p, greater(q, r)))
+            (
+                Rect::around(low, high, &self.rect),
+                smaller(p, smaller(q, r)),
+                greater(p, greater(q, r)),
+            )
         };
         if rect.is_empty() {
             return;
@@ -238,11 +234,11 @@ impl Batch {
             return;
         }
         let nearness = normal / determinant;
-        let side = determinant.signum();
-        let mut planes = [HalfPlane::new(DVec3::ZERO); 5];
-        planes[0] = HalfPlane::new(edge(a, b) * side);
-        planes[1] = HalfPlane::new(edge(b, c) * side);
-        planes[2] = HalfPlane::new(edge(c, a) * side);
+        let side = if determinant < 0.0 { -1.0 } else { 1.0 };
+        let mut planes = [HalfPlane::NONE; 5];
+        planes[0] = HalfPlane::edge(a, b, side);
+        planes[1] = HalfPlane::edge(b, c, side);
+        planes[2] = HalfPlane::edge(c, a, side);
         let mut count = 3;
         if crosses_near && self.near > 0.0 {
             planes[count] = HalfPlane::new(DVec3::new(0.0, 0.0, 1.0 / self.near) - nearness);
@@ -252,23 +248,13 @@ impl Batch {
             planes[count] = HalfPlane::new(entry - nearness * (distance * BEYOND));
             count += 1;
         }
-        let planes = &planes[..count];
         let triangle = Triangle {
             owner,
             nearness,
             least,
             greatest,
         };
-        for y in rect.y0..rect.y1 {
-            let [mut x0, mut x1] = [i32::from(rect.x0), i32::from(rect.x1)];
-            for plane in planes {
-                plane.narrow(f64::from(y) + 0.5, &mut x0, &mut x1);
-            }
-            if x0 < x1 {
-                stats.samples_tested += (x1 - x0) as u64;
-                sink.run(y, x0 as u16, x1 as u16, &triangle);
-            }
-        }
+        walk_rows(simd, &rect, &planes[..count], &triangle, sink, stats);
     }
 
     /// Where on the screen the part beyond the near plane can be, with its least and greatest nearness.
@@ -308,22 +294,47 @@ impl Batch {
     }
 }
 
-/// The plane through the eye and two corners, turned to the left of `from` → `to`.
-///
-/// Computed from the lesser corner, so that both faces that share the edge get the same bits.
+/// Hands out the samples of `rect` that all planes hold.
 #[inline(always)]
-fn edge(from: DVec3, to: DVec3) -> DVec3 {
-    let first = from.x < to.x || (from.x == to.x && (from.y < to.y || (from.y == to.y && from.z < to.z)));
-    if first {
-        from.cross(to - from)
-    } else {
-        -to.cross(from - to)
+fn walk_rows<S: Simd>(
+    simd: S,
+    rect: &Rect,
+    planes: &[HalfPlane],
+    triangle: &Triangle,
+    sink: &mut impl Sink,
+    stats: &mut Stats,
+) {
+    const ROWS: [f64; BAND] = [0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5];
+    let rows = f64x8::from_slice(simd, &ROWS);
+    let mut y = rect.y0 - rect.y0 % BAND as u16;
+    while y < rect.y1 {
+        let [mut x0, mut x1] = [rect.x0, rect.x1].map(|x| f64x8::splat(simd, f64::from(x)));
+        for plane in planes {
+            plane.narrow(simd, rows + f64::from(y), &mut x0, &mut x1);
+        }
+        let [x0, x1] = [x0, x1].map(|columns| <[f64; BAND]>::from(columns).map(|column| column as i32));
+        let mut band = Band {
+            y,
+            runs: [[0; 2]; BAND],
+        };
+        let mut samples = 0;
+        for row in usize::from(rect.y0.saturating_sub(y))..usize::from(rect.y1 - y).min(BAND) {
+            if x0[row] < x1[row] {
+                samples += (x1[row] - x0[row]) as u64;
+                band.runs[row] = [x0[row] as u16, x1[row] as u16];
+            }
+        }
+        if samples > 0 {
+            stats.samples += samples;
+            sink.band(&band, triangle);
+        }
+        y += BAND as u16;
     }
 }
 
 /// A bound for queries: nearer than any sample of the triangle is stored.
 #[inline(always)]
-pub(super) fn rounded_up(nearness: f64) -> f32 {
+fn rounded_up(nearness: f64) -> f32 {
     (nearness * (1.0 + 1.0 / (1_u64 << 20) as f64)) as f32
 }
 

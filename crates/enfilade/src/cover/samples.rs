@@ -1,13 +1,13 @@
 //! What is stored at each sample: how near its owner is, and which face that is, in one number.
 
+use super::raster::{Band, Raster, Row, Sink, Triangle};
 use crate::aperture::Rect;
-use crate::canvas::{Canvas, Span};
-use crate::content::{Content, ItemId, Owner};
-use crate::cover::raster::{Raster, Sink, Triangle};
+use crate::content::ItemId;
 use crate::faces::{Faces, Of};
 use crate::passage::Passage;
-use crate::seen::{GlassSample, Seen, SeenOpening, report_owners};
+use crate::seen::Seen;
 use crate::stats::Stats;
+use fearless_simd::{Level, Simd, dispatch};
 
 /// Nearness in the upper half, the complement of the face's number in the lower: the greater number is what is
 /// seen, so that of equally near faces the lower one owns, whatever comes first.
@@ -16,12 +16,18 @@ pub(super) type Sample = u64;
 /// Nothing is seen: infinitely far.
 pub(super) const OPEN: Sample = 0;
 /// Outside the aperture: nearer than anything.
-pub(super) const COVERED: Sample = u64::MAX;
+pub(super) const COVERED: Sample = Sample::MAX;
 
 /// The lower half for a face. One is added so that no face shares it with covered samples.
 #[inline(always)]
-pub(super) fn owned_by(owner: u32) -> Sample {
-    Sample::from(!(owner + 1))
+pub(super) fn lower_half(owner: u32) -> u32 {
+    !(owner + 1)
+}
+
+/// The face's number; `None` where the sample is open or covered.
+#[inline(always)]
+pub(super) fn owner_of(lower_half: u32) -> Option<u32> {
+    (!lower_half).checked_sub(1).filter(|_| lower_half != OPEN as u32)
 }
 
 /// The bits of the nearness.
@@ -30,54 +36,46 @@ pub(super) fn nearness(sample: Sample) -> u32 {
     (sample >> 32) as u32
 }
 
-/// The face's number; `None` where the sample is open or covered.
-fn owner(sample: Sample) -> Option<u32> {
-    (!(sample as u32)).checked_sub(1).filter(|_| sample != OPEN)
-}
-
-/// A screen of samples.
-#[derive(Default)]
+/// Samples of a passage's rectangle, row after row.
 pub(super) struct Samples {
+    level: Level,
     pub(super) width: usize,
     pub(super) rect: Rect,
-    pub(super) samples: Vec<Sample>,
-    trace: Option<Trace>,
-    owners: Vec<(ItemId, u32)>,
-    spans: Vec<Span>,
+    samples: Vec<Sample>,
     runs: Vec<[u16; 2]>,
+    pub(super) trace: Option<Trace>,
+}
+
+impl Default for Samples {
+    fn default() -> Samples {
+        Samples {
+            level: Level::new(),
+            width: 0,
+            rect: Rect::default(),
+            samples: Vec::new(),
+            runs: Vec::new(),
+            trace: None,
+        }
+    }
 }
 
 /// How often each sample was tested, and with which batch its owner came.
 #[derive(Default)]
-struct Trace {
-    batch: u32,
-    tested: Vec<u16>,
-    batches: Vec<u32>,
+pub(super) struct Trace {
+    pub(super) batch: u32,
+    pub(super) tested: Vec<u16>,
+    pub(super) batches: Vec<u32>,
 }
 
 impl Samples {
-    /// Opens the samples of the aperture, covers the others of its rectangle.
-    pub(super) fn clear(&mut self, passage: &Passage, trace: bool) {
+    /// Makes room for the aperture's rectangle; what the samples hold is not touched.
+    pub(super) fn shape(&mut self, passage: &Passage, trace: bool) {
         self.rect = passage.aperture.rect();
         self.width = usize::from(self.rect.x1);
         let needed = self.width * usize::from(self.rect.y1);
         if self.samples.len() < needed {
             self.samples.resize(needed, OPEN);
         }
-        let mut runs = std::mem::take(&mut self.runs);
-        for y in self.rect.y0..self.rect.y1 {
-            passage.aperture.open_in_row(y, &mut runs);
-            let rect = self.rect;
-            let row = self.row(y, rect.x0, rect.x1);
-            let mut x = rect.x0;
-            for &[x0, x1] in &runs {
-                row[usize::from(x - rect.x0)..usize::from(x0 - rect.x0)].fill(COVERED);
-                row[usize::from(x0 - rect.x0)..usize::from(x1 - rect.x0)].fill(OPEN);
-                x = x1;
-            }
-            row[usize::from(x - rect.x0)..].fill(COVERED);
-        }
-        self.runs = runs;
         self.trace = trace.then(|| Trace {
             batch: 0,
             tested: vec![0; needed],
@@ -85,10 +83,54 @@ impl Samples {
         });
     }
 
+    /// Opens the samples of the aperture, covers the others of its rectangle.
+    pub(super) fn open(&mut self, passage: &Passage) {
+        let Rect {
+            x0: first,
+            y0,
+            x1: end,
+            y1,
+        } = self.rect;
+        let mut runs = std::mem::take(&mut self.runs);
+        for y in y0..y1 {
+            passage.aperture.open_in_row(y, &mut runs);
+            let mut x = first;
+            for &[x0, x1] in &runs {
+                self.row_mut(y, x, x0).fill(COVERED);
+                self.row_mut(y, x0, x1).fill(OPEN);
+                x = x1;
+            }
+            self.row_mut(y, x, end).fill(COVERED);
+        }
+        self.runs = runs;
+    }
+
     #[inline(always)]
-    pub(super) fn row(&mut self, y: u16, x0: u16, x1: u16) -> &mut [Sample] {
+    pub(super) fn row(&self, y: u16, x0: u16, x1: u16) -> &[Sample] {
+        let start = usize::from(y) * self.width;
+        &self.samples[start + usize::from(x0)..start + usize::from(x1)]
+    }
+
+    #[inline(always)]
+    pub(super) fn row_mut(&mut self, y: u16, x0: u16, x1: u16) -> &mut [Sample] {
         let start = usize::from(y) * self.width;
         &mut self.samples[start + usize::from(x0)..start + usize::from(x1)]
+    }
+
+    /// Bits of the farthest nearness in `rect`.
+    pub(super) fn farthest(&self, rect: &Rect) -> u32 {
+        dispatch!(self.level, simd => self.farthest_widened(simd, rect))
+    }
+
+    #[inline(always)]
+    fn farthest_widened<S: Simd>(&self, _level: S, rect: &Rect) -> u32 {
+        let mut farthest = COVERED;
+        for y in rect.y0..rect.y1 {
+            for &sample in self.row(y, rect.x0, rect.x1) {
+                farthest = if sample < farthest { sample } else { farthest };
+            }
+        }
+        nearness(farthest)
     }
 
     /// A new batch of faces begins.
@@ -98,141 +140,99 @@ impl Samples {
         }
     }
 
-    /// Counts the test of a run against a face that owns those samples which `owned` says.
+    /// Lets a triangle own those samples of a run at which it is nearest.
     #[inline(always)]
-    pub(super) fn count(&mut self, y: u16, x0: u16, x1: u16, owner: u32) {
+    pub(super) fn keep_nearest(&mut self, y: u16, x0: u16, x1: u16, triangle: &Triangle) {
+        const LANES: usize = 8;
+        let row = triangle.row(y);
+        let owner = Sample::from(lower_half(triangle.owner));
+        let samples = self.row_mut(y, x0, x1);
+        let start = i32::from(x0);
+        // Whole lanes first, so that the compiler widens the loop; then the last lanes again, which overlap them: to
+        // be held against the same number once more changes nothing.
+        let whole = samples.len() / LANES * LANES;
+        row.own(start, &mut samples[..whole], owner);
+        let last = if whole == 0 { 0 } else { samples.len() - LANES };
+        if whole < samples.len() {
+            row.own(start + last as i32, &mut samples[last..], owner);
+        }
         if self.trace.is_some() {
-            self.count_traced(y, x0, x1, owner);
+            self.count(y, x0, x1, triangle.owner);
         }
     }
 
     #[cold]
-    fn count_traced(&mut self, y: u16, x0: u16, x1: u16, owner: u32) {
+    fn count(&mut self, y: u16, x0: u16, x1: u16, owner: u32) {
         let start = usize::from(y) * self.width;
-        let run = start + usize::from(x0)..start + usize::from(x1);
         if let Some(trace) = &mut self.trace {
-            for i in run {
+            for i in start + usize::from(x0)..start + usize::from(x1) {
                 trace.tested[i] = trace.tested[i].saturating_add(1);
-                if self.samples[i] as u32 == owned_by(owner) as u32 {
+                if self.samples[i] as u32 == lower_half(owner) {
                     trace.batches[i] = trace.batch;
                 }
             }
         }
     }
+}
 
-    /// Holds see-through faces against the final depths; at equal nearness they are in front.
-    pub(super) fn look_through(
-        &self,
-        raster: &mut Raster,
-        faces: &Faces,
-        passage: &Passage,
-        stats: &mut Stats,
-        seen: &mut Seen,
-    ) {
-        if let Of::Item(item, _) = faces.of {
-            raster.run(
-                faces,
-                passage,
-                &mut Glass {
-                    samples: self,
-                    seen,
-                    item,
-                    item_start: faces.item_start,
-                },
-                stats,
-            );
+impl Row {
+    /// Lets `owner` own those of the samples, from column `start` on, at which it is nearest.
+    #[inline(always)]
+    fn own(&self, start: i32, samples: &mut [Sample], owner: Sample) {
+        for (x, sample) in (start..).zip(samples) {
+            let new = Sample::from(self.bits(x)) << 32 | owner;
+            *sample = if new > *sample { new } else { *sample };
         }
-    }
-
-    /// Reports every owner, and paints them row by row.
-    pub(super) fn finish(&mut self, content: &Content, seen: &mut Seen, mut canvas: Option<&mut dyn Canvas>) {
-        let rect = self.rect;
-        self.owners.clear();
-        let same_face = |a: &GlassSample, b: &GlassSample| (a.item, a.face) == (b.item, b.face);
-        for run in seen.glass.chunk_by(same_face) {
-            let GlassSample { item, face, .. } = run[0];
-            self.owners
-                .push((item, content.mesh_of(item).cluster_of(face) as u32));
-        }
-        let mut openings: Vec<SeenOpening> = Vec::new();
-        let mut last = None;
-        for y in rect.y0..rect.y1 {
-            let start = usize::from(y) * self.width;
-            let row = &self.samples[start + usize::from(rect.x0)..start + usize::from(rect.x1)];
-            self.spans.clear();
-            let mut x = rect.x0;
-            for run in row.chunk_by(|a, b| *a as u32 == *b as u32) {
-                let x0 = x;
-                x += run.len() as u16;
-                let Some(number) = owner(run[0]) else { continue };
-                let owner = content.owner(number, last);
-                last = Some(owner);
-                match owner {
-                    Owner::Face(item, face) => {
-                        let cluster = content.mesh_of(item).cluster_of(face) as u32;
-                        if self.owners.last() != Some(&(item, cluster)) {
-                            self.owners.push((item, cluster));
-                        }
-                        self.spans.push(Span {
-                            x0,
-                            x1: x,
-                            owner,
-                            see_through: false,
-                        });
-                    }
-                    Owner::Opening(opening) => {
-                        let place = openings.iter().position(|o| o.opening == opening);
-                        let place = place.unwrap_or_else(|| {
-                            openings.push(SeenOpening {
-                                opening,
-                                rows: Some(Default::default()),
-                            });
-                            openings.len() - 1
-                        });
-                        if let Some(rows) = &mut openings[place].rows {
-                            rows.push(y, x0, x);
-                        }
-                    }
-                }
-            }
-            if let Some(canvas) = canvas.as_deref_mut() {
-                canvas.row(y, &self.spans);
-                if let Some(trace) = &self.trace {
-                    let run = start + usize::from(rect.x0)..start + usize::from(rect.x1);
-                    canvas.work(y, rect.x0, &trace.tested[run.clone()], &trace.batches[run]);
-                }
-            }
-        }
-        report_owners(&mut self.owners, content, seen);
-        seen.openings.append(&mut openings);
     }
 }
 
-struct Glass<'a> {
-    samples: &'a Samples,
+/// Holds see-through faces against final depths; at equal nearness they are in front. `depth` gives the bits of the
+/// nearness at a sample.
+pub(super) fn look_through(
+    depth: impl Fn(u16, u16) -> u32,
+    raster: &mut Raster,
+    faces: &Faces,
+    passage: &Passage,
+    stats: &mut Stats,
+    seen: &mut Seen,
+) {
+    if let Of::Item(item, _) = faces.of {
+        let mut glass = Glass {
+            depth,
+            seen,
+            item,
+            item_start: faces.item_start,
+        };
+        raster.run(faces, passage, &mut glass, stats);
+    }
+}
+
+struct Glass<'a, D> {
+    depth: D,
     seen: &'a mut Seen,
     item: ItemId,
     item_start: u32,
 }
 
-impl Sink for Glass<'_> {
+impl<D: Fn(u16, u16) -> u32> Sink for Glass<'_, D> {
     fn hides(&mut self, _rect: &Rect, _nearest: f32) -> bool {
         false
     }
 
-    fn run(&mut self, y: u16, x0: u16, x1: u16, triangle: &Triangle) {
-        let row = triangle.row(y);
-        let start = usize::from(y) * self.samples.width;
-        for x in x0..x1 {
-            let bits = row.bits(i32::from(x));
-            if bits >= nearness(self.samples.samples[start + usize::from(x)]) {
-                self.seen.glass(
-                    x,
-                    y,
-                    f32::from_bits(bits),
-                    self.item,
-                    triangle.owner - self.item_start,
-                );
+    fn band(&mut self, band: &Band, triangle: &Triangle) {
+        for (y, [x0, x1]) in band.rows() {
+            let row = triangle.row(y);
+            for x in x0..x1 {
+                let bits = row.bits(i32::from(x));
+                if bits >= (self.depth)(x, y) {
+                    self.seen.glass(
+                        x,
+                        y,
+                        f32::from_bits(bits),
+                        self.item,
+                        triangle.owner - self.item_start,
+                    );
+                }
             }
         }
     }

@@ -201,6 +201,32 @@ impl Octree {
         }
     }
 
+    /// The number of the root; `None` where the tree holds nothing.
+    pub fn root(&self) -> Option<u32> {
+        (!self.nodes.is_empty()).then_some(0)
+    }
+
+    /// The box of a node.
+    pub fn bounds(&self, node: u32) -> &Aabb {
+        &self.nodes[node as usize].bounds
+    }
+
+    /// The things that stand in a node itself.
+    pub fn things(&self, node: u32) -> &[u32] {
+        let [start, end] = self.nodes[node as usize].things;
+        &self.things[start as usize..end as usize]
+    }
+
+    /// The numbers of a node's children.
+    pub fn children(&self, node: u32) -> std::ops::Range<u32> {
+        let Node {
+            first_child,
+            children,
+            ..
+        } = self.nodes[node as usize];
+        first_child..first_child + children.count_ones()
+    }
+
     /// Memory in bytes.
     pub fn bytes(&self) -> u64 {
         (self.nodes.len() * size_of::<Node>() + self.things.len() * size_of::<u32>()) as u64

@@ -39,6 +39,9 @@ pub trait Order: Send + Sync + Sized + 'static {
     /// One of [`Unsorted`], [`NodesNearToFar`], [`NearToFar`], [`FarToNear`].
     type Gives;
 
+    /// What a walk needs; kept from one to the next.
+    type Scratch: Default + Send + 'static;
+
     /// Prepares the order of a content.
     fn build(content: &Content) -> Self;
 
@@ -49,7 +52,13 @@ pub trait Order: Send + Sync + Sized + 'static {
     fn bytes(&self) -> u64;
 
     /// Hands out all faces of the items and openings that may be seen through `passage`.
-    fn visit(&self, content: &Content, passage: &Passage, visit: &mut impl Visit);
+    fn visit(
+        &self,
+        content: &Content,
+        passage: &Passage,
+        scratch: &mut Self::Scratch,
+        visit: &mut impl Visit,
+    );
 }
 
 /// What walks along with an order.

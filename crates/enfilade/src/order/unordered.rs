@@ -15,6 +15,7 @@ pub struct Unordered;
 
 impl Order for Unordered {
     type Gives = Unsorted;
+    type Scratch = ();
 
     fn build(_content: &Content) -> Unordered {
         Unordered
@@ -28,7 +29,7 @@ impl Order for Unordered {
         0
     }
 
-    fn visit(&self, content: &Content, passage: &Passage, visit: &mut impl Visit) {
+    fn visit(&self, content: &Content, passage: &Passage, _scratch: &mut (), visit: &mut impl Visit) {
         hand_out_openings(content, passage, visit);
         for item in 0..content.items().len() as u32 {
             hand_out(content, passage, ItemId(item), visit);

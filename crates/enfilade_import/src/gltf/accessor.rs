@@ -53,11 +53,19 @@ impl Row {
         let component = component(accessor, wanted).ok_or_else(|| wrong_type(place(), accessor, wanted))?;
         if accessor.sparse.is_some() {
             let remedy = "export it again without sparse accessors";
-            return Err(BrokenRule::NotReadYet { place: place(), what: "sparse", remedy });
+            return Err(BrokenRule::NotReadYet {
+                place: place(),
+                what: "sparse",
+                remedy,
+            });
         }
         let count = accessor.count;
         let Some(view_index) = accessor.buffer_view else {
-            return Ok(Row { place: None, count, component });
+            return Ok(Row {
+                place: None,
+                count,
+                component,
+            });
         };
         let view = find(&document.buffer_views, view_index, "bufferView", place)?;
         let view_place = || format!("bufferView {view_index}");
@@ -65,12 +73,22 @@ impl Row {
         let end = u128::from(view.byte_offset) + u128::from(view.byte_length);
         if end > u128::from(buffer.byte_length) {
             let (buffer, length) = (view.buffer, buffer.byte_length);
-            return Err(BrokenRule::ViewOutOfBuffer { place: view_place(), end, buffer, length });
+            return Err(BrokenRule::ViewOutOfBuffer {
+                place: view_place(),
+                end,
+                buffer,
+                length,
+            });
         }
         let element = component.element_bytes();
         let stride = view.byte_stride.unwrap_or(element);
         if stride < element {
-            return Err(BrokenRule::BadStride { place: place(), view: view_index, stride, element });
+            return Err(BrokenRule::BadStride {
+                place: place(),
+                view: view_index,
+                stride,
+                element,
+            });
         }
         // The last element needs no gap behind it. Products and sums of numbers below 2⁶⁴ fit into u128 here.
         let last = u128::from(stride) * u128::from(count.saturating_sub(1));
@@ -78,10 +96,23 @@ impl Row {
         let end = u128::from(accessor.byte_offset) + last + u128::from(last_bytes);
         if end > u128::from(view.byte_length) {
             let length = view.byte_length;
-            return Err(BrokenRule::AccessorOutOfView { place: place(), end, view: view_index, length });
+            return Err(BrokenRule::AccessorOutOfView {
+                place: place(),
+                end,
+                view: view_index,
+                length,
+            });
         }
         let start = view.byte_offset + accessor.byte_offset;
-        Ok(Row { place: Some(RowPlace { buffer: view.buffer, start, stride }), count, component })
+        Ok(Row {
+            place: Some(RowPlace {
+                buffer: view.buffer,
+                start,
+                stride,
+            }),
+            count,
+            component,
+        })
     }
 
     /// Does it stand nowhere, so that all its elements are zero?
@@ -96,10 +127,16 @@ impl Row {
 
     /// The row's elements, by number. `buffers` must hold [`Row::buffer`].
     pub(super) fn elements<'b>(&self, buffers: &'b Buffers) -> Elements<'b> {
-        let place = self.place.map(|RowPlace { buffer, start, stride }| {
-            // Checked against the buffer, whose bytes are in memory: these numbers fit.
-            (&buffers.bytes(buffer)[start as usize..], stride as usize)
-        });
+        let place = self.place.map(
+            |RowPlace {
+                 buffer,
+                 start,
+                 stride,
+             }| {
+                // Checked against the buffer, whose bytes are in memory: these numbers fit.
+                (&buffers.bytes(buffer)[start as usize..], stride as usize)
+            },
+        );
         Elements { place }
     }
 
@@ -109,7 +146,9 @@ impl Row {
         let all = 0..self.count as usize;
         match self.component {
             Component::U8 => all.map(|i| u32::from(elements.bytes::<1>(i)[0])).collect(),
-            Component::U16 => all.map(|i| u32::from(u16::from_le_bytes(elements.bytes(i)))).collect(),
+            Component::U16 => all
+                .map(|i| u32::from(u16::from_le_bytes(elements.bytes(i))))
+                .collect(),
             Component::U32 | Component::F32 => all.map(|i| u32::from_le_bytes(elements.bytes(i))).collect(),
         }
     }
@@ -130,8 +169,12 @@ impl Elements<'_> {
 
     #[inline]
     fn bytes<const SIZE: usize>(&self, index: usize) -> [u8; SIZE] {
-        let Some((bytes, stride)) = self.place else { return [0; SIZE] };
-        *bytes[index * stride..].first_chunk().expect("an element that was checked")
+        let Some((bytes, stride)) = self.place else {
+            return [0; SIZE];
+        };
+        *bytes[index * stride..]
+            .first_chunk()
+            .expect("an element that was checked")
     }
 }
 
@@ -169,12 +212,19 @@ fn wrong_type(place: String, accessor: &Accessor, wanted: Wanted) -> BrokenRule 
     };
     let found = format!("{} of {component}", short(&accessor.shape));
     let (wanted, remedy) = match wanted {
-        Wanted::Positions => {
-            ("positions as VEC3 of FLOAT", "export it again without quantization (KHR_mesh_quantization)")
-        }
-        Wanted::Indices => {
-            ("indices as SCALAR of UNSIGNED_BYTE, UNSIGNED_SHORT or UNSIGNED_INT", "export it again")
-        }
+        Wanted::Positions => (
+            "positions as VEC3 of FLOAT",
+            "export it again without quantization (KHR_mesh_quantization)",
+        ),
+        Wanted::Indices => (
+            "indices as SCALAR of UNSIGNED_BYTE, UNSIGNED_SHORT or UNSIGNED_INT",
+            "export it again",
+        ),
     };
-    BrokenRule::WrongType { place, found, wanted, remedy }
+    BrokenRule::WrongType {
+        place,
+        found,
+        wanted,
+        remedy,
+    }
 }

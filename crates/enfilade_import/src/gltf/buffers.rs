@@ -40,7 +40,9 @@ impl<'a> Buffers<'a> {
 
     /// The bytes of a buffer that was loaded.
     pub(super) fn bytes(&self, index: u32) -> &[u8] {
-        self.0[index as usize].as_deref().expect("a buffer that a row lies in is loaded")
+        self.0[index as usize]
+            .as_deref()
+            .expect("a buffer that a row lies in is loaded")
     }
 }
 
@@ -63,7 +65,11 @@ fn load<'a>(
     };
     let has = bytes.len() as u64;
     if has < needs {
-        return Err(BrokenRule::BufferTooShort { place: place(), needs, has });
+        return Err(BrokenRule::BufferTooShort {
+            place: place(),
+            needs,
+            has,
+        });
     }
     Ok(bytes)
 }
@@ -78,14 +84,24 @@ fn fetch(
 ) -> Result<Vec<u8>, BrokenRule> {
     match scheme(uri) {
         Some(scheme) if scheme.eq_ignore_ascii_case("data") => decode(uri, place, budget),
-        Some(_) => Err(BrokenRule::NotLocal { place: place(), uri: short(uri) }),
+        Some(_) => Err(BrokenRule::NotLocal {
+            place: place(),
+            uri: short(uri),
+        }),
         None => {
             let inside = inside_folder(uri, place)?;
-            let folder = folder.ok_or_else(|| BrokenRule::NoFolder { place: place(), uri: short(uri) })?;
+            let folder = folder.ok_or_else(|| BrokenRule::NoFolder {
+                place: place(),
+                uri: short(uri),
+            })?;
             let path = folder.join(inside);
             read_regular_file(&path, Some(most), place, budget).map_err(|why| match why {
                 BrokenRule::TooLarge { .. } => why,
-                why => BrokenRule::BufferFile { place: place(), path: path.display().to_string(), why: Box::new(why) },
+                why => BrokenRule::BufferFile {
+                    place: place(),
+                    path: path.display().to_string(),
+                    why: Box::new(why),
+                },
             })
         }
     }
@@ -101,24 +117,37 @@ fn scheme(uri: &str) -> Option<&str> {
 
 fn decode(uri: &str, place: &dyn Fn() -> String, budget: &mut Budget) -> Result<Vec<u8>, BrokenRule> {
     let bad = |why: String| BrokenRule::BadUri { place: place(), why };
-    let (head, data) = uri.split_once(',').ok_or_else(|| bad("its data URI has no comma".to_owned()))?;
+    let (head, data) = uri
+        .split_once(',')
+        .ok_or_else(|| bad("its data URI has no comma".to_owned()))?;
     if !head.ends_with(";base64") {
         return Err(bad("its data URI is not base64".to_owned()));
     }
     budget.take(data.len() as u64 / 4 * 3 + 3, place)?;
-    BASE64.decode(data).map_err(|why| bad(format!("its data URI is not base64: {why}")))
+    BASE64
+        .decode(data)
+        .map_err(|why| bad(format!("its data URI is not base64: {why}")))
 }
 
 /// The path that a relative address names, which must not lead out of the folder that it starts from.
 fn inside_folder(uri: &str, place: &dyn Fn() -> String) -> Result<PathBuf, BrokenRule> {
     let decoded = percent_decode_str(uri)
         .decode_utf8()
-        .map_err(|_| BrokenRule::BadUri { place: place(), why: format!("`{}` is not UTF-8", short(uri)) })?;
+        .map_err(|_| BrokenRule::BadUri {
+            place: place(),
+            why: format!("`{}` is not UTF-8", short(uri)),
+        })?;
     let path = PathBuf::from(&*decoded);
-    if path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir)) {
+    if path
+        .components()
+        .all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+    {
         Ok(path)
     } else {
-        Err(BrokenRule::LeavesFolder { place: place(), uri: short(uri) })
+        Err(BrokenRule::LeavesFolder {
+            place: place(),
+            uri: short(uri),
+        })
     }
 }
 
@@ -129,11 +158,25 @@ mod tests {
     #[test]
     fn only_paths_that_stay_in_the_folder_are_followed() {
         let place = || "buffer 0".to_owned();
-        for (uri, path) in [("a.bin", "a.bin"), ("./b/a%20c.bin", "./b/a c.bin"), ("%C3%A9.bin", "é.bin")] {
+        for (uri, path) in [
+            ("a.bin", "a.bin"),
+            ("./b/a%20c.bin", "./b/a c.bin"),
+            ("%C3%A9.bin", "é.bin"),
+        ] {
             assert_eq!(inside_folder(uri, &place).expect("inside"), Path::new(path));
         }
-        for uri in ["../a.bin", "b/../../a.bin", "/etc/passwd", "%2Fetc/passwd", "%2e%2e/a.bin", "//host/a.bin"] {
-            assert!(matches!(inside_folder(uri, &place), Err(BrokenRule::LeavesFolder { .. })), "{uri}");
+        for uri in [
+            "../a.bin",
+            "b/../../a.bin",
+            "/etc/passwd",
+            "%2Fetc/passwd",
+            "%2e%2e/a.bin",
+            "//host/a.bin",
+        ] {
+            assert!(
+                matches!(inside_folder(uri, &place), Err(BrokenRule::LeavesFolder { .. })),
+                "{uri}"
+            );
         }
     }
 

@@ -1,7 +1,7 @@
 //! Cameras of the scene, where their nodes put them.
 
 use super::document::{Camera as Source, Document, Perspective, find};
-use super::names;
+use super::names::Names;
 use super::nodes::Placed;
 use crate::warning::{WarningKind, Warnings};
 use crate::{BrokenRule, Camera};
@@ -14,14 +14,17 @@ pub(super) fn read(
     placed: &[Placed],
     warnings: &mut Warnings,
 ) -> Result<Vec<Camera>, BrokenRule> {
-    let names = names::unique(document, |node| node.camera.is_some());
+    let names = Names::of(document, |node| node.camera.is_some());
     let mut cameras = Vec::new();
-    for Placed { node, world } in placed {
-        let Some(camera) = document.nodes[*node as usize].camera else { continue };
-        let source = find(&document.cameras, camera, "camera", || document.node_name(*node))?;
-        match lens(source).and_then(|lens| stand(&names[node], lens, world)) {
+    for Placed { node: number, world } in placed {
+        let node = &document.nodes[*number as usize];
+        let Some(camera) = node.camera else { continue };
+        let source = find(&document.cameras, camera, "camera", || {
+            document.node_name(*number)
+        })?;
+        match lens(source).and_then(|lens| stand(&names.name(*number, node), lens, world)) {
             Ok(camera) => cameras.push(camera),
-            Err(kind) => warnings.name(kind, || document.node_name(*node)),
+            Err(kind) => warnings.name(kind, || document.node_name(*number)),
         }
     }
     Ok(cameras)

@@ -51,7 +51,10 @@ fn split_binary(bytes: &[u8]) -> Result<Container<'_>, BrokenRule> {
             return Err(cut(part, start as u64 + 8));
         };
         let end = start as u64 + 8 + u64::from(u32::from_le_bytes(*size));
-        match usize::try_from(end).ok().and_then(|end| bytes.get(start + 8..end)) {
+        match usize::try_from(end)
+            .ok()
+            .and_then(|end| bytes.get(start + 8..end))
+        {
             Some(inside) => Ok((*kind, inside, end)),
             None => Err(cut(part, end)),
         }

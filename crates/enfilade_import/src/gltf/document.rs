@@ -130,7 +130,9 @@ pub(super) struct PbrMetallicRoughness {
 
 impl Default for PbrMetallicRoughness {
     fn default() -> PbrMetallicRoughness {
-        PbrMetallicRoughness { base_color_factor: [1.0; 4] }
+        PbrMetallicRoughness {
+            base_color_factor: [1.0; 4],
+        }
     }
 }
 
@@ -197,9 +199,10 @@ impl<'a> Document<'a> {
         let document: Document = serde_json::from_slice(json).map_err(json_error)?;
         let Asset { version, min_version } = &document.asset;
         // A later 2.x is read as 2.0, unless it says that this is not enough.
-        for (wanted, is_read) in
-            [(version, version == "2" || version.starts_with("2.")), (min_version, matches!(&**min_version, "" | "2.0"))]
-        {
+        for (wanted, is_read) in [
+            (version, version == "2" || version.starts_with("2.")),
+            (min_version, matches!(&**min_version, "" | "2.0")),
+        ] {
             if !is_read {
                 return Err(BrokenRule::Version(short(wanted)));
             }
@@ -232,7 +235,12 @@ pub(super) fn find<'t, T>(
     kind: &'static str,
     place: impl FnOnce() -> String,
 ) -> Result<&'t T, BrokenRule> {
-    let nothing = || BrokenRule::NoSuch { place: place(), kind, index, count: list.len() };
+    let nothing = || BrokenRule::NoSuch {
+        place: place(),
+        kind,
+        index,
+        count: list.len(),
+    };
     list.get(index as usize).ok_or_else(nothing)
 }
 

@@ -21,10 +21,19 @@ const ONLY_LOOK: [&str; 11] = [
 ];
 
 const REMEDIES: [(&str, &str); 5] = [
-    ("EXT_mesh_gpu_instancing", "export it again with one node for each copy"),
+    (
+        "EXT_mesh_gpu_instancing",
+        "export it again with one node for each copy",
+    ),
     ("EXT_meshopt_compression", "export it again without compression"),
-    ("KHR_draco_mesh_compression", "export it again without compression"),
-    ("KHR_mesh_quantization", "export it again with positions as 32-bit floats"),
+    (
+        "KHR_draco_mesh_compression",
+        "export it again without compression",
+    ),
+    (
+        "KHR_mesh_quantization",
+        "export it again with positions as 32-bit floats",
+    ),
     ("KHR_meshopt_compression", "export it again without compression"),
 ];
 
@@ -34,7 +43,10 @@ pub(super) fn check(document: &Document, warnings: &mut Warnings) -> Result<(), 
         if !(name.starts_with("KHR_materials_") || ONLY_LOOK.contains(&&**name)) {
             let known = REMEDIES.iter().find(|(extension, _)| extension == name);
             let remedy = known.map_or("export it again without it", |&(_, remedy)| remedy);
-            return Err(BrokenRule::ExtensionRequired { extension: short(name), remedy });
+            return Err(BrokenRule::ExtensionRequired {
+                extension: short(name),
+                remedy,
+            });
         }
     }
     for name in document.extensions_used.union(&document.extensions_required) {

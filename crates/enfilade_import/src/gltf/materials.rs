@@ -27,10 +27,20 @@ fn material(number: usize, source: &Source) -> Result<Material, BrokenRule> {
         "MASK" => Alpha::Mask,
         "BLEND" => Alpha::Blend,
         mode => {
-            return Err(BrokenRule::BadAlphaMode { place: format!("material {number}"), mode: short(mode) });
+            return Err(BrokenRule::BadAlphaMode {
+                place: format!("material {number}"),
+                mode: short(mode),
+            });
         }
     };
-    let [r, g, b, a] = source.pbr_metallic_roughness.base_color_factor.map(|value| value.clamp(0.0, 1.0));
+    let [r, g, b, a] = source
+        .pbr_metallic_roughness
+        .base_color_factor
+        .map(|value| value.clamp(0.0, 1.0));
     let a = if alpha == Alpha::Opaque { 1.0 } else { a };
-    Ok(Material { base_color: [r, g, b, a], alpha, double_sided: source.double_sided })
+    Ok(Material {
+        base_color: [r, g, b, a],
+        alpha,
+        double_sided: source.double_sided,
+    })
 }

@@ -19,6 +19,7 @@ use enfilade::{MaterialId, Mesh, Part};
 pub(super) struct MeshPlan {
     mesh: u32,
     parts: Vec<PartPlan>,
+    triangles: u64,
 }
 
 /// A primitive that has triangles.
@@ -31,11 +32,42 @@ struct PartPlan {
     material: MaterialId,
 }
 
-/// About what a triangle takes while its mesh is built; half of it is given back afterwards.
-const BYTES_PER_TRIANGLE: u64 = 100;
+/// What a triangle takes in a mesh, at most: where it shares no corner with another.
+const BYTES_KEPT: u64 = 52;
+/// What it takes besides, while its mesh is built.
+const BYTES_AT_WORK: u64 = 120;
+/// Triangles of meshes that are built at once, if it is not one mesh that has more. So memory does not grow with the
+/// number of threads, and there is still enough for each.
+const CROWD: u64 = 1_000_000;
+
+/// Runs of meshes that are built at once.
+pub(super) fn crowds(plans: &[MeshPlan]) -> impl Iterator<Item = &[MeshPlan]> {
+    let mut rest = plans;
+    std::iter::from_fn(move || {
+        let mut triangles = 0;
+        let crowded = rest.iter().position(|plan| {
+            triangles += plan.triangles;
+            triangles > CROWD
+        });
+        let (crowd, later) =
+            rest.split_at(crowded.map_or(rest.len(), |first_too_many| first_too_many.max(1)));
+        rest = later;
+        (!crowd.is_empty()).then_some(crowd)
+    })
+}
+
+/// What it takes, besides the meshes, to build the largest crowd of them.
+pub(super) fn bytes_to_build(plans: &[MeshPlan]) -> u64 {
+    let triangles = |crowd: &[MeshPlan]| crowd.iter().map(|plan| plan.triangles).sum::<u64>();
+    crowds(plans)
+        .map(triangles)
+        .max()
+        .unwrap_or(0)
+        .saturating_mul(BYTES_AT_WORK)
+}
 
 impl MeshPlan {
-    /// Checks a mesh that is there, and sets aside the memory that it will take.
+    /// Checks a mesh that is there, and sets aside the memory that it will keep.
     pub(super) fn new(
         document: &Document,
         mesh: u32,
@@ -51,23 +83,33 @@ impl MeshPlan {
             }
         }
         let place = || format!("meshes[{mesh}]");
-        budget.take(triangles.saturating_mul(BYTES_PER_TRIANGLE), place)?;
+        budget.take(triangles.saturating_mul(BYTES_KEPT), place)?;
         if triangles >= u64::from(u32::MAX / 3) {
             return Err(BrokenRule::TooManyCorners { place: place() });
         }
-        Ok(MeshPlan { mesh, parts })
+        Ok(MeshPlan {
+            mesh,
+            parts,
+            triangles,
+        })
     }
 
     /// The buffers that it is built from; some are named more than once.
     pub(super) fn buffers(&self) -> impl Iterator<Item = u32> {
-        let rows = self.parts.iter().flat_map(|part| [Some(&part.positions), part.indices.as_ref()]);
+        let rows = self
+            .parts
+            .iter()
+            .flat_map(|part| [Some(&part.positions), part.indices.as_ref()]);
         rows.flatten().filter_map(Row::buffer)
     }
 
     /// Reads the triangles and builds the mesh.
     pub(super) fn build(&self, buffers: &Buffers) -> Result<Mesh, BrokenRule> {
-        let read: Vec<Triangles> =
-            self.parts.iter().map(|part| part.read(self.mesh, buffers)).collect::<Result<_, _>>()?;
+        let read: Vec<Triangles> = self
+            .parts
+            .iter()
+            .map(|part| part.read(self.mesh, buffers))
+            .collect::<Result<_, _>>()?;
         let parts: Vec<Part> = read
             .iter()
             .zip(&self.parts)
@@ -78,7 +120,10 @@ impl MeshPlan {
                 material: plan.material,
             })
             .collect();
-        Mesh::new(&parts).map_err(|why| BrokenRule::Mesh { place: format!("meshes[{}]", self.mesh), why })
+        Mesh::new(&parts).map_err(|why| BrokenRule::Mesh {
+            place: format!("meshes[{}]", self.mesh),
+            why,
+        })
     }
 }
 
@@ -116,8 +161,15 @@ impl PartPlan {
             None => None,
         };
         if primitive.extensions.draco.is_some() && positions.is_zeros() {
-            let (what, remedy) = ("compressed (KHR_draco_mesh_compression)", "export it again without compression");
-            return Err(BrokenRule::NotReadYet { place: place(), what, remedy });
+            let (what, remedy) = (
+                "compressed (KHR_draco_mesh_compression)",
+                "export it again without compression",
+            );
+            return Err(BrokenRule::NotReadYet {
+                place: place(),
+                what,
+                remedy,
+            });
         }
         let material = match primitive.material {
             Some(material) => {
@@ -129,10 +181,22 @@ impl PartPlan {
         if !primitive.targets.is_empty() {
             warnings.name(WarningKind::MorphTargets, place);
         }
-        warnings.count(WarningKind::Normals, usize::from(primitive.attributes.normal.is_some()));
-        warnings.count(WarningKind::VertexColors, usize::from(primitive.attributes.color_0.is_some()));
+        warnings.count(
+            WarningKind::Normals,
+            usize::from(primitive.attributes.normal.is_some()),
+        );
+        warnings.count(
+            WarningKind::VertexColors,
+            usize::from(primitive.attributes.color_0.is_some()),
+        );
 
-        let part = PartPlan { primitive: number, positions, indices, topology, material };
+        let part = PartPlan {
+            primitive: number,
+            positions,
+            indices,
+            topology,
+            material,
+        };
         if topology == Topology::List && !part.corners().is_multiple_of(3) {
             warnings.name(WarningKind::CornersLeft, place);
         }
@@ -156,11 +220,20 @@ impl PartPlan {
         };
         let positions = self.positions.count;
         if let Some(corner) = row.iter().position(|&index| u64::from(index) >= positions) {
-            return Err(BrokenRule::IndexOutOfRange { place: place(), corner, index: row[corner], positions });
+            return Err(BrokenRule::IndexOutOfRange {
+                place: place(),
+                corner,
+                index: row[corner],
+                positions,
+            });
         }
         let mut corners = self.topology.list(row);
-        let positions = gather(&mut corners, &self.positions, buffers)
-            .map_err(|NotFinite(position)| BrokenRule::PositionNotFinite { place: place(), position })?;
+        let positions = gather(&mut corners, &self.positions, buffers).map_err(|NotFinite(position)| {
+            BrokenRule::PositionNotFinite {
+                place: place(),
+                position,
+            }
+        })?;
         Ok(Triangles { positions, corners })
     }
 }
@@ -183,7 +256,11 @@ fn gather(corners: &mut [u32], row: &Row, buffers: &Buffers) -> Result<Vec<[f32;
     let elements = row.elements(buffers);
     let sound = |index: u32| {
         let position = elements.position(index);
-        if position.iter().all(|value| value.is_finite()) { Ok(position) } else { Err(NotFinite(index)) }
+        if position.iter().all(|value| value.is_finite()) {
+            Ok(position)
+        } else {
+            Err(NotFinite(index))
+        }
     };
     let (Some(&least), Some(&most)) = (corners.iter().min(), corners.iter().max()) else {
         return Ok(Vec::new());
@@ -213,4 +290,33 @@ fn gather(corners: &mut [u32], row: &Row, buffers: &Buffers) -> Result<Vec<[f32;
         }
     }
     Ok(positions)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn meshes_are_built_in_crowds_that_are_not_too_large() {
+        let plan = |triangles| MeshPlan {
+            mesh: 0,
+            parts: Vec::new(),
+            triangles,
+        };
+        for (triangles, crowd_sizes) in [
+            (&[][..], vec![]),
+            (&[1, 2, 3], vec![3]),
+            (&[CROWD, 1], vec![1, 1]),
+            (&[CROWD - 1, 1, 0, 1], vec![3, 1]),
+            (&[1, 5 * CROWD, 1, 1], vec![1, 1, 2]),
+        ] {
+            let plans: Vec<MeshPlan> = triangles.iter().map(|&triangles| plan(triangles)).collect();
+            let sizes: Vec<usize> = crowds(&plans).map(<[MeshPlan]>::len).collect();
+            assert_eq!(sizes, crowd_sizes, "{triangles:?}");
+        }
+        assert_eq!(
+            bytes_to_build(&[plan(3), plan(5 * CROWD), plan(9)]),
+            5 * CROWD * BYTES_AT_WORK
+        );
+    }
 }

@@ -25,6 +25,7 @@ use container::Container;
 use document::Document;
 use enfilade::{ContentBuilder, ContentError, MeshId};
 use mesh::MeshPlan;
+use names::Names;
 use nodes::Placed;
 use rayon::prelude::*;
 use std::path::Path;
@@ -37,6 +38,7 @@ pub(crate) fn import(bytes: &[u8], folder: Option<&Path>, mut budget: Budget) ->
     extensions::check(&document, &mut warnings)?;
     warn_of_the_unread(&document, &mut warnings);
     let placed = nodes::place(&document, &mut warnings)?;
+    budget.take(placed.len() as u64 * BYTES_PER_NODE, || "the nodes".to_owned())?;
     let materials = materials::read(&document)?;
 
     let used = used_meshes(&document, &placed)?;
@@ -44,33 +46,42 @@ pub(crate) fn import(bytes: &[u8], folder: Option<&Path>, mut budget: Budget) ->
     for &mesh in &used {
         plans.push(MeshPlan::new(&document, mesh, &mut budget, &mut warnings)?);
     }
+    budget.take(mesh::bytes_to_build(&plans), || {
+        "the building of meshes".to_owned()
+    })?;
     let named_buffers = plans.iter().flat_map(MeshPlan::buffers);
     let buffers = Buffers::load(&document, named_buffers, container.binary, folder, &mut budget)?;
-    let built: Vec<_> = plans.par_iter().map(|plan| plan.build(&buffers)).collect();
 
     let mut content = ContentBuilder::new(materials);
-    // In order, so that of several broken meshes the first is named, whichever thread was done first.
-    for mesh in built {
-        content.mesh(mesh?);
+    for crowd in mesh::crowds(&plans) {
+        let built: Vec<_> = crowd.par_iter().map(|plan| plan.build(&buffers)).collect();
+        // In order, so that of several broken meshes the first is named, whichever thread was done first.
+        for mesh in built {
+            content.mesh(mesh?);
+        }
     }
-    let names = names::unique(&document, |node| node.mesh.is_some());
-    for Placed { node, world } in &placed {
-        if let Some(mesh) = document.nodes[*node as usize].mesh {
+    let names = Names::of(&document, |node| node.mesh.is_some());
+    for Placed { node: number, world } in &placed {
+        let node = &document.nodes[*number as usize];
+        if let Some(mesh) = node.mesh {
             let mesh = MeshId(used.partition_point(|&before| before < mesh) as u32);
-            content.item(&names[node], mesh, *world);
+            content.item(&names.name(*number, node), mesh, *world);
         }
     }
-    let content = content.build().map_err(|why| match &why {
-        ContentError::NotFinite(name) => {
-            let node = placed.iter().find(|Placed { node, .. }| names.get(node) == Some(name));
-            node.map_or(BrokenRule::Content(why), |node| BrokenRule::NodeNotFinite(document.node_name(node.node)))
-        }
-        _ => BrokenRule::Content(why),
-    })?;
+    let content = content
+        .build()
+        .map_err(|why| name_the_node(why, &document, &placed, &names))?;
     warnings.state(WarningKind::EmptyScene, content.triangle_count() == 0);
     let cameras = camera::read(&document, &placed, &mut warnings)?;
-    Ok(Import { content, cameras, warnings: warnings.into_list() })
+    Ok(Import {
+        content,
+        cameras,
+        warnings: warnings.into_list(),
+    })
 }
+
+/// About what a node that shows something takes while it becomes an item.
+const BYTES_PER_NODE: u64 = 400;
 
 /// The meshes that items are copies of, each once, in order.
 fn used_meshes(document: &Document, placed: &[Placed]) -> Result<Vec<u32>, BrokenRule> {
@@ -92,4 +103,15 @@ fn warn_of_the_unread(document: &Document, warnings: &mut Warnings) {
     warnings.count(WarningKind::Textures, document.textures.len());
     warnings.count(WarningKind::Skins, document.skins.len());
     warnings.count(WarningKind::Animations, document.animations.len());
+}
+
+/// Says which node is meant where the content knows only the item.
+fn name_the_node(why: ContentError, document: &Document, placed: &[Placed], names: &Names) -> BrokenRule {
+    if let ContentError::NotFinite(name) = &why {
+        let is_meant = |number: u32| names.name(number, &document.nodes[number as usize]) == *name;
+        if let Some(placed) = placed.iter().find(|placed| is_meant(placed.node)) {
+            return BrokenRule::NodeNotFinite(document.node_name(placed.node));
+        }
+    }
+    BrokenRule::Content(why)
 }

@@ -1,34 +1,41 @@
 //! Names of items: a node's own where it is the only one, with its number where it is not.
 
 use super::document::{Document, Node};
-use std::collections::{HashMap, HashSet};
+use std::borrow::Cow;
+use std::collections::HashMap;
 
-/// The names of all nodes of the file that are `meant`, by their numbers; no two are equal.
+/// The names of some nodes of a file, no two of them equal.
 ///
 /// The whole file counts, not one scene, so that a name does not depend on which scene is read.
-pub(super) fn unique(document: &Document, meant: impl Fn(&Node) -> bool) -> HashMap<u32, String> {
-    let nodes = || (0_u32..).zip(&document.nodes).filter(|(_, node)| meant(node));
-    let mut bearers: HashMap<&str, u32> = HashMap::new();
-    for (_, node) in nodes() {
-        *bearers.entry(&node.name).or_default() += 1;
-    }
-    let stands_alone = |node: &Node| !node.name.is_empty() && bearers[&*node.name] == 1;
-    let mut given: HashSet<String> = HashSet::new();
-    given.extend(nodes().filter(|(_, node)| stands_alone(node)).map(|(_, node)| node.name.to_string()));
-    let mut names = HashMap::new();
-    for (number, node) in nodes() {
-        let mut name = node.name.to_string();
-        if !stands_alone(node) {
-            if name.is_empty() {
-                name.push_str("node");
-            }
-            name = format!("{name}#{number}");
-            // Another node may already be called so; its own name goes before a made one.
-            while !given.insert(name.clone()) {
-                name = format!("{name}#{number}");
-            }
+pub(super) struct Names<'d> {
+    /// How many of the nodes have a name.
+    bearers: HashMap<&'d str, u32>,
+}
+
+impl<'d> Names<'d> {
+    /// Counts the names of the nodes that are `meant`.
+    pub(super) fn of(document: &'d Document, meant: impl Fn(&Node) -> bool) -> Names<'d> {
+        let mut bearers = HashMap::new();
+        for node in document.nodes.iter().filter(|node| meant(node)) {
+            *bearers.entry(&*node.name).or_default() += 1;
         }
-        names.insert(number, name);
+        Names { bearers }
     }
-    names
+
+    /// The name of one of those nodes: `NAME`, `NAME#number` or `node#number`.
+    ///
+    /// Two names that end in numbers differ there. So a made name can only be that of a node which has its name for
+    /// itself; then the number is set behind it once more.
+    pub(super) fn name(&self, number: u32, node: &'d Node) -> Cow<'d, str> {
+        let is_taken = |name: &str| !name.is_empty() && self.bearers.get(name) == Some(&1);
+        if is_taken(&node.name) {
+            return Cow::Borrowed(&node.name);
+        }
+        let own = if node.name.is_empty() { "node" } else { &*node.name };
+        let mut name = format!("{own}#{number}");
+        while is_taken(&name) {
+            name = format!("{name}#{number}");
+        }
+        Cow::Owned(name)
+    }
 }

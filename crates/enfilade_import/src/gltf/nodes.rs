@@ -25,8 +25,11 @@ pub(super) fn place(document: &Document, warnings: &mut Warnings) -> Result<Vec<
     let mut placed = Vec::new();
     let mut entered = vec![false; document.nodes.len()];
     // A stack: what is to be entered first is pushed last.
-    let mut waiting: Vec<(u32, DAffine3)> =
-        roots(document, &parents)?.iter().rev().map(|&root| (root, DAffine3::IDENTITY)).collect();
+    let mut waiting: Vec<(u32, DAffine3)> = roots(document, &parents)?
+        .iter()
+        .rev()
+        .map(|&root| (root, DAffine3::IDENTITY))
+        .collect();
     while let Some((number, world_from_parent)) = waiting.pop() {
         // A scene may name a node twice; it is there once all the same.
         if std::mem::replace(&mut entered[number as usize], true) {
@@ -53,7 +56,11 @@ pub(super) fn place(document: &Document, warnings: &mut Warnings) -> Result<Vec<
 /// The nodes that the scene begins with: those of the default scene, else of the first, else all without a parent.
 fn roots(document: &Document, parents: &[Option<u32>]) -> Result<Vec<u32>, BrokenRule> {
     let Some(number) = document.scene.or((!document.scenes.is_empty()).then_some(0)) else {
-        return Ok((0_u32..).zip(parents).filter(|(_, parent)| parent.is_none()).map(|(root, _)| root).collect());
+        return Ok((0_u32..)
+            .zip(parents)
+            .filter(|(_, parent)| parent.is_none())
+            .map(|(root, _)| root)
+            .collect());
     };
     let scene = find(&document.scenes, number, "scene", || "the document".to_owned())?;
     let place = || format!("scene {number}");
@@ -108,7 +115,11 @@ fn name_the_cycle(document: &Document, parents: &[Option<u32>], node: u32) -> St
     let mut cycle: Vec<u32> = upward.take_while(|&at| at != node).collect();
     cycle.push(node);
     cycle.reverse();
-    let mut names: Vec<String> = cycle.iter().take(MOST).map(|&at| document.node_name(at)).collect();
+    let mut names: Vec<String> = cycle
+        .iter()
+        .take(MOST)
+        .map(|&at| document.node_name(at))
+        .collect();
     if cycle.len() > MOST {
         names.push(format!("and so on: {} more", cycle.len() - MOST));
     }
@@ -134,29 +145,48 @@ fn parent_from_node(
         }
         return Ok(affine);
     }
-    let translation = node.translation.as_deref().map_or(DVec3::ZERO, |&t| DVec3::from(t));
+    let translation = node
+        .translation
+        .as_deref()
+        .map_or(DVec3::ZERO, |&t| DVec3::from(t));
     let scale = node.scale.as_deref().map_or(DVec3::ONE, |&s| DVec3::from(s));
     let rotation = match node.rotation.as_deref() {
         None => DQuat::IDENTITY,
         Some(&[x, y, z, w]) => {
             // Scaled by the largest part first: squares of what JSON can hold may vanish or overflow.
-            let largest = [x, y, z, w].into_iter().fold(0.0_f64, |most, part| most.max(part.abs()));
+            let largest = [x, y, z, w]
+                .into_iter()
+                .fold(0.0_f64, |most, part| most.max(part.abs()));
             if largest == 0.0 {
                 return Err(BrokenRule::NoRotation(name()));
             }
             DQuat::from_vec4((DVec4::new(x, y, z, w) / largest).normalize())
         }
     };
-    Ok(DAffine3::from_scale_rotation_translation(scale, rotation, translation))
+    Ok(DAffine3::from_scale_rotation_translation(
+        scale,
+        rotation,
+        translation,
+    ))
 }
 
 /// Do axes that were square to each other no longer stand so, beyond what 32-bit numbers lose?
 fn shears(affine: &DAffine3) -> bool {
-    let [x, y, z] = [affine.matrix3.x_axis, affine.matrix3.y_axis, affine.matrix3.z_axis];
-    [(x, y), (y, z), (z, x)].into_iter().any(|(a, b)| a.dot(b).abs() > 1e-4 * a.length() * b.length())
+    let [x, y, z] = [
+        affine.matrix3.x_axis,
+        affine.matrix3.y_axis,
+        affine.matrix3.z_axis,
+    ];
+    [(x, y), (y, z), (z, x)]
+        .into_iter()
+        .any(|(a, b)| a.dot(b).abs() > 1e-4 * a.length() * b.length())
 }
 
 /// As items keep their places: rounded once, after all multiplying is done.
 fn rounded(affine: &DAffine3) -> Transform {
-    Transform::from_columns(affine.to_cols_array_2d().map(|column| column.map(|value| value as f32)))
+    Transform::from_columns(
+        affine
+            .to_cols_array_2d()
+            .map(|column| column.map(|value| value as f32)),
+    )
 }

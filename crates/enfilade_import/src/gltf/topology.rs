@@ -31,11 +31,16 @@ impl Topology {
             }
             // Every second triangle of a strip winds the other way round, so its last two corners change places.
             Topology::Strip => {
-                let turned = |i: usize| if i % 2 == 0 { [0, 1, 2] } else { [0, 2, 1] };
-                (0..row.len().saturating_sub(2)).flat_map(|i| turned(i).map(|step| row[i + step])).collect()
+                let turned = |i: usize| [[0, 1, 2], [0, 2, 1]][i % 2];
+                (0..row.len().saturating_sub(2))
+                    .flat_map(|i| turned(i).map(|step| row[i + step]))
+                    .collect()
             }
             Topology::Fan => match row.split_first() {
-                Some((&first, rim)) => rim.windows(2).flat_map(|pair| [pair[0], pair[1], first]).collect(),
+                Some((&first, rim)) => rim
+                    .windows(2)
+                    .flat_map(|pair| [pair[0], pair[1], first])
+                    .collect(),
                 None => row,
             },
         }
@@ -57,8 +62,16 @@ mod tests {
             (Topology::Fan, 1, vec![]),
             (Topology::Fan, 5, vec![1, 2, 0, 2, 3, 0, 3, 4, 0]),
         ] {
-            assert_eq!(topology.triangles(corners), triangles.len() as u64 / 3, "{topology:?} of {corners}");
-            assert_eq!(topology.list((0..corners as u32).collect()), triangles, "{topology:?} of {corners}");
+            assert_eq!(
+                topology.triangles(corners),
+                triangles.len() as u64 / 3,
+                "{topology:?} of {corners}"
+            );
+            assert_eq!(
+                topology.list((0..corners as u32).collect()),
+                triangles,
+                "{topology:?} of {corners}"
+            );
         }
     }
 }

@@ -11,18 +11,41 @@ fn check(cases: &[Case]) {
         let mut file = File::leaf();
         change(&mut file.json);
         let said = refusal(&file.glb()).unwrap_or_else(|| panic!("{what} is read without complaint"));
-        assert!(said.contains(expected), "{what}: it says\n  {said}\nand not\n  {expected}");
+        assert!(
+            said.contains(expected),
+            "{what}: it says\n  {said}\nand not\n  {expected}"
+        );
     }
 }
 
 #[test]
 fn numbers_that_name_nothing() {
     check(&[
-        ("a scene", &|j| j["scene"] = json!(3), "the document names scene 3, but there are only 0"),
-        ("a root", &|j| j["scenes"] = json!([{ "nodes": [5] }]), "scene 0 names node 5, but there are only 1"),
-        ("a child", &|j| j["nodes"][0]["children"] = json!([9]), "node 0 \"Leaf\" names node 9, but there are only 1"),
-        ("a mesh", &|j| j["nodes"][0]["mesh"] = json!(2), "node 0 \"Leaf\" names mesh 2, but there are only 1"),
-        ("a camera", &|j| j["nodes"][0]["camera"] = json!(0), "node 0 \"Leaf\" names camera 0, but there are only 0"),
+        (
+            "a scene",
+            &|j| j["scene"] = json!(3),
+            "the document names scene 3, but there are only 0",
+        ),
+        (
+            "a root",
+            &|j| j["scenes"] = json!([{ "nodes": [5] }]),
+            "scene 0 names node 5, but there are only 1",
+        ),
+        (
+            "a child",
+            &|j| j["nodes"][0]["children"] = json!([9]),
+            "node 0 \"Leaf\" names node 9, but there are only 1",
+        ),
+        (
+            "a mesh",
+            &|j| j["nodes"][0]["mesh"] = json!(2),
+            "node 0 \"Leaf\" names mesh 2, but there are only 1",
+        ),
+        (
+            "a camera",
+            &|j| j["nodes"][0]["camera"] = json!(0),
+            "node 0 \"Leaf\" names camera 0, but there are only 0",
+        ),
         (
             "positions",
             &|j| j["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(12),
@@ -38,8 +61,16 @@ fn numbers_that_name_nothing() {
             &|j| j["meshes"][0]["primitives"][0]["material"] = json!(0),
             "meshes[0].primitives[0] names material 0, but there are only 0",
         ),
-        ("a view", &|j| j["accessors"][0]["bufferView"] = json!(7), "accessor 0 names bufferView 7, but there are only 2"),
-        ("a buffer", &|j| j["bufferViews"][1]["buffer"] = json!(7), "bufferView 1 names buffer 7, but there are only 1"),
+        (
+            "a view",
+            &|j| j["accessors"][0]["bufferView"] = json!(7),
+            "accessor 0 names bufferView 7, but there are only 2",
+        ),
+        (
+            "a buffer",
+            &|j| j["bufferViews"][1]["buffer"] = json!(7),
+            "bufferView 1 names buffer 7, but there are only 1",
+        ),
     ]);
 }
 
@@ -47,14 +78,26 @@ fn numbers_that_name_nothing() {
 fn accessors_that_reach_too_far() {
     let largest = u64::MAX;
     check(&[
-        ("count", &|j| j["accessors"][0]["count"] = json!(4), "accessor 0 ends at byte 48 of bufferView 0, which has only 36"),
-        ("offset", &|j| j["accessors"][1]["byteOffset"] = json!(2), "accessor 1 ends at byte 8 of bufferView 1, which has only 6"),
+        (
+            "count",
+            &|j| j["accessors"][0]["count"] = json!(4),
+            "accessor 0 ends at byte 48 of bufferView 0, which has only 36",
+        ),
+        (
+            "offset",
+            &|j| j["accessors"][1]["byteOffset"] = json!(2),
+            "accessor 1 ends at byte 8 of bufferView 1, which has only 6",
+        ),
         (
             "an offset near the end of numbers",
             &|j| j["accessors"][0]["byteOffset"] = json!(largest),
             "accessor 0 ends at byte 18446744073709551651 of bufferView 0",
         ),
-        ("a count of 2^60", &|j| j["accessors"][0]["count"] = json!(1_u64 << 60), "accessor 0 ends at byte 13835058055282163712"),
+        (
+            "a count of 2^60",
+            &|j| j["accessors"][0]["count"] = json!(1_u64 << 60),
+            "accessor 0 ends at byte 13835058055282163712",
+        ),
         (
             "everything at once",
             &|j| {
@@ -64,7 +107,11 @@ fn accessors_that_reach_too_far() {
             },
             "accessor 0 ends at byte 340282366920938463426481119284349108",
         ),
-        ("a huge stride", &|j| j["bufferViews"][0]["byteStride"] = json!(1_u64 << 40), "accessor 0 ends at byte 2199023255564"),
+        (
+            "a huge stride",
+            &|j| j["bufferViews"][0]["byteStride"] = json!(1_u64 << 40),
+            "accessor 0 ends at byte 2199023255564",
+        ),
         (
             "a stride of zero",
             &|j| j["bufferViews"][0]["byteStride"] = json!(0),
@@ -93,7 +140,10 @@ fn accessors_that_reach_too_far() {
         (
             "a buffer that is nowhere",
             &|j| {
-                j["buffers"].as_array_mut().expect("a list").push(json!({ "byteLength": 36 }));
+                j["buffers"]
+                    .as_array_mut()
+                    .expect("a list")
+                    .push(json!({ "byteLength": 36 }));
                 j["bufferViews"][0]["buffer"] = json!(1);
             },
             "buffer 1 has no bytes",
@@ -124,12 +174,19 @@ fn accessors_of_another_type() {
             &|j| j["accessors"][1]["componentType"] = json!(5130),
             "accessor 1 holds SCALAR of component type 5130",
         ),
-        ("a sparse accessor", &|j| j["accessors"][0]["sparse"] = json!({}), "accessor 0 is sparse, which is not read yet"),
+        (
+            "a sparse accessor",
+            &|j| j["accessors"][0]["sparse"] = json!({}),
+            "accessor 0 is sparse, which is not read yet",
+        ),
         (
             "compressed positions without a plain copy",
             &|j| {
                 j["meshes"][0]["primitives"][0]["extensions"] = json!({ "KHR_draco_mesh_compression": {} });
-                j["accessors"][0].as_object_mut().expect("an accessor").remove("bufferView");
+                j["accessors"][0]
+                    .as_object_mut()
+                    .expect("an accessor")
+                    .remove("bufferView");
             },
             "meshes[0].primitives[0] is compressed (KHR_draco_mesh_compression), which is not read yet",
         ),
@@ -139,8 +196,16 @@ fn accessors_of_another_type() {
 #[test]
 fn modes_that_are_not_known() {
     check(&[
-        ("drawing", &|j| j["meshes"][0]["primitives"][0]["mode"] = json!(7), "meshes[0].primitives[0] has mode 7"),
-        ("alpha", &|j| j["materials"] = json!([{ "alphaMode": "GLASS" }]), "material 0 has alphaMode `GLASS`"),
+        (
+            "drawing",
+            &|j| j["meshes"][0]["primitives"][0]["mode"] = json!(7),
+            "meshes[0].primitives[0] has mode 7",
+        ),
+        (
+            "alpha",
+            &|j| j["materials"] = json!([{ "alphaMode": "GLASS" }]),
+            "material 0 has alphaMode `GLASS`",
+        ),
     ]);
 }
 
@@ -164,7 +229,10 @@ fn positions_that_are_not_finite() {
         let mesh = file.mesh(json!([primitive]));
         file.node(json!({ "mesh": mesh }));
         let said = refusal(&file.glb()).expect("an error");
-        assert!(said.contains("meshes[0].primitives[0] has a triangle at position 2, which is not finite"), "{said}");
+        assert!(
+            said.contains("meshes[0].primitives[0] has a triangle at position 2, which is not finite"),
+            "{said}"
+        );
     }
 }
 
@@ -185,7 +253,10 @@ fn forests_that_are_none() {
     check(&[
         (
             "two parents",
-            &|j| j["nodes"] = json!([{ "name": "Door" }, { "children": [0] }, { "name": "Hall", "children": [0] }]),
+            &|j| {
+                j["nodes"] =
+                    json!([{ "name": "Door" }, { "children": [0] }, { "name": "Hall", "children": [0] }])
+            },
             "node 0 \"Door\" is a child of both node 1 and node 2 \"Hall\"",
         ),
         (
@@ -226,7 +297,11 @@ fn forests_that_are_none() {
 fn a_long_ring_is_not_told_in_full() {
     let mut nodes: Vec<Value> = (1..100_000).map(|child| json!({ "children": [child] })).collect();
     nodes.push(json!({ "children": [0] }));
-    check(&[("a ring of 100,000", &|j| j["nodes"] = Value::Array(nodes.clone()), "and so on: 99994 more")]);
+    check(&[(
+        "a ring of 100,000",
+        &|j| j["nodes"] = Value::Array(nodes.clone()),
+        "and so on: 99994 more",
+    )]);
 }
 
 #[test]
@@ -253,8 +328,16 @@ fn places_that_are_none() {
             &|j| j["nodes"][0]["matrix"] = json!([huge, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]),
             "node 0 \"Leaf\" stands at a place, or has a size, that is not finite",
         ),
-        ("a short matrix", &|j| j["nodes"][0]["matrix"] = json!([1, 0, 0]), "its JSON cannot be read: invalid length 3"),
-        ("a place in words", &|j| j["nodes"][0]["translation"] = json!(["far", 0, 0]), "its JSON cannot be read: invalid type"),
+        (
+            "a short matrix",
+            &|j| j["nodes"][0]["matrix"] = json!([1, 0, 0]),
+            "its JSON cannot be read: invalid length 3",
+        ),
+        (
+            "a place in words",
+            &|j| j["nodes"][0]["translation"] = json!(["far", 0, 0]),
+            "its JSON cannot be read: invalid type",
+        ),
     ]);
 }
 
@@ -265,34 +348,62 @@ fn a_mesh_that_its_node_makes_too_large() {
     let mesh = file.mesh(json!([primitive]));
     file.node(json!({ "name": "Sky", "mesh": mesh, "scale": [10, 10, 10] }));
     let said = refusal(&file.glb()).expect("an error");
-    assert!(said.contains("node 0 \"Sky\" stands at a place, or has a size, that is not finite"), "{said}");
+    assert!(
+        said.contains("node 0 \"Sky\" stands at a place, or has a size, that is not finite"),
+        "{said}"
+    );
 }
 
 #[test]
 fn extensions_that_shapes_depend_on() {
     for (name, remedy) in [
-        ("KHR_mesh_quantization", "export it again with positions as 32-bit floats"),
-        ("KHR_draco_mesh_compression", "export it again without compression"),
+        (
+            "KHR_mesh_quantization",
+            "export it again with positions as 32-bit floats",
+        ),
+        (
+            "KHR_draco_mesh_compression",
+            "export it again without compression",
+        ),
         ("EXT_meshopt_compression", "export it again without compression"),
-        ("EXT_mesh_gpu_instancing", "export it again with one node for each copy"),
+        (
+            "EXT_mesh_gpu_instancing",
+            "export it again with one node for each copy",
+        ),
         ("ACME_time_travel", "export it again without it"),
     ] {
         let expected = format!("needs the extension {name}, which is not read; {remedy}");
-        check(&[(name, &|j| j["extensionsRequired"] = json!(["KHR_materials_unlit", name]), &expected)]);
+        check(&[(
+            name,
+            &|j| j["extensionsRequired"] = json!(["KHR_materials_unlit", name]),
+            &expected,
+        )]);
     }
 }
 
 #[test]
 fn other_versions_of_gltf() {
     check(&[
-        ("1.0", &|j| j["asset"]["version"] = json!("1.0"), "is of glTF version 1.0; only version 2.0 is read"),
-        ("20.0", &|j| j["asset"]["version"] = json!("20.0"), "is of glTF version 20.0"),
+        (
+            "1.0",
+            &|j| j["asset"]["version"] = json!("1.0"),
+            "is of glTF version 1.0; only version 2.0 is read",
+        ),
+        (
+            "20.0",
+            &|j| j["asset"]["version"] = json!("20.0"),
+            "is of glTF version 20.0",
+        ),
         (
             "2.1 at least",
             &|j| j["asset"] = json!({ "version": "2.1", "minVersion": "2.1" }),
             "is of glTF version 2.1; only version 2.0 is read",
         ),
-        ("none", &|j| j["asset"] = json!({}), "its JSON cannot be read: missing field `version`"),
+        (
+            "none",
+            &|j| j["asset"] = json!({}),
+            "its JSON cannot be read: missing field `version`",
+        ),
     ]);
     let mut later = File::leaf();
     later.json["asset"] = json!({ "version": "2.1", "minVersion": "2.0" });

@@ -36,8 +36,13 @@ fn read_with(uri: &str, beside: &[(&str, &[u8])]) -> Result<Import, ImportError>
 fn the_first_bytes_say_what_a_file_is_and_not_its_name() {
     let leaf = File::leaf();
     let text = leaf.gltf("leaf.bin");
-    let folder =
-        folder(&[("a.glb", &leaf.glb()), ("b.gltf", &leaf.glb()), ("c", &text), ("d.obj", &text), ("leaf.bin", &leaf.bytes)]);
+    let folder = folder(&[
+        ("a.glb", &leaf.glb()),
+        ("b.gltf", &leaf.glb()),
+        ("c", &text),
+        ("d.obj", &text),
+        ("leaf.bin", &leaf.bytes),
+    ]);
     for name in ["a.glb", "b.gltf", "c", "d.obj"] {
         let import = read_here(&folder.path().join(name)).expect("a sound file");
         assert_eq!(triangles(&import), LEAF, "{name}");
@@ -65,9 +70,17 @@ fn buffers_are_found_beside_the_file() {
 fn buffers_may_stand_in_the_text_itself() {
     let leaf = File::leaf();
     let padded = BASE64_STANDARD.encode(&leaf.bytes);
-    for head in ["data:application/octet-stream;base64,", "data:;base64,", "DATA:application/gltf-buffer;base64,"] {
+    for head in [
+        "data:application/octet-stream;base64,",
+        "data:;base64,",
+        "DATA:application/gltf-buffer;base64,",
+    ] {
         for data in [&*padded, padded.trim_end_matches('=')] {
-            let import = read_bytes(&leaf.gltf(&format!("{head}{data}")), None, &ReadOptions::default());
+            let import = read_bytes(
+                &leaf.gltf(&format!("{head}{data}")),
+                None,
+                &ReadOptions::default(),
+            );
             assert_eq!(triangles(&import.expect("a sound file")), LEAF, "{head}");
         }
     }
@@ -77,34 +90,75 @@ fn buffers_may_stand_in_the_text_itself() {
 fn buffers_that_cannot_be_had() {
     let leaf = File::leaf();
     for (uri, expected) in [
-        ("https://a.org/leaf.bin", "buffer 0 lies at `https://a.org/leaf.bin`; nothing is fetched"),
-        ("file:///leaf.bin", "buffer 0 lies at `file:///leaf.bin`; nothing is fetched"),
-        ("../leaf.bin", "buffer 0 is `../leaf.bin`, which leads out of the file's folder"),
-        ("%2e%2e/leaf.bin", "buffer 0 is `%2e%2e/leaf.bin`, which leads out of the file's folder"),
-        ("/leaf.bin", "buffer 0 is `/leaf.bin`, which leads out of the file's folder"),
+        (
+            "https://a.org/leaf.bin",
+            "buffer 0 lies at `https://a.org/leaf.bin`; nothing is fetched",
+        ),
+        (
+            "file:///leaf.bin",
+            "buffer 0 lies at `file:///leaf.bin`; nothing is fetched",
+        ),
+        (
+            "../leaf.bin",
+            "buffer 0 is `../leaf.bin`, which leads out of the file's folder",
+        ),
+        (
+            "%2e%2e/leaf.bin",
+            "buffer 0 is `%2e%2e/leaf.bin`, which leads out of the file's folder",
+        ),
+        (
+            "/leaf.bin",
+            "buffer 0 is `/leaf.bin`, which leads out of the file's folder",
+        ),
         ("%ff.bin", "buffer 0 has a bad address: `%ff.bin` is not UTF-8"),
-        ("data:application/octet-stream;base64", "buffer 0 has a bad address: its data URI has no comma"),
-        ("data:text/plain,leaf", "buffer 0 has a bad address: its data URI is not base64"),
-        ("data:;base64,a?b=", "buffer 0 has a bad address: its data URI is not base64"),
-        ("data:;base64,AAAA", "buffer 0 should have 42 bytes, but only 3 are there"),
+        (
+            "data:application/octet-stream;base64",
+            "buffer 0 has a bad address: its data URI has no comma",
+        ),
+        (
+            "data:text/plain,leaf",
+            "buffer 0 has a bad address: its data URI is not base64",
+        ),
+        (
+            "data:;base64,a?b=",
+            "buffer 0 has a bad address: its data URI is not base64",
+        ),
+        (
+            "data:;base64,AAAA",
+            "buffer 0 should have 42 bytes, but only 3 are there",
+        ),
         ("gone.bin", "gone.bin`, which cannot be read: "),
         ("here", "here`, which is not a file"),
-        ("short.bin", "buffer 0 should have 42 bytes, but only 10 are there; copy or export it again"),
+        (
+            "short.bin",
+            "buffer 0 should have 42 bytes, but only 10 are there; copy or export it again",
+        ),
         ("a%00b.bin", "which cannot be read: "),
     ] {
         let beside: [(&str, &[u8]); 2] = [("short.bin", &leaf.bytes[..10]), ("here/leaf.bin", &leaf.bytes)];
-        let said = read_with(uri, &beside).expect_err("a buffer that cannot be had").to_string();
-        assert!(said.contains(expected), "{uri}: it says\n  {said}\nand not\n  {expected}");
+        let said = read_with(uri, &beside)
+            .expect_err("a buffer that cannot be had")
+            .to_string();
+        assert!(
+            said.contains(expected),
+            "{uri}: it says\n  {said}\nand not\n  {expected}"
+        );
         assert!(said.contains("a.gltf: "), "the file is named: {said}");
     }
     let said = refusal(&leaf.gltf("leaf.bin")).expect("no folder to look in");
-    assert!(said.contains("buffer 0 is the file `leaf.bin`, but no folder was given to look for it"), "{said}");
+    assert!(
+        said.contains("buffer 0 is the file `leaf.bin`, but no folder was given to look for it"),
+        "{said}"
+    );
 }
 
 #[test]
 fn buffers_that_nothing_uses_need_not_be_there() {
     let mut leaf = File::leaf();
-    leaf.json["buffers"].as_array_mut().expect("a list").push(json!({ "byteLength": 1_u64 << 40, "uri": "gone.bin" }));
+    leaf.json["buffers"]
+        .as_array_mut()
+        .expect("a list")
+        .push(json!({ "byteLength": 1_u64 << 40, "uri": "gone.bin" }));
     assert_eq!(refusal(&leaf.glb()), None);
 }
 
@@ -112,10 +166,18 @@ fn buffers_that_nothing_uses_need_not_be_there() {
 fn what_is_no_file_is_not_read() {
     let folder = folder(&[]);
     let missing = read_here(&folder.path().join("gone.glb")).expect_err("nothing is there");
-    assert!(matches!(&missing.rule, BrokenRule::Unreadable(why) if why.kind() == std::io::ErrorKind::NotFound));
-    assert!(missing.to_string().contains("gone.glb: cannot be read: "), "{missing}");
+    assert!(
+        matches!(&missing.rule, BrokenRule::Unreadable(why) if why.kind() == std::io::ErrorKind::NotFound)
+    );
+    assert!(
+        missing.to_string().contains("gone.glb: cannot be read: "),
+        "{missing}"
+    );
     let said = read_here(folder.path()).expect_err("a folder").to_string();
-    assert!(said.ends_with("is not a file; name a .glb or .gltf file"), "{said}");
+    assert!(
+        said.ends_with("is not a file; name a .glb or .gltf file"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -124,8 +186,14 @@ fn other_formats_are_told_what_is_read() {
     for (bytes, begins) in [
         (&b""[..], "is not glTF: it begins with nothing at all"),
         (b"# OBJ\nv 0 0 0", "is not glTF: it begins with `# OBJ\\nv 0 0 `"),
-        (b"IBSP\x2e\0\0\0", "is not glTF: it begins with `IBSP.\\x00\\x00\\x00`"),
-        (b"GLTF\x02\0\0\0", "is not glTF: it begins with `GLTF\\x02\\x00\\x00\\x00`"),
+        (
+            b"IBSP\x2e\0\0\0",
+            "is not glTF: it begins with `IBSP.\\x00\\x00\\x00`",
+        ),
+        (
+            b"GLTF\x02\0\0\0",
+            "is not glTF: it begins with `GLTF\\x02\\x00\\x00\\x00`",
+        ),
     ] {
         let said = refusal(bytes).expect("not glTF");
         assert!(said.contains(begins) && said.contains(only), "{said}");
@@ -137,16 +205,27 @@ fn a_binary_file_is_noticed_wherever_it_is_cut() {
     let whole = File::leaf().glb();
     let json_end = 20 + u32::from_le_bytes(whole[12..16].try_into().expect("four bytes")) as usize;
     for length in 4..whole.len() {
-        let said = refusal(&whole[..length]).unwrap_or_else(|| panic!("{length} bytes are read without complaint"));
+        let said =
+            refusal(&whole[..length]).unwrap_or_else(|| panic!("{length} bytes are read without complaint"));
         let part = match length {
             0..12 => "header",
             _ if length < json_end => "JSON chunk",
             _ => "binary chunk",
         };
-        assert!(said.contains(&format!("is cut short: its {part} should end at byte ")), "{length}: {said}");
-        assert!(said.contains(&format!("but the file has only {length};")), "{length}: {said}");
+        assert!(
+            said.contains(&format!("is cut short: its {part} should end at byte ")),
+            "{length}: {said}"
+        );
+        assert!(
+            said.contains(&format!("but the file has only {length};")),
+            "{length}: {said}"
+        );
     }
-    assert_eq!(refusal(&[&*whole, b"trailing"].concat()), None, "what follows the end is not looked at");
+    assert_eq!(
+        refusal(&[&*whole, b"trailing"].concat()),
+        None,
+        "what follows the end is not looked at"
+    );
 }
 
 #[test]
@@ -158,7 +237,11 @@ fn headers_that_lie() {
         refusal(&file).unwrap_or_default()
     };
     for (at, bytes, expected) in [
-        (4, [1, 0, 0, 0], "is of glTF version 1; only version 2.0 is read. Export it again as glTF 2.0"),
+        (
+            4,
+            [1, 0, 0, 0],
+            "is of glTF version 1; only version 2.0 is read. Export it again as glTF 2.0",
+        ),
         (4, [0xff; 4], "is of glTF version 4294967295"),
         (8, [0xff; 4], "should end at byte 4294967295"),
         (12, [0xff; 4], "its JSON chunk should end at byte 4294967315"),
@@ -186,23 +269,53 @@ fn a_binary_file_may_have_no_binary_chunk_and_chunks_of_other_kinds() {
 
 #[test]
 fn json_that_is_none() {
-    let deep = |inside: &str| format!("{{\"asset\":{{\"version\":\"2.0\"}},{inside}{}", "[".repeat(1 << 20));
+    let deep = |inside: &str| {
+        format!(
+            "{{\"asset\":{{\"version\":\"2.0\"}},{inside}{}",
+            "[".repeat(1 << 20)
+        )
+    };
     for (text, expected) in [
-        ("{".to_owned(), "its JSON cannot be read: EOF while parsing an object at line 1 column "),
+        (
+            "{".to_owned(),
+            "its JSON cannot be read: EOF while parsing an object at line 1 column ",
+        ),
         ("{}".to_owned(), "its JSON cannot be read: missing field `asset`"),
-        ("{\"asset\": 2}".to_owned(), "its JSON cannot be read: invalid type: integer `2`"),
+        (
+            "{\"asset\": 2}".to_owned(),
+            "its JSON cannot be read: invalid type: integer `2`",
+        ),
         (deep("\"extras\":"), "its JSON cannot be read: "),
         (deep("\"nodes\":"), "its JSON cannot be read: "),
         (deep("\"asset\":"), "its JSON cannot be read: "),
-        ("{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"scale\":[1e400,1,1]}]}".to_owned(), "number out of range"),
-        ("{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"mesh\":-1}]}".to_owned(), "invalid value: integer `-1`"),
-        ("{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"mesh\":4294967296}]}".to_owned(), "invalid value: integer"),
+        (
+            "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"scale\":[1e400,1,1]}]}".to_owned(),
+            "number out of range",
+        ),
+        (
+            "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"mesh\":-1}]}".to_owned(),
+            "invalid value: integer `-1`",
+        ),
+        (
+            "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"mesh\":4294967296}]}".to_owned(),
+            "invalid value: integer",
+        ),
     ] {
         for file in [text.clone().into_bytes(), glb(&text, b"")] {
             let said = refusal(&file).unwrap_or_else(|| panic!("{} is read", &text[..40.min(text.len())]));
-            assert!(said.contains(expected), "it says\n  {said}\nand not\n  {expected}");
+            assert!(
+                said.contains(expected),
+                "it says\n  {said}\nand not\n  {expected}"
+            );
         }
     }
-    let not_text = glb("{\"asset\":{\"version\":\"\u{7f}\"}}", b"").iter().map(|&b| if b == 0x7f { 0xff } else { b }).collect::<Vec<u8>>();
-    assert!(refusal(&not_text).expect("not UTF-8").contains("its JSON cannot be read: invalid unicode"));
+    let not_text = glb("{\"asset\":{\"version\":\"\u{7f}\"}}", b"")
+        .iter()
+        .map(|&b| if b == 0x7f { 0xff } else { b })
+        .collect::<Vec<u8>>();
+    assert!(
+        refusal(&not_text)
+            .expect("not UTF-8")
+            .contains("its JSON cannot be read: invalid unicode")
+    );
 }

@@ -18,7 +18,10 @@ impl File {
             "asset": { "version": "2.0" },
             "nodes": [], "meshes": [], "accessors": [], "bufferViews": [], "buffers": [{ "byteLength": 0 }]
         });
-        File { json, bytes: Vec::new() }
+        File {
+            json,
+            bytes: Vec::new(),
+        }
     }
 
     /// One node, `Leaf`, with one triangle from (0, 0, 0) to (1, 0, 0) to (0, 1, 0).
@@ -33,25 +36,39 @@ impl File {
     /// Adds a primitive over its own positions, with 16-bit indices.
     pub(crate) fn primitive(&mut self, positions: &[[f32; 3]], indices: &[u16]) -> Value {
         let positions = self.positions(positions);
-        let indices = self.indices(5123, indices.len(), indices.iter().flat_map(|i| i.to_le_bytes()).collect());
+        let indices = self.indices(
+            5123,
+            indices.len(),
+            indices.iter().flat_map(|i| i.to_le_bytes()).collect(),
+        );
         json!({ "attributes": { "POSITION": positions }, "indices": indices })
     }
 
     /// Adds an accessor of positions and says its number.
     pub(crate) fn positions(&mut self, positions: &[[f32; 3]]) -> usize {
-        let bytes = positions.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
+        let bytes = positions
+            .iter()
+            .flatten()
+            .flat_map(|value| value.to_le_bytes())
+            .collect();
         let view = self.view(bytes);
-        self.push("accessors", json!({
-            "bufferView": view, "componentType": 5126, "type": "VEC3", "count": positions.len()
-        }))
+        self.push(
+            "accessors",
+            json!({
+                "bufferView": view, "componentType": 5126, "type": "VEC3", "count": positions.len()
+            }),
+        )
     }
 
     /// Adds an accessor of indices of a component type and says its number.
     pub(crate) fn indices(&mut self, component: u32, count: usize, bytes: Vec<u8>) -> usize {
         let view = self.view(bytes);
-        self.push("accessors", json!({
-            "bufferView": view, "componentType": component, "type": "SCALAR", "count": count
-        }))
+        self.push(
+            "accessors",
+            json!({
+                "bufferView": view, "componentType": component, "type": "SCALAR", "count": count
+            }),
+        )
     }
 
     /// Adds bytes to the buffer and says the number of their view.
@@ -113,7 +130,9 @@ pub(crate) fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
 
 /// The text of the error that reading gives, or nothing where there is none.
 pub(crate) fn refusal(bytes: &[u8]) -> Option<String> {
-    read_bytes(bytes, None, &ReadOptions::default()).err().map(|error| error.to_string())
+    read_bytes(bytes, None, &ReadOptions::default())
+        .err()
+        .map(|error| error.to_string())
 }
 
 /// What a file holds, which must be sound.
@@ -133,7 +152,8 @@ pub(crate) fn triangles(import: &Import) -> Vec<String> {
         for face in 0..mesh.face_count() {
             let corner = |&index: &u32| place.point(mesh.positions()[index as usize]).map(rounded);
             let mut corners: Vec<[f32; 3]> = mesh.face(face).iter().map(corner).collect();
-            let least = (0..corners.len()).min_by(|&a, &b| corners[a].partial_cmp(&corners[b]).expect("finite"));
+            let least =
+                (0..corners.len()).min_by(|&a, &b| corners[a].partial_cmp(&corners[b]).expect("finite"));
             corners.rotate_left(least.expect("three corners"));
             let corners: Vec<String> = corners.iter().map(|[x, y, z]| format!("{x},{y},{z}")).collect();
             lines.push(format!("{} {}", content.name(item), corners.join(" ")));

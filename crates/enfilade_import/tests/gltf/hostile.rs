@@ -5,6 +5,9 @@ use enfilade_import::{BrokenRule, ReadOptions, read, read_bytes};
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 
+/// Long enough for a busy machine, and far too short for anything that grows with the square.
+const PATIENCE: Duration = Duration::from_secs(20);
+
 /// A file like those of exporters: two meshes, a tree of nodes, materials, a camera.
 fn orchard() -> File {
     let mut file = File::leaf();
@@ -13,10 +16,18 @@ fn orchard() -> File {
     strip["mode"] = json!(5);
     strip["material"] = json!(0);
     let mesh = file.mesh(json!([strip]));
-    file.push("materials", json!({ "alphaMode": "BLEND", "pbrMetallicRoughness": { "baseColorFactor": [1, 0, 0, 0.5] } }));
-    file.push("cameras", json!({ "type": "perspective", "perspective": { "yfov": 1.0, "znear": 0.1 } }));
+    file.push(
+        "materials",
+        json!({ "alphaMode": "BLEND", "pbrMetallicRoughness": { "baseColorFactor": [1, 0, 0, 0.5] } }),
+    );
+    file.push(
+        "cameras",
+        json!({ "type": "perspective", "perspective": { "yfov": 1.0, "znear": 0.1 } }),
+    );
     let crown = file.node(json!({ "name": "Crown", "mesh": mesh, "scale": [2, 2, 2] }));
-    file.node(json!({ "children": [crown], "camera": 0, "rotation": [0, 0, 0, 1], "translation": [0, 3, 0] }));
+    file.node(
+        json!({ "children": [crown], "camera": 0, "rotation": [0, 0, 0, 1], "translation": [0, 3, 0] }),
+    );
     file.json["scenes"] = json!([{ "nodes": [0, 2] }]);
     file
 }
@@ -24,7 +35,9 @@ fn orchard() -> File {
 /// Numbers that look random and are the same every time.
 fn numbers(mut state: u64) -> impl FnMut(usize) -> usize {
     move |below| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (state >> 33) as usize % below
     }
 }
@@ -68,21 +81,36 @@ fn a_file_with_a_few_bytes_wrong_is_read_or_refused() {
             }
         }
     }
-    assert!(read > FILES / 20 && refused > FILES / 20, "{read} read, {refused} refused: the mutations are too mild or too wild");
+    assert!(
+        read > FILES / 20 && refused > FILES / 20,
+        "{read} read, {refused} refused: the mutations are too mild or too wild"
+    );
 }
 
 #[test]
 fn text_with_a_number_replaced_by_a_bad_one_is_read_or_refused() {
     const BAD: [&str; 12] = [
-        "-1", "0", "1", "2", "255", "65535", "4294967295", "4294967296", "1152921504606846976",
-        "18446744073709551615", "1e308", "null",
+        "-1",
+        "0",
+        "1",
+        "2",
+        "255",
+        "65535",
+        "4294967295",
+        "4294967296",
+        "1152921504606846976",
+        "18446744073709551615",
+        "1e308",
+        "null",
     ];
     let text = orchard().json.to_string();
     let binary = orchard().bytes;
     let is_digit = |at: usize| text.as_bytes()[at].is_ascii_digit();
     let starts = (1..text.len()).filter(|&at| is_digit(at) && !is_digit(at - 1));
     for start in starts {
-        let end = (start..text.len()).find(|&at| !is_digit(at)).expect("JSON ends with a bracket");
+        let end = (start..text.len())
+            .find(|&at| !is_digit(at))
+            .expect("JSON ends with a bracket");
         for bad in BAD {
             let json = format!("{}{bad}{}", &text[..start], &text[end..]);
             let _ = refusal(&crate::file::glb(&json, &binary));
@@ -94,7 +122,12 @@ fn text_with_a_number_replaced_by_a_bad_one_is_read_or_refused() {
 fn too_large(bytes: &[u8], limit_bytes: u64, place: &str) {
     let error = read_bytes(bytes, None, &ReadOptions { limit_bytes }).expect_err("more than is allowed");
     assert!(matches!(error.rule, BrokenRule::TooLarge { .. }), "{error}");
-    assert!(error.to_string().starts_with(&format!("the bytes given: {place}")), "{error}");
+    assert!(
+        error
+            .to_string()
+            .starts_with(&format!("the bytes given: {place}")),
+        "{error}"
+    );
 }
 
 #[test]
@@ -105,7 +138,8 @@ fn what_would_take_too_much_memory_is_refused_before_it_does() {
 
     // Ten million million triangles, all at the origin, in a few bytes.
     let mut zeros = File::leaf();
-    zeros.json["accessors"][1] = json!({ "componentType": 5125, "type": "SCALAR", "count": 30_000_000_000_000_u64 });
+    zeros.json["accessors"][1] =
+        json!({ "componentType": 5125, "type": "SCALAR", "count": 30_000_000_000_000_u64 });
     too_large(&zeros.glb(), 1 << 30, "meshes[0]");
     zeros.json["accessors"][1]["count"] = json!(u64::MAX);
     too_large(&zeros.glb(), 1 << 30, "meshes[0]");
@@ -120,8 +154,21 @@ fn what_would_take_too_much_memory_is_refused_before_it_does() {
     }
     too_large(&copies.glb(), 1 << 30, "meshes[");
 
+    // One mesh that would fit, if it could be built without working memory.
+    let mut large = File::leaf();
+    large.json["accessors"][1] = json!({ "componentType": 5125, "type": "SCALAR", "count": 30_000_000 });
+    too_large(&large.glb(), 1 << 30, "the building of meshes");
+
+    // A million items in sixteen million bytes.
+    let mut items = File::leaf();
+    items.json["nodes"] = Value::Array(vec![json!({ "mesh": 0 }); 1_000_000]);
+    too_large(&items.glb(), 600_000_000, "the nodes");
+
     // A million nodes in two million bytes.
-    let nodes = format!("{{\"asset\":{{\"version\":\"2.0\"}},\"nodes\":[{}{{}}]}}", "[],".repeat(1_000_000));
+    let nodes = format!(
+        "{{\"asset\":{{\"version\":\"2.0\"}},\"nodes\":[{}{{}}]}}",
+        "[],".repeat(1_000_000)
+    );
     too_large(nodes.as_bytes(), 1 << 27, "the JSON");
 
     let data = format!("data:;base64,{}", "A".repeat(10_000_000));
@@ -132,8 +179,20 @@ fn what_would_take_too_much_memory_is_refused_before_it_does() {
 fn even_without_a_limit_corners_are_counted_with_32_bits() {
     let mut zeros = File::leaf();
     zeros.json["accessors"][1] = json!({ "componentType": 5125, "type": "SCALAR", "count": u64::MAX });
-    let error = read_bytes(&zeros.glb(), None, &ReadOptions { limit_bytes: u64::MAX }).expect_err("too many");
-    assert!(error.to_string().contains("meshes[0] has more than 4 billion corners"), "{error}");
+    let error = read_bytes(
+        &zeros.glb(),
+        None,
+        &ReadOptions {
+            limit_bytes: u64::MAX,
+        },
+    )
+    .expect_err("too many");
+    assert!(
+        error
+            .to_string()
+            .contains("meshes[0] has more than 4 billion corners"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -149,10 +208,21 @@ fn a_buffer_of_ten_gigabytes_is_refused_before_it_is_read() {
     let path = folder.path().join("leaf.gltf");
     std::fs::write(&path, leaf.gltf("leaf.bin")).expect("a file");
     let error = read(&path, &ReadOptions::default()).expect_err("more than is allowed");
-    assert!(error.to_string().contains("buffer 0 would take the memory needed to 10000"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .contains("buffer 0 would take the memory needed to 10000"),
+        "{error}"
+    );
 
-    let error = read(&folder.path().join("leaf.bin"), &ReadOptions::default()).expect_err("more than is allowed");
-    assert!(error.to_string().contains("the file would take the memory needed to 10000000000 bytes"), "{error}");
+    let error =
+        read(&folder.path().join("leaf.bin"), &ReadOptions::default()).expect_err("more than is allowed");
+    assert!(
+        error
+            .to_string()
+            .contains("the file would take the memory needed to 10000000000 bytes"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -162,7 +232,10 @@ fn a_thousand_primitives_of_one_large_accessor_take_no_longer_for_it() {
     let positions = file.positions(&vec![[0.5; 3]; 1_000_000]);
     let mut primitives = Vec::new();
     for part in 0..1000_u32 {
-        let indices = [part, part + 500_000, 999_999].iter().flat_map(|index| index.to_le_bytes()).collect();
+        let indices = [part, part + 500_000, 999_999]
+            .iter()
+            .flat_map(|index| index.to_le_bytes())
+            .collect();
         let indices = file.indices(5125, 3, indices);
         primitives.push(json!({ "attributes": { "POSITION": positions }, "indices": indices }));
     }
@@ -171,7 +244,7 @@ fn a_thousand_primitives_of_one_large_accessor_take_no_longer_for_it() {
     let bytes = file.glb();
     let start = Instant::now();
     assert_eq!(refusal(&bytes), None);
-    assert!(start.elapsed() < Duration::from_secs(2), "{:?}", start.elapsed());
+    assert!(start.elapsed() < PATIENCE, "{:?}", start.elapsed());
 }
 
 #[test]
@@ -185,7 +258,7 @@ fn a_million_children_of_one_node_are_fast() {
     let bytes = file.glb();
     let start = Instant::now();
     assert_eq!(refusal(&bytes), None);
-    assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
+    assert!(start.elapsed() < PATIENCE, "{:?}", start.elapsed());
 }
 
 #[test]
@@ -201,17 +274,22 @@ fn names_that_fight_each_other_are_settled_fast() {
     file.json["nodes"] = Value::Array(nodes);
     let start = Instant::now();
     assert_eq!(refusal(&file.glb()), None);
-    assert!(start.elapsed() < Duration::from_secs(2), "{:?}", start.elapsed());
+    assert!(start.elapsed() < PATIENCE, "{:?}", start.elapsed());
 }
+
+/// What is changed, and how.
+type Change<'a> = (&'a str, &'a dyn Fn(&mut Value));
 
 #[test]
 fn a_message_stays_short_and_plain_whatever_the_file_says() {
     let long = "é\u{1b}[2J".repeat(100_000);
-    let changes: [(&str, &dyn Fn(&mut Value)); 7] = [
+    let changes: [Change; 7] = [
         ("a name", &|j| j["nodes"][0] = json!({ "name": long, "mesh": 7 })),
         ("an extension", &|j| j["extensionsRequired"] = json!([long])),
         ("a version", &|j| j["asset"]["version"] = json!(long)),
-        ("an alpha mode", &|j| j["materials"] = json!([{ "alphaMode": long }])),
+        ("an alpha mode", &|j| {
+            j["materials"] = json!([{ "alphaMode": long }])
+        }),
         ("a type", &|j| j["accessors"][0]["type"] = json!(long)),
         ("an address", &|j| j["buffers"][0]["uri"] = json!(long)),
         ("a word for a number", &|j| j["nodes"] = json!(long)),
@@ -220,6 +298,10 @@ fn a_message_stays_short_and_plain_whatever_the_file_says() {
         let mut file = File::leaf();
         change(&mut file.json);
         let said = refusal(&file.glb()).expect("an error");
-        assert!(said.len() < 500 && !said.contains('\u{1b}'), "{what}: {} bytes", said.len());
+        assert!(
+            said.len() < 500 && !said.contains('\u{1b}'),
+            "{what}: {} bytes",
+            said.len()
+        );
     }
 }

@@ -13,7 +13,9 @@ fn forest(nodes: Value) -> File {
 }
 
 fn names(import: &Import) -> Vec<&str> {
-    (0..import.content.items().len() as u32).map(|item| import.content.name(ItemId(item))).collect()
+    (0..import.content.items().len() as u32)
+        .map(|item| import.content.name(ItemId(item)))
+        .collect()
 }
 
 #[test]
@@ -22,11 +24,31 @@ fn children_stand_where_their_parents_put_them() {
     // Columns: twice as wide along x, then moved by (10, 0, 0).
     let matrix = json!([2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 10, 0, 0, 1]);
     for (what, nodes, expected) in [
-        ("a translation", json!([{ "name": "A", "mesh": 0, "translation": [1, 2, 3] }]), "A 1,2,3 2,2,3 1,3,3"),
-        ("a scale", json!([{ "name": "A", "mesh": 0, "scale": [2, 3, 1] }]), "A 0,0,0 2,0,0 0,3,0"),
-        ("a turn about z", json!([{ "name": "A", "mesh": 0, "rotation": turn }]), "A -1,0,0 0,0,0 0,1,0"),
-        ("a turn of any length", json!([{ "name": "A", "mesh": 0, "rotation": [0, 0, 1e-200, 1e-200] }]), "A -1,0,0 0,0,0 0,1,0"),
-        ("a matrix", json!([{ "name": "A", "mesh": 0, "matrix": matrix }]), "A 10,0,0 12,0,0 10,1,0"),
+        (
+            "a translation",
+            json!([{ "name": "A", "mesh": 0, "translation": [1, 2, 3] }]),
+            "A 1,2,3 2,2,3 1,3,3",
+        ),
+        (
+            "a scale",
+            json!([{ "name": "A", "mesh": 0, "scale": [2, 3, 1] }]),
+            "A 0,0,0 2,0,0 0,3,0",
+        ),
+        (
+            "a turn about z",
+            json!([{ "name": "A", "mesh": 0, "rotation": turn }]),
+            "A -1,0,0 0,0,0 0,1,0",
+        ),
+        (
+            "a turn of any length",
+            json!([{ "name": "A", "mesh": 0, "rotation": [0, 0, 1e-200, 1e-200] }]),
+            "A -1,0,0 0,0,0 0,1,0",
+        ),
+        (
+            "a matrix",
+            json!([{ "name": "A", "mesh": 0, "matrix": matrix }]),
+            "A 10,0,0 12,0,0 10,1,0",
+        ),
         (
             "scale first, then turn, then move",
             json!([{ "name": "A", "mesh": 0, "translation": [5, 0, 0], "rotation": turn, "scale": [2, 1, 1] }]),
@@ -61,10 +83,18 @@ fn a_mirrored_node_keeps_its_faces_and_says_that_it_mirrors() {
         { "name": "Left", "mesh": 0 },
         { "name": "Right", "mesh": 0, "scale": [-1, 1, 1] }
     ])));
-    let mirrors: Vec<bool> = import.content.items().iter().map(|item| item.transform().mirrors()).collect();
+    let mirrors: Vec<bool> = import
+        .content
+        .items()
+        .iter()
+        .map(|item| item.transform().mirrors())
+        .collect();
     assert_eq!(mirrors, [false, true]);
     // The corners keep the order they have in the mesh: front and back are told there.
-    assert_eq!(triangles(&import), ["Left 0,0,0 1,0,0 0,1,0", "Right -1,0,0 0,1,0 0,0,0"]);
+    assert_eq!(
+        triangles(&import),
+        ["Left 0,0,0 1,0,0 0,1,0", "Right -1,0,0 0,1,0 0,0,0"]
+    );
 }
 
 #[test]
@@ -73,13 +103,25 @@ fn a_node_is_named_by_its_number_where_its_name_is_missing_or_repeats() {
     for (nodes, expected) in [
         (json!([mesh("A"), mesh("B")]), vec!["A", "B"]),
         (json!([mesh("A"), mesh("B"), mesh("A")]), vec!["A#0", "B", "A#2"]),
-        (json!([{ "mesh": 0 }, mesh(""), mesh("A")]), vec!["node#0", "node#1", "A"]),
+        (
+            json!([{ "mesh": 0 }, mesh(""), mesh("A")]),
+            vec!["node#0", "node#1", "A"],
+        ),
         // Only nodes with meshes count.
-        (json!([mesh("A"), { "name": "A" }, { "name": "A", "children": [0] }]), vec!["A"]),
+        (
+            json!([mesh("A"), { "name": "A" }, { "name": "A", "children": [0] }]),
+            vec!["A"],
+        ),
         // A node's own name goes before one that is made.
-        (json!([mesh("A#2"), mesh("A"), mesh("A")]), vec!["A#2", "A#1", "A#2#2"]),
+        (
+            json!([mesh("A#2"), mesh("A"), mesh("A")]),
+            vec!["A#2", "A#1", "A#2#2"],
+        ),
         (json!([mesh("node#1"), { "mesh": 0 }]), vec!["node#1", "node#1#1"]),
-        (json!([mesh("A#1"), mesh("A"), mesh("A"), mesh("A#1")]), vec!["A#1#0", "A#1", "A#2", "A#1#3"]),
+        (
+            json!([mesh("A#1"), mesh("A"), mesh("A"), mesh("A#1")]),
+            vec!["A#1#0", "A#1", "A#2", "A#1#3"],
+        ),
     ] {
         assert_eq!(names(&reads(&forest(nodes.clone()))), expected, "{nodes}");
     }
@@ -119,8 +161,9 @@ fn a_name_does_not_depend_on_which_scene_is_read() {
 #[test]
 fn a_chain_of_100_000_nodes_is_as_deep_as_it_is() {
     const LENGTH: usize = 100_000;
-    let mut nodes: Vec<Value> =
-        (1..LENGTH).map(|child| json!({ "children": [child], "translation": [0.25, 0, 0] })).collect();
+    let mut nodes: Vec<Value> = (1..LENGTH)
+        .map(|child| json!({ "children": [child], "translation": [0.25, 0, 0] }))
+        .collect();
     nodes.push(json!({ "name": "End", "mesh": 0 }));
     let import = reads(&forest(Value::Array(nodes)));
     assert_eq!(triangles(&import), ["End 24999.75,0,0 25000.75,0,0 24999.75,1,0"]);
@@ -141,19 +184,47 @@ fn lens(yfov: f64, znear: f64) -> Value {
 fn a_camera_stands_in_the_world_and_looks_along_its_negative_z() {
     let half = 0.5_f64.sqrt();
     for (node, eye, toward, up) in [
-        (json!({ "camera": 0 }), [0.0; 3], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]),
-        (json!({ "camera": 0, "translation": [1, 2, 3] }), [1.0, 2.0, 3.0], [1.0, 2.0, 2.0], [0.0, 1.0, 0.0]),
+        (
+            json!({ "camera": 0 }),
+            [0.0; 3],
+            [0.0, 0.0, -1.0],
+            [0.0, 1.0, 0.0],
+        ),
+        (
+            json!({ "camera": 0, "translation": [1, 2, 3] }),
+            [1.0, 2.0, 3.0],
+            [1.0, 2.0, 2.0],
+            [0.0, 1.0, 0.0],
+        ),
         // A quarter turn about x: it looks up, and up points back.
-        (json!({ "camera": 0, "rotation": [half, 0.0, 0.0, half] }), [0.0; 3], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]),
+        (
+            json!({ "camera": 0, "rotation": [half, 0.0, 0.0, half] }),
+            [0.0; 3],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+        ),
         // Scale does not count.
-        (json!({ "camera": 0, "scale": [5, 5, 5] }), [0.0; 3], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]),
+        (
+            json!({ "camera": 0, "scale": [5, 5, 5] }),
+            [0.0; 3],
+            [0.0, 0.0, -1.0],
+            [0.0, 1.0, 0.0],
+        ),
         // Far out, a step of one would drown in rounding.
-        (json!({ "camera": 0, "translation": [1e7, 0, 0] }), [1e7, 0.0, 0.0], [1e7, 0.0, -1e4], [0.0, 1.0, 0.0]),
+        (
+            json!({ "camera": 0, "translation": [1e7, 0, 0] }),
+            [1e7, 0.0, 0.0],
+            [1e7, 0.0, -1e4],
+            [0.0, 1.0, 0.0],
+        ),
     ] {
         let import = with_camera(lens(1.0, 0.1), node.clone());
         let camera = &import.cameras[0];
         for (found, expected) in [(camera.eye, eye), (camera.toward, toward), (camera.up, up)] {
-            assert!((0..3).all(|axis| (found[axis] - expected[axis]).abs() < 1e-6), "{node}: {camera:?}");
+            assert!(
+                (0..3).all(|axis| (found[axis] - expected[axis]).abs() < 1e-6),
+                "{node}: {camera:?}"
+            );
         }
         assert_eq!((camera.fov_y, camera.near, &*camera.name), (1.0, 0.1, "node#1"));
     }
@@ -165,7 +236,11 @@ fn cameras_that_make_no_picture_are_left_out_with_a_warning() {
         json!({ "type": "orthographic", "orthographic": { "xmag": 1, "ymag": 1, "znear": 0.1, "zfar": 9 } });
     let bad = "cameras that can make no picture are left out (node 1 \"Eye\")";
     for (camera, scale, expected) in [
-        (orthographic, 1, "orthographic cameras are not read yet (node 1 \"Eye\")"),
+        (
+            orthographic,
+            1,
+            "orthographic cameras are not read yet (node 1 \"Eye\")",
+        ),
         (json!({ "type": "fisheye" }), 1, bad),
         (json!({ "type": "perspective" }), 1, bad),
         (lens(0.0, 0.1), 1, bad),
@@ -173,7 +248,10 @@ fn cameras_that_make_no_picture_are_left_out_with_a_warning() {
         (lens(1.0, 0.0), 1, bad),
         (lens(1.0, 0.1), 0, bad),
     ] {
-        let import = with_camera(camera.clone(), json!({ "name": "Eye", "camera": 0, "scale": [scale, scale, scale] }));
+        let import = with_camera(
+            camera.clone(),
+            json!({ "name": "Eye", "camera": 0, "scale": [scale, scale, scale] }),
+        );
         assert!(import.cameras.is_empty());
         assert_eq!(warnings(&import), [expected], "{camera}");
     }

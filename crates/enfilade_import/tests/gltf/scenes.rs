@@ -38,12 +38,25 @@ fn real_scenes_have_as_many_items_and_triangles_as_their_makers_say() {
         met += 1;
         let import = read(&path, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
         let content = &import.content;
-        let names: HashSet<&str> =
-            (0..content.items().len() as u32).map(|item| content.name(enfilade::ItemId(item))).collect();
-        assert_eq!(names.len(), content.items().len(), "{}: names are unique", path.display());
-        let file = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        let names: HashSet<&str> = (0..content.items().len() as u32)
+            .map(|item| content.name(enfilade::ItemId(item)))
+            .collect();
+        assert_eq!(
+            names.len(),
+            content.items().len(),
+            "{}: names are unique",
+            path.display()
+        );
+        let file = path
+            .file_name()
+            .and_then(|name| name.to_str())
+            .unwrap_or_default();
         if let Some((_, items, triangles)) = KNOWN.iter().find(|(name, ..)| *name == file) {
-            assert_eq!((content.items().len(), content.triangle_count()), (*items, *triangles), "{file}");
+            assert_eq!(
+                (content.items().len(), content.triangle_count()),
+                (*items, *triangles),
+                "{file}"
+            );
         }
     }
     assert!(met > 0, "ENFILADE_SCENES names a folder without a .glb");

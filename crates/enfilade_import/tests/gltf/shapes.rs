@@ -26,7 +26,11 @@ fn indices_may_have_8_16_or_32_bits_or_be_left_out() {
             let indices = file.indices(component, 3, bytes);
             file.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
         });
-        assert_eq!(triangles(&reads(&file)), ["Leaf 0,0,0 1,0,0 0,1,0"], "component type {component}");
+        assert_eq!(
+            triangles(&reads(&file)),
+            ["Leaf 0,0,0 1,0,0 0,1,0"],
+            "component type {component}"
+        );
     }
     let file = leaf_with(|file| file.json["meshes"][0]["primitives"][0]["indices"] = Value::Null);
     assert_eq!(triangles(&reads(&file)), ["Leaf 0,0,0 1,0,0 0,1,0"]);
@@ -54,7 +58,10 @@ fn an_indexed_strip_takes_its_corners_through_the_indices() {
     primitive["mode"] = json!(5);
     let mesh = file.mesh(json!([primitive]));
     file.node(json!({ "name": "Rug", "mesh": mesh }));
-    assert_eq!(triangles(&reads(&file)), ["Rug 0,0,0 1,0,0 0,1,0", "Rug 0,1,0 1,0,0 1,1,0"]);
+    assert_eq!(
+        triangles(&reads(&file)),
+        ["Rug 0,0,0 1,0,0 0,1,0", "Rug 0,1,0 1,0,0 1,1,0"]
+    );
 }
 
 #[test]
@@ -78,7 +85,10 @@ fn positions_may_stand_apart_and_begin_late() {
 #[test]
 fn an_accessor_that_stands_nowhere_is_all_zeros() {
     let file = leaf_with(|file| {
-        file.json["accessors"][0].as_object_mut().expect("an accessor").remove("bufferView");
+        file.json["accessors"][0]
+            .as_object_mut()
+            .expect("an accessor")
+            .remove("bufferView");
     });
     assert_eq!(triangles(&reads(&file)), ["Leaf 0,0,0 0,0,0 0,0,0"]);
 }
@@ -105,15 +115,24 @@ fn primitives_of_a_mesh_are_parts_of_one_item() {
     let lower = file.primitive(&LADDER, &[0, 1, 2]);
     let mut upper = file.primitive(&LADDER, &[1, 3, 2]);
     upper["material"] = json!(0);
-    file.push("materials", json!({ "pbrMetallicRoughness": { "baseColorFactor": [0.5, 0.25, 0.0, 1.0] } }));
+    file.push(
+        "materials",
+        json!({ "pbrMetallicRoughness": { "baseColorFactor": [0.5, 0.25, 0.0, 1.0] } }),
+    );
     let mesh = file.mesh(json!([lower, upper]));
     file.node(json!({ "name": "Rug", "mesh": mesh }));
     let import = reads(&file);
-    assert_eq!(triangles(&import), ["Rug 0,0,0 1,0,0 0,1,0", "Rug 0,1,0 1,0,0 1,1,0"]);
+    assert_eq!(
+        triangles(&import),
+        ["Rug 0,0,0 1,0,0 0,1,0", "Rug 0,1,0 1,0,0 1,1,0"]
+    );
     let content = &import.content;
     assert_eq!(content.items().len(), 1);
-    let colors: Vec<_> =
-        content.meshes()[0].clusters().iter().map(|cluster| content.material_of(cluster).base_color).collect();
+    let colors: Vec<_> = content.meshes()[0]
+        .clusters()
+        .iter()
+        .map(|cluster| content.material_of(cluster).base_color)
+        .collect();
     assert_eq!(colors, [[0.5, 0.25, 0.0, 1.0], [1.0; 4]]);
 }
 
@@ -125,7 +144,10 @@ fn nodes_that_share_a_mesh_share_it_in_memory() {
     }
     let content = reads(&file).content;
     assert_eq!((content.items().len(), content.meshes().len()), (100, 1));
-    assert_eq!((content.triangle_count(), Arc::strong_count(&content.meshes()[0])), (100, 1));
+    assert_eq!(
+        (content.triangle_count(), Arc::strong_count(&content.meshes()[0])),
+        (100, 1)
+    );
 }
 
 #[test]
@@ -140,24 +162,50 @@ fn materials_say_what_hides_and_from_which_side() {
     let glass = json!({ "KHR_materials_transmission": { "transmissionFactor": 0.9 } });
     let solid = json!({ "KHR_materials_transmission": {} });
     let color = |color: Value| json!({ "pbrMetallicRoughness": { "baseColorFactor": color } });
-    let material = |base_color, alpha, double_sided| Material { base_color, alpha, double_sided };
+    let material = |base_color, alpha, double_sided| Material {
+        base_color,
+        alpha,
+        double_sided,
+    };
     for (source, expected) in [
         (json!({}), Material::opaque([1.0; 3])),
-        (json!({ "doubleSided": true }), material([1.0; 4], Alpha::Opaque, true)),
-        (json!({ "alphaMode": "MASK" }), material([1.0; 4], Alpha::Mask, false)),
-        (json!({ "alphaMode": "BLEND" }), material([1.0; 4], Alpha::Blend, false)),
+        (
+            json!({ "doubleSided": true }),
+            material([1.0; 4], Alpha::Opaque, true),
+        ),
+        (
+            json!({ "alphaMode": "MASK" }),
+            material([1.0; 4], Alpha::Mask, false),
+        ),
+        (
+            json!({ "alphaMode": "BLEND" }),
+            material([1.0; 4], Alpha::Blend, false),
+        ),
         // An opaque material has full coverage, whatever its alpha says.
-        (color(json!([0.5, 0.5, 0.5, 0.25])), material([0.5, 0.5, 0.5, 1.0], Alpha::Opaque, false)),
-        (color(json!([2.0, -1.0, 0.5, 1.0])), material([1.0, 0.0, 0.5, 1.0], Alpha::Opaque, false)),
+        (
+            color(json!([0.5, 0.5, 0.5, 0.25])),
+            material([0.5, 0.5, 0.5, 1.0], Alpha::Opaque, false),
+        ),
+        (
+            color(json!([2.0, -1.0, 0.5, 1.0])),
+            material([1.0, 0.0, 0.5, 1.0], Alpha::Opaque, false),
+        ),
         // What light goes through must not hide, even if its author calls it opaque.
-        (json!({ "extensions": glass }), material([1.0; 4], Alpha::Blend, false)),
+        (
+            json!({ "extensions": glass }),
+            material([1.0; 4], Alpha::Blend, false),
+        ),
         (json!({ "extensions": solid }), Material::opaque([1.0; 3])),
     ] {
         let mut file = File::leaf();
         file.push("materials", source.clone());
         file.json["meshes"][0]["primitives"][0]["material"] = json!(0);
         let content = reads(&file).content;
-        assert_eq!(*content.material_of(&content.meshes()[0].clusters()[0]), expected, "{source}");
+        assert_eq!(
+            *content.material_of(&content.meshes()[0].clusters()[0]),
+            expected,
+            "{source}"
+        );
     }
 }
 
@@ -165,7 +213,10 @@ fn materials_say_what_hides_and_from_which_side() {
 fn a_primitive_without_a_material_is_white_and_one_sided() {
     let content = reads(&File::leaf()).content;
     let cluster = &content.meshes()[0].clusters()[0];
-    assert_eq!((cluster.material, content.material_of(cluster)), (MaterialId(0), &Material::opaque([1.0; 3])));
+    assert_eq!(
+        (cluster.material, content.material_of(cluster)),
+        (MaterialId(0), &Material::opaque([1.0; 3]))
+    );
 }
 
 #[test]
@@ -174,12 +225,40 @@ fn triangles_beside_points_and_lines_are_drawn() {
     for mode in 0..4 {
         let mut primitive = file.json["meshes"][0]["primitives"][0].clone();
         primitive["mode"] = json!(mode);
-        file.json["meshes"][0]["primitives"].as_array_mut().expect("a list").push(primitive);
+        file.json["meshes"][0]["primitives"]
+            .as_array_mut()
+            .expect("a list")
+            .push(primitive);
     }
     let import = reads(&file);
     assert_eq!(triangles(&import), ["Leaf 0,0,0 1,0,0 0,1,0"]);
-    assert_eq!(warnings(&import), [
-        "points are not drawn (meshes[0].primitives[1])",
-        "lines are not drawn (meshes[0].primitives[2], meshes[0].primitives[3], meshes[0].primitives[4])",
-    ]);
+    assert_eq!(
+        warnings(&import),
+        [
+            "points are not drawn (meshes[0].primitives[1])",
+            "lines are not drawn (meshes[0].primitives[2], meshes[0].primitives[3], meshes[0].primitives[4])",
+        ]
+    );
+}
+
+#[test]
+fn any_number_of_threads_reads_the_same() {
+    let mut file = File::empty();
+    for number in 0..200_u8 {
+        let corner = f32::from(number);
+        let primitive = file.primitive(
+            &[[corner, 0.0, 0.0], [0.0, corner, 0.0], [0.0, 0.0, corner]],
+            &[0, 1, 2],
+        );
+        let mesh = file.mesh(json!([primitive]));
+        file.node(json!({ "mesh": mesh }));
+    }
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .expect("threads");
+        pool.install(|| format!("{:?}", reads(&file)))
+    };
+    assert_eq!(with(1), with(4));
 }

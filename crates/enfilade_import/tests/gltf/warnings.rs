@@ -20,7 +20,10 @@ fn a_plain_file_gives_no_warning() {
 fn a_scene_without_triangles_is_called_empty() {
     let empty = "the scene is empty: none of its nodes has a triangle";
     warns(|file| file.json["nodes"] = json!([]), &[empty]);
-    warns(|file| file.json["nodes"] = json!([{ "name": "Nothing" }]), &[empty]);
+    warns(
+        |file| file.json["nodes"] = json!([{ "name": "Nothing" }]),
+        &[empty],
+    );
     warns(|file| file.json["meshes"][0]["primitives"] = json!([]), &[empty]);
     warns(|file| file.json["scenes"] = json!([{}]), &[empty]);
 }
@@ -28,7 +31,10 @@ fn a_scene_without_triangles_is_called_empty() {
 #[test]
 fn scenes_beside_the_default_one_are_counted() {
     let other = "only the default scene is read, others are not (2)";
-    warns(|file| file.json["scenes"] = json!([{ "nodes": [0] }, {}, {}]), &[other]);
+    warns(
+        |file| file.json["scenes"] = json!([{ "nodes": [0] }, {}, {}]),
+        &[other],
+    );
 }
 
 #[test]
@@ -47,8 +53,7 @@ fn compression_with_a_plain_copy_beside_it_is_passed_over() {
     warns(
         |file| {
             file.json["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
-            file.json["meshes"][0]["primitives"][0]["extensions"] =
-                json!({ "KHR_draco_mesh_compression": { "bufferView": 99, "attributes": { "POSITION": 0 } } });
+            file.json["meshes"][0]["primitives"][0]["extensions"] = json!({ "KHR_draco_mesh_compression": { "bufferView": 99, "attributes": { "POSITION": 0 } } });
         },
         &["extensions not read (KHR_draco_mesh_compression)"],
     );
@@ -83,7 +88,9 @@ fn corners_that_make_no_triangle_are_left_out() {
             let indices = file.indices(5121, 5, vec![0, 1, 2, 0, 1]);
             file.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
         },
-        &["the last corners of a list of triangles make no triangle and are left out (meshes[0].primitives[0])"],
+        &[
+            "the last corners of a list of triangles make no triangle and are left out (meshes[0].primitives[0])",
+        ],
     );
 }
 
@@ -91,7 +98,10 @@ fn corners_that_make_no_triangle_are_left_out() {
 fn a_primitive_without_positions_is_not_drawn() {
     warns(
         |file| {
-            file.json["meshes"][0]["primitives"].as_array_mut().expect("a list").push(json!({ "attributes": {} }));
+            file.json["meshes"][0]["primitives"]
+                .as_array_mut()
+                .expect("a list")
+                .push(json!({ "attributes": {} }));
         },
         &["primitives without positions are not drawn (meshes[0].primitives[1])"],
     );
@@ -105,7 +115,10 @@ fn nodes_that_flatten_or_shear_are_named() {
     let sheared = "node matrices shear, which glTF forbids; they are taken as they are (node 0 \"Leaf\")";
     let matrix = json!([1, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
     warns(|file| file.json["nodes"][0]["matrix"] = matrix, &[sheared]);
-    warns(|file| file.json["nodes"][0]["scale"] = json!([1e-12, 1e-12, 1e-12]), &[]);
+    warns(
+        |file| file.json["nodes"][0]["scale"] = json!([1e-12, 1e-12, 1e-12]),
+        &[],
+    );
 }
 
 #[test]
@@ -116,7 +129,9 @@ fn a_hundred_odd_things_of_a_kind_are_one_warning() {
                 file.node(json!({ "mesh": 0, "scale": [0, 1, 1] }));
             }
         },
-        &["nodes flatten their mesh, which may then be seen as a line or not at all \
-           (node 1, node 2, node 3, node 4, node 5, node 6 and 94 more)"],
+        &[
+            "nodes flatten their mesh, which may then be seen as a line or not at all \
+           (node 1, node 2, node 3, node 4, node 5, node 6 and 94 more)",
+        ],
     );
 }

@@ -46,7 +46,14 @@ pub(crate) fn chest(shop: &mut Workshop, wood: MaterialId, iron: MaterialId) -> 
 const BINDINGS: [MaterialId; 7] = [DARK_RED, GREEN_SILK, NIGHT_BLUE, OAK, WALNUT, RED_SILK, OLD_GOLD];
 
 /// A bookcase full of books, of four that differ: width and height.
-pub(crate) fn bookcase(shop: &mut Workshop, which: u64, wide: f32, high: f32, wood: MaterialId, gilt: MaterialId) -> Arc<Mesh> {
+pub(crate) fn bookcase(
+    shop: &mut Workshop,
+    which: u64,
+    wide: f32,
+    high: f32,
+    wood: MaterialId,
+    gilt: MaterialId,
+) -> Arc<Mesh> {
     shop.piece(format!("bookcase {} {wide} {high} {}", which % 4, wood.0), || {
         let mut random = Random::new(which % 4);
         let half = 0.5 * wide;
@@ -54,29 +61,65 @@ pub(crate) fn bookcase(shop: &mut Workshop, which: u64, wide: f32, high: f32, wo
         let mut shape = Shape::new();
         shape.join(block(wood, [-half, 0.0, 0.0], [half, 0.5, deep + 0.08]));
         for side in [-1.0, 1.0] {
-            let [left, right] = [side * half - 0.04 * (1.0 + side), side * half + 0.04 * (1.0 - side)];
+            let [left, right] = [
+                side * half - 0.04 * (1.0 + side),
+                side * half + 0.04 * (1.0 - side),
+            ];
             shape.join(block(wood, [left, 0.5, 0.0], [right, high - 0.25, deep]));
             let panel = side * 0.25 * wide;
             let reach = 0.19 * wide;
-            shape.join(block(gilt, [panel - reach, 0.09, deep + 0.08], [panel + reach, 0.44, deep + 0.095]));
-            shape.join(block(wood, [panel - reach + 0.02, 0.11, deep + 0.08], [panel + reach - 0.02, 0.42, deep + 0.10]));
+            shape.join(block(
+                gilt,
+                [panel - reach, 0.09, deep + 0.08],
+                [panel + reach, 0.44, deep + 0.095],
+            ));
+            shape.join(block(
+                wood,
+                [panel - reach + 0.02, 0.11, deep + 0.08],
+                [panel + reach - 0.02, 0.42, deep + 0.10],
+            ));
         }
-        shape.face(EBONY, &[
-            vec3(-half, 0.5, 0.02),
-            vec3(half, 0.5, 0.02),
-            vec3(half, high - 0.25, 0.02),
-            vec3(-half, high - 0.25, 0.02),
-        ]);
+        shape.face(
+            EBONY,
+            &[
+                vec3(-half, 0.5, 0.02),
+                vec3(half, 0.5, 0.02),
+                vec3(half, high - 0.25, 0.02),
+                vec3(-half, high - 0.25, 0.02),
+            ],
+        );
         let shelves = ((high - 0.75) / 0.42).round().max(1.0);
         let step = (high - 0.75) / shelves;
         for shelf in 0..shelves as usize {
             let foot = 0.5 + step * shelf as f32;
-            shape.join(block(wood, [-half + 0.08, foot, 0.02], [half - 0.08, foot + 0.025, deep - 0.01]));
-            books(&mut shape, &mut random, [-half + 0.1, half - 0.1], foot + 0.025, step - 0.07);
+            shape.join(block(
+                wood,
+                [-half + 0.08, foot, 0.02],
+                [half - 0.08, foot + 0.025, deep - 0.01],
+            ));
+            books(
+                &mut shape,
+                &mut random,
+                [-half + 0.1, half - 0.1],
+                foot + 0.025,
+                step - 0.07,
+            );
         }
-        shape.join(block(wood, [-half - 0.04, high - 0.25, 0.0], [half + 0.04, high - 0.12, deep + 0.04]));
-        shape.join(block(gilt, [-half - 0.05, high - 0.12, 0.0], [half + 0.05, high - 0.09, deep + 0.06]));
-        shape.join(block(wood, [-half - 0.09, high - 0.09, 0.0], [half + 0.09, high, deep + 0.11]));
+        shape.join(block(
+            wood,
+            [-half - 0.04, high - 0.25, 0.0],
+            [half + 0.04, high - 0.12, deep + 0.04],
+        ));
+        shape.join(block(
+            gilt,
+            [-half - 0.05, high - 0.12, 0.0],
+            [half + 0.05, high - 0.09, deep + 0.06],
+        ));
+        shape.join(block(
+            wood,
+            [-half - 0.09, high - 0.09, 0.0],
+            [half + 0.09, high, deep + 0.11],
+        ));
         shape
     })
 }
@@ -94,7 +137,11 @@ fn books(shape: &mut Shape, random: &mut Random, [from, to]: [f32; 2], foot: f32
         let deep = random.between(0.2, 0.24);
         let mut book = block(binding, [0.0, 0.0, 0.06], [thick * 0.96, high, 0.06 + deep]);
         let label = [0.62 * high, 0.74 * high];
-        book.join(block(OLD_GOLD, [0.15 * thick, label[0], 0.06 + deep], [0.8 * thick, label[1], 0.063 + deep]));
+        book.join(block(
+            OLD_GOLD,
+            [0.15 * thick, label[0], 0.06 + deep],
+            [0.8 * thick, label[1], 0.063 + deep],
+        ));
         let lean = if random.once_in(14) { 0.16 } else { 0.0 };
         let slack = high * lean as f32;
         if left + slack + thick > to {
@@ -107,20 +154,43 @@ fn books(shape: &mut Shape, random: &mut Random, [from, to]: [f32; 2], foot: f32
 }
 
 /// A glass case on legs: its wooden frame and its panes are two things. Width, height and depth of the glass.
-pub(crate) fn glass_case(shop: &mut Workshop, size: [f32; 3], wood: MaterialId, shelf: MaterialId) -> [Arc<Mesh>; 2] {
+pub(crate) fn glass_case(
+    shop: &mut Workshop,
+    size: [f32; 3],
+    wood: MaterialId,
+    shelf: MaterialId,
+) -> [Arc<Mesh>; 2] {
     let [wide, high, deep] = size;
     let [x, z] = [0.5 * wide, 0.5 * deep];
     let foot = 0.75;
     let frame = shop.piece(format!("case frame {size:?} {} {}", wood.0, shelf.0), || {
         let mut shape = block(wood, [-x, foot - 0.1, -z], [x, foot, z]);
-        shape.join(block(shelf, [-x + 0.03, foot, -z + 0.03], [x - 0.03, foot + 0.01, z - 0.03]));
-        shape.join(block(wood, [-x - 0.02, foot + high, -z - 0.02], [x + 0.02, foot + high + 0.05, z + 0.02]));
-        let leg = [[0.0, 0.0], [0.025, 0.0], [0.04, 0.08], [0.025, 0.14], [0.04, 0.5], [0.045, foot - 0.1]];
+        shape.join(block(
+            shelf,
+            [-x + 0.03, foot, -z + 0.03],
+            [x - 0.03, foot + 0.01, z - 0.03],
+        ));
+        shape.join(block(
+            wood,
+            [-x - 0.02, foot + high, -z - 0.02],
+            [x + 0.02, foot + high + 0.05, z + 0.02],
+        ));
+        let leg = [
+            [0.0, 0.0],
+            [0.025, 0.0],
+            [0.04, 0.08],
+            [0.025, 0.14],
+            [0.04, 0.5],
+            [0.045, foot - 0.1],
+        ];
         let leg = lathe(wood, &leg, 10);
         for corner in 0..4 {
             let [a, b] = [corner & 1, corner >> 1].map(|bit| if bit == 0 { -1.0 } else { 1.0 });
             shape.add(&leg, shift(a * (x - 0.06), 0.0, b * (z - 0.06)));
-            shape.add(&cuboid(wood, [0.035, high, 0.035]), shift(a * (x - 0.018), foot, b * (z - 0.018)));
+            shape.add(
+                &cuboid(wood, [0.035, high, 0.035]),
+                shift(a * (x - 0.018), foot, b * (z - 0.018)),
+            );
         }
         shape
     });
@@ -131,7 +201,15 @@ pub(crate) fn glass_case(shop: &mut Workshop, size: [f32; 3], wood: MaterialId, 
         for i in 0..4 {
             let [(ax, az), (bx, bz)] = [corners[i], corners[(i + 1) % 4]];
             let corner = |x: f32, z: f32, up: f32| vec3(x, foot + up, z);
-            shape.face(PANE, &[corner(ax, az, 0.0), corner(bx, bz, 0.0), corner(bx, bz, high), corner(ax, az, high)]);
+            shape.face(
+                PANE,
+                &[
+                    corner(ax, az, 0.0),
+                    corner(bx, bz, 0.0),
+                    corner(bx, bz, high),
+                    corner(ax, az, high),
+                ],
+            );
         }
         shape
     });
@@ -149,15 +227,31 @@ pub(crate) fn long_clock(shop: &mut Workshop, wood: MaterialId, gilt: MaterialId
         let facing = Transform::rotation([1.0, 0.0, 0.0], f64::from(PI) / 2.0);
         let dial = [[0.0, 0.0], [0.22, 0.0], [0.22, 0.02], [0.19, 0.025]];
         shape.add(&lathe(gilt, &dial, 32), shift(0.0, 1.83, 0.3) * facing);
-        shape.add(&lathe(IVORY, &[[0.19, 0.018], [0.0, 0.018]], 32), shift(0.0, 1.83, 0.3) * facing);
+        shape.add(
+            &lathe(IVORY, &[[0.19, 0.018], [0.0, 0.018]], 32),
+            shift(0.0, 1.83, 0.3) * facing,
+        );
         for (long, wide, turn) in [(0.11, 0.02, 0.9), (0.16, 0.014, -1.9)] {
             let hand = block(EBONY, [-0.5 * wide, 0.0, 0.32], [0.5 * wide, long, 0.325]);
-            shape.add(&hand, shift(0.0, 1.83, 0.0) * Transform::rotation([0.0, 0.0, 1.0], turn));
+            shape.add(
+                &hand,
+                shift(0.0, 1.83, 0.0) * Transform::rotation([0.0, 0.0, 1.0], turn),
+            );
         }
-        shape.add(&lathe(gilt, &[[0.0, 0.0], [0.08, 0.0], [0.08, 0.015], [0.0, 0.02]], 20), shift(0.0, 0.8, 0.27) * facing);
+        shape.add(
+            &lathe(gilt, &[[0.0, 0.0], [0.08, 0.0], [0.08, 0.015], [0.0, 0.02]], 20),
+            shift(0.0, 0.8, 0.27) * facing,
+        );
         shape.join(block(gilt, [-0.006, 0.8, 0.27], [0.006, 1.4, 0.275]));
         for x in [-0.24, 0.0, 0.24] {
-            let finial = [[0.0, 0.0], [0.04, 0.0], [0.02, 0.03], [0.05, 0.09], [0.02, 0.15], [0.0, 0.2]];
+            let finial = [
+                [0.0, 0.0],
+                [0.04, 0.0],
+                [0.02, 0.03],
+                [0.05, 0.09],
+                [0.02, 0.15],
+                [0.0, 0.2],
+            ];
             shape.add(&lathe(gilt, &finial, 12), shift(x, 2.15, 0.16));
         }
         shape

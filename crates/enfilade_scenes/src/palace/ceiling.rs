@@ -1,8 +1,8 @@
 //! What ceilings wear: coffers with rosettes, ribs, beams, stucco fields.
 
-use super::envelope::{ARC, Axis, Ceiling, Plan, Side, arc, inwards};
 use super::room::Room;
 use super::workshop::Workshop;
+use crate::envelope::{ARC, Axis, Ceiling, Plan, Side, arc, inwards};
 use crate::shape::{Shape, block, fluted, lathe};
 use enfilade::{MaterialId, Mesh, Transform};
 use glam::{Vec2, Vec3, vec2, vec3};
@@ -48,18 +48,21 @@ pub(crate) fn coffer_vault(room: &mut Room, every: usize, coffering: Coffering) 
     let [west, east, north, south] = [x[0], x[1], z[0], z[1]];
     // The arc at the vault's beginning, and the way along it.
     let (start, length, along) = match axis {
-        Axis::NorthSouth => {
-            (arc(vec2(west, south), vec2(east, south), height, rise), south - north, Side::North)
-        }
-        Axis::WestEast => (arc(vec2(west, north), vec2(west, south), height, rise), east - west, Side::East),
+        Axis::NorthSouth => (
+            arc(vec2(west, south), vec2(east, south), height, rise),
+            south - north,
+            Side::North,
+        ),
+        Axis::WestEast => (
+            arc(vec2(west, north), vec2(west, south), height, rise),
+            east - west,
+            Side::East,
+        ),
     };
     let along = along.direction();
     let along = vec3(along.x, 0.0, along.y);
     for i in (every / 2..ARC).step_by(every) {
         let first = i - every / 2;
-        if first == 0 || first + every >= ARC {
-            continue;
-        }
         let [left, right] = [start[first], start[first + every]];
         let wide = left.distance(right);
         let count = (length / wide).round().max(1.0);
@@ -95,10 +98,16 @@ pub(crate) fn coffer_dome(room: &mut Room, coffering: Coffering) {
         vec3(side * half * cos, rise * sin, -reach * cos)
     };
     for ring in (0..STEPS - 1).step_by(2) {
-        let outline =
-            [corner(ring + 2, 1.0), corner(ring + 2, -1.0), corner(ring, -1.0), corner(ring, 1.0)];
+        let outline = [
+            corner(ring + 2, 1.0),
+            corner(ring + 2, -1.0),
+            corner(ring, -1.0),
+            corner(ring, 1.0),
+        ];
         let depth = 0.13 * outline[0].distance(outline[1]).min(1.2);
-        let coffer = room.shop.piece(format!("dome coffer {ring}"), || coffer(&outline, depth, coffering));
+        let coffer = room.shop.piece(format!("dome coffer {ring}"), || {
+            coffer(&outline, depth, coffering)
+        });
         for side in 0..sides {
             let turn = f64::from(TAU) * side as f64 / sides as f64;
             let place = Transform::translation([center[0], room.design.height, center[1]])
@@ -113,17 +122,27 @@ fn flat_coffer(shop: &mut Workshop, size: Vec2, depth: f32, coffering: Coffering
     shop.piece(format!("coffer {size} {depth} {coffering:?}"), || {
         let half = 0.5 * size;
         let corner = |x: f32, z: f32| vec3(x * half.x, 0.0, z * half.y);
-        coffer(&[corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)], depth, coffering)
+        coffer(
+            &[
+                corner(-1.0, -1.0),
+                corner(1.0, -1.0),
+                corner(1.0, 1.0),
+                corner(-1.0, 1.0),
+            ],
+            depth,
+            coffering,
+        )
     })
 }
 
 /// Ribs and steps round a field, and a rosette in it. The outline is counter-clockwise seen from the room.
 fn coffer(outline: &[Vec3; 4], depth: f32, Coffering { rib, step, rosette }: Coffering) -> Shape {
     let middle = outline.iter().sum::<Vec3>() / 4.0;
-    let normal = (outline[1] - outline[0]).cross(outline[3] - outline[0]).normalize();
-    let ring = |inset: f32, out: f32| {
-        outline.map(|corner| corner.lerp(middle, inset) + normal * (out * depth))
-    };
+    let normal = (outline[1] - outline[0])
+        .cross(outline[3] - outline[0])
+        .normalize();
+    let ring =
+        |inset: f32, out: f32| outline.map(|corner| corner.lerp(middle, inset) + normal * (out * depth));
     let rings = [
         ring(0.0, 1.0),
         ring(0.2, 1.0),
@@ -139,28 +158,46 @@ fn coffer(outline: &[Vec3; 4], depth: f32, Coffering { rib, step, rosette }: Cof
         let material = if i % 3 == 1 { step } else { rib };
         for side in 0..4 {
             let next = (side + 1) % 4;
-            shape.face(material, &[pair[0][side], pair[0][next], pair[1][next], pair[1][side]]);
+            shape.face(
+                material,
+                &[pair[0][side], pair[0][next], pair[1][next], pair[1][side]],
+            );
         }
     }
     let reach = 0.3 * (outline[0].distance(outline[1])).min(outline[1].distance(outline[2]));
     let across = (outline[1] - outline[0]).normalize();
     let place = [across, normal, across.cross(normal), middle].map(|column| column.to_array());
-    shape.add(&self::rosette(rosette, reach, 0.6 * depth), Transform::from_columns(place));
+    shape.add(
+        &self::rosette(rosette, reach, 0.6 * depth),
+        Transform::from_columns(place),
+    );
     shape
 }
 
 /// A flower of eight petals that looks up from the origin.
 pub(crate) fn rosette(material: MaterialId, reach: f32, height: f32) -> Shape {
     let petals = [[0.98, 0.0], [1.0, 0.25], [0.7, 0.5], [0.3, 0.28], [0.0, 0.28]];
-    let mut shape = fluted(material, &petals.map(|[out, up]| [out * reach, up * height]), 8, 3, 0.3);
+    let mut shape = fluted(
+        material,
+        &petals.map(|[out, up]| [out * reach, up * height]),
+        8,
+        3,
+        0.3,
+    );
     let bud = [[0.26, 0.2], [0.28, 0.5], [0.16, 0.8], [0.0, 0.9]];
-    shape.join(lathe(material, &bud.map(|[out, up]| [out * reach, up * height]), 10));
+    shape.join(lathe(
+        material,
+        &bud.map(|[out, up]| [out * reach, up * height]),
+        10,
+    ));
     shape
 }
 
 /// Beams over a flat ceiling: heavy ones from west to east, light ones across.
 pub(crate) fn beams(room: &mut Room, heavy: MaterialId, light: MaterialId, spacing: f32) {
-    let Plan::Rectangle(x, z) = room.design.plan else { return };
+    let Plan::Rectangle(x, z) = room.design.plan else {
+        return;
+    };
     let height = room.design.height;
     let count = ((z[1] - z[0]) / spacing).round();
     let step = (z[1] - z[0]) / count;
@@ -171,7 +208,11 @@ pub(crate) fn beams(room: &mut Room, heavy: MaterialId, light: MaterialId, spaci
         shape
     });
     for i in 1..count as usize {
-        room.put("beam", &beam, Transform::translation([x[0], height, z[0] + step * i as f32]));
+        room.put(
+            "beam",
+            &beam,
+            Transform::translation([x[0], height, z[0] + step * i as f32]),
+        );
     }
     let joist = room.shop.piece(format!("joist {step} {}", light.0), || {
         block(light, [-0.07, -0.16, 0.17], [0.07, 0.0, step - 0.17])
@@ -180,7 +221,11 @@ pub(crate) fn beams(room: &mut Room, heavy: MaterialId, light: MaterialId, spaci
     for i in 0..count as usize {
         for j in 0..joists {
             let at = x[0] + long * (j as f32 + 0.5) / joists as f32;
-            room.put("joist", &joist, Transform::translation([at, height, z[0] + step * i as f32]));
+            room.put(
+                "joist",
+                &joist,
+                Transform::translation([at, height, z[0] + step * i as f32]),
+            );
         }
     }
 }
@@ -192,23 +237,32 @@ pub(crate) fn ribs(room: &mut Room, material: MaterialId, wide: f32, deep: f32, 
     else {
         return;
     };
-    let half = 0.5 * if axis == Axis::NorthSouth { x[1] - x[0] } else { z[1] - z[0] };
-    let rib = room.shop.piece(format!("rib {half} {rise} {wide} {deep} {}", material.0), || {
-        let [outer, inner] = [(half, rise), (half - deep, rise - deep)]
-            .map(|(half, rise)| arc(vec2(-half, 0.0), vec2(half, 0.0), 0.0, rise));
-        let mut shape = Shape::new();
-        let near = vec3(0.0, 0.0, 0.5 * wide);
-        for i in 0..ARC {
-            let [a, b, c, d] = [inner[i], inner[i + 1], outer[i + 1], outer[i]];
-            shape.face(material, &[a - near, b - near, b + near, a + near]);
-            shape.face(material, &[d + near, a + near, b + near, c + near]);
-            shape.face(material, &[a - near, d - near, c - near, b - near]);
-        }
-        shape
-    });
+    let half = 0.5
+        * if axis == Axis::NorthSouth {
+            x[1] - x[0]
+        } else {
+            z[1] - z[0]
+        };
+    let rib = room
+        .shop
+        .piece(format!("rib {half} {rise} {wide} {deep} {}", material.0), || {
+            let [outer, inner] = [(half, rise), (half - deep, rise - deep)]
+                .map(|(half, rise)| arc(vec2(-half, 0.0), vec2(half, 0.0), 0.0, rise));
+            let mut shape = Shape::new();
+            let near = vec3(0.0, 0.0, 0.5 * wide);
+            for i in 0..ARC {
+                let [a, b, c, d] = [inner[i], inner[i + 1], outer[i + 1], outer[i]];
+                shape.face(material, &[a - near, b - near, b + near, a + near]);
+                shape.face(material, &[d + near, a + near, b + near, c + near]);
+                shape.face(material, &[a - near, d - near, c - near, b - near]);
+            }
+            shape
+        });
     for &place in places {
         let at = match axis {
-            Axis::NorthSouth => Transform::translation([0.5 * (x[0] + x[1]), room.design.height, z[1] - place]),
+            Axis::NorthSouth => {
+                Transform::translation([0.5 * (x[0] + x[1]), room.design.height, z[1] - place])
+            }
             Axis::WestEast => {
                 Transform::translation([x[0] + place, room.design.height, 0.5 * (z[0] + z[1])])
                     * Transform::rotation([0.0, 1.0, 0.0], std::f64::consts::FRAC_PI_2)
@@ -218,17 +272,81 @@ pub(crate) fn ribs(room: &mut Room, material: MaterialId, wide: f32, deep: f32, 
     }
 }
 
+/// Gilded stars strewn over the half dome of an apse.
+pub(crate) fn stars(room: &mut Room, count: usize, material: MaterialId) {
+    let (Plan::Apse(x, z, side), Ceiling::Vault(_, rise)) = (room.design.plan, room.design.ceiling) else {
+        return;
+    };
+    let reach = 0.5
+        * if matches!(side, Side::North | Side::South) {
+            x[1] - x[0]
+        } else {
+            z[1] - z[0]
+        };
+    let center = room.design.plan.center();
+    let outwards = side.direction();
+    let across = vec2(-outwards.y, outwards.x);
+    let star = room.shop.piece(format!("star {}", material.0), || {
+        fluted(material, &[[1.0, 0.0], [0.0, 0.3]], 5, 2, 0.6)
+    });
+    for i in 0..count {
+        // Points of a spiral on half a ball are as far apart as so many can be.
+        let up = (i as f32 + 0.5) / count as f32;
+        let turn = (i as f32 * 0.618_034).fract() * 0.5 * TAU;
+        let out = (1.0 - up * up).sqrt();
+        let on_plan = across * (out * turn.cos()) + outwards * (out * turn.sin());
+        let at = vec3(
+            center.x + reach * on_plan.x,
+            room.design.height + rise * up,
+            center.y + reach * on_plan.y,
+        );
+        let normal = -vec3(on_plan.x / reach, up / rise, on_plan.y / reach).normalize();
+        let right = normal.any_orthonormal_vector();
+        let size = 0.07 + 0.05 * room.random.unit();
+        let place = [
+            right * size,
+            normal * size,
+            right.cross(normal) * size,
+            at + normal * 0.06,
+        ];
+        room.put(
+            "star",
+            &star,
+            Transform::from_columns(place.map(|column| column.to_array())),
+        );
+    }
+}
+
 /// A stucco rose in the middle of a ceiling, round what a chandelier hangs from.
 pub(crate) fn rose(room: &mut Room, at: Vec2, radius: f32, plaster: MaterialId, gilt: MaterialId) {
     let height = room.design.crown();
-    let rose = room.shop.piece(format!("rose {radius} {} {}", plaster.0, gilt.0), || {
-        let mut shape = rosette(gilt, 0.45 * radius, 0.12);
-        let rings: [[f32; 2]; 6] = [[1.0, 0.0], [1.0, 0.06], [0.94, 0.09], [0.88, 0.06], [0.86, 0.0], [0.86, -0.01]];
-        shape.join(lathe(plaster, &rings.map(|[out, up]| [out * radius, up]), 48));
-        let petals: [[f32; 2]; 4] = [[0.8, -0.01], [0.78, 0.05], [0.6, 0.05], [0.5, 0.0]];
-        shape.join(fluted(plaster, &petals.map(|[out, up]| [out * radius, up]), 16, 3, 0.12));
-        shape
-    });
+    let rose = room
+        .shop
+        .piece(format!("rose {radius} {} {}", plaster.0, gilt.0), || {
+            let mut shape = rosette(gilt, 0.45 * radius, 0.12);
+            let rings: [[f32; 2]; 6] = [
+                [1.0, 0.0],
+                [1.0, 0.06],
+                [0.94, 0.09],
+                [0.88, 0.06],
+                [0.86, 0.0],
+                [0.86, -0.01],
+            ];
+            shape.join(lathe(plaster, &rings.map(|[out, up]| [out * radius, up]), 48));
+            let petals: [[f32; 2]; 4] = [[0.8, -0.01], [0.78, 0.05], [0.6, 0.05], [0.5, 0.0]];
+            shape.join(fluted(
+                plaster,
+                &petals.map(|[out, up]| [out * radius, up]),
+                16,
+                3,
+                0.12,
+            ));
+            shape
+        });
     let upside_down = Transform::rotation([1.0, 0.0, 0.0], std::f64::consts::PI);
-    room.put("ceiling rose", &rose, Transform::translation([at.x, height, at.y]) * upside_down);
+    room.put(
+        "ceiling rose",
+        &rose,
+        Transform::translation([at.x, height, at.y]) * upside_down,
+    );
 }

@@ -30,9 +30,14 @@ pub(crate) fn column(shop: &mut Workshop, height: f32, shaft: MaterialId, gilt: 
 }
 
 /// A Tuscan column: plain and strong.
-pub(crate) fn plain_column(shop: &mut Workshop, height: f32, shaft: MaterialId, ends: MaterialId) -> Arc<Mesh> {
+pub(crate) fn plain_column(
+    shop: &mut Workshop,
+    height: f32,
+    shaft: MaterialId,
+    ends: MaterialId,
+) -> Arc<Mesh> {
     shop.piece(format!("plain column {height} {} {}", shaft.0, ends.0), || {
-        let radius = height / 15.0;
+        let radius = height / 18.0;
         let base = 0.8 * radius;
         let capital = height - 1.1 * radius;
         let mut shape = attic_base(ends, ends, radius);
@@ -41,8 +46,19 @@ pub(crate) fn plain_column(shop: &mut Workshop, height: f32, shaft: MaterialId, 
             .map(|up| [radius * swelling(up), base + (capital - base) * up])
             .collect();
         shape.join(lathe(shaft, &profile, 32));
-        let necking = [[0.84, 0.0], [0.92, 0.05], [0.92, 0.14], [0.86, 0.16], [0.86, 0.42], [1.12, 0.7]];
-        shape.join(lathe(ends, &necking.map(|[out, up]| [out * radius, capital + up * radius]), 32));
+        let necking = [
+            [0.84, 0.0],
+            [0.92, 0.05],
+            [0.92, 0.14],
+            [0.86, 0.16],
+            [0.86, 0.42],
+            [1.12, 0.7],
+        ];
+        shape.join(lathe(
+            ends,
+            &necking.map(|[out, up]| [out * radius, capital + up * radius]),
+            32,
+        ));
         let slab = cuboid(ends, [2.4 * radius, 0.4 * radius, 2.4 * radius]);
         shape.add(&slab, Transform::translation([0.0, capital + 0.7 * radius, 0.0]));
         shape
@@ -73,14 +89,25 @@ fn attic_base(foot: MaterialId, rolls: MaterialId, radius: f32) -> Shape {
         [1.10, 0.95],
         [1.0, 1.0],
     ];
-    shape.join(lathe(rolls, &profile.map(|[out, up]| [out * radius, up * radius]), 32));
+    shape.join(lathe(
+        rolls,
+        &profile.map(|[out, up]| [out * radius, up * radius]),
+        32,
+    ));
     shape
 }
 
 /// A bell with two rows of leaves, curls at its corners and a slab on top; it stands at the origin.
 fn corinthian(gilt: MaterialId, stone: MaterialId, radius: f32, height: f32) -> Shape {
-    let bell: [[f32; 2]; 7] =
-        [[1.0, 0.0], [1.1, 0.02], [1.0, 0.05], [0.95, 0.3], [1.0, 0.6], [1.16, 0.8], [1.3, 0.86]];
+    let bell: [[f32; 2]; 7] = [
+        [1.0, 0.0],
+        [1.1, 0.02],
+        [1.0, 0.05],
+        [0.95, 0.3],
+        [1.0, 0.6],
+        [1.16, 0.8],
+        [1.3, 0.86],
+    ];
     let mut shape = lathe(stone, &bell.map(|[out, up]| [out * radius, up * height]), 24);
     for (row, foot, top) in [(0, 0.05, 0.42), (1, 0.3, 0.74)] {
         let leaf = leaf(gilt, radius, foot * height, top * height);
@@ -92,7 +119,10 @@ fn corinthian(gilt: MaterialId, stone: MaterialId, radius: f32, height: f32) -> 
     let curl = superquadric(gilt, [0.2 * radius, 0.3 * radius, 0.3 * radius], 1.0, 1.0, 6, 10);
     for corner in 0..4 {
         let turn = Transform::rotation([0.0, 1.0, 0.0], f64::from(TAU) * (f64::from(corner) + 0.5) / 4.0);
-        shape.add(&curl, turn * Transform::translation([0.0, 0.72 * height, 1.42 * radius]));
+        shape.add(
+            &curl,
+            turn * Transform::translation([0.0, 0.72 * height, 1.42 * radius]),
+        );
     }
     let slab = cuboid(stone, [2.5 * radius, 0.14 * height, 2.5 * radius]);
     shape.add(&slab, Transform::translation([0.0, 0.86 * height, 0.0]));
@@ -131,7 +161,11 @@ pub(crate) fn pilaster(shop: &mut Workshop, height: f32, shaft: MaterialId, gilt
         for (low, high, wide, out) in [(0.0, 0.9, 1.3, 1.5), (0.9, 1.3, 1.22, 1.4), (1.3, 1.6, 1.1, 1.2)] {
             let top = high * base / 1.6;
             let foot = low * base / 1.6;
-            shape.join(block(shaft, [-wide * half, foot, 0.0], [wide * half, top, out * deep]));
+            shape.join(block(
+                shaft,
+                [-wide * half, foot, 0.0],
+                [wide * half, top, out * deep],
+            ));
         }
         shape.join(block(shaft, [-half, base, 0.0], [half, height - capital, deep]));
         for rib in 0..5 {
@@ -145,14 +179,26 @@ pub(crate) fn pilaster(shop: &mut Workshop, height: f32, shaft: MaterialId, gilt
         }
         for (low, high, wide, out) in [(0.0, 0.1, 1.08, 1.3), (0.84, 1.0, 1.42, 1.9)] {
             let [foot, top] = [low, high].map(|up| height - capital + up * capital);
-            shape.join(block(gilt, [-wide * half, foot, 0.0], [wide * half, top, out * deep]));
+            shape.join(block(
+                gilt,
+                [-wide * half, foot, 0.0],
+                [wide * half, top, out * deep],
+            ));
         }
         shape.join(block(
             shaft,
             [-half, height - 0.9 * capital, 0.0],
             [half, height - 0.16 * capital, 0.9 * deep],
         ));
-        for (side, up) in [(-0.7, 0.1), (0.0, 0.1), (0.7, 0.1), (-0.35, 0.4), (0.35, 0.4), (-1.0, 0.45), (1.0, 0.45)] {
+        for (side, up) in [
+            (-0.7, 0.1),
+            (0.0, 0.1),
+            (0.7, 0.1),
+            (-0.35, 0.4),
+            (0.35, 0.4),
+            (-1.0, 0.45),
+            (1.0, 0.45),
+        ] {
             let mut one = leaf(gilt, half, up * capital, (up + 0.42) * capital);
             one = one.bent(|at| vec3(0.9 * at.x, at.y, at.z - 0.5 * half));
             shape.add(&one, Transform::translation([side * half, height - capital, 0.0]));
@@ -169,25 +215,36 @@ pub(crate) fn pedestal(
     stone: MaterialId,
     inlay: MaterialId,
 ) -> Arc<Mesh> {
-    shop.piece(format!("pedestal {width} {height} {} {}", stone.0, inlay.0), || {
-        let mut shape = Shape::new();
-        for (low, high, wide) in [
-            (0.0, 0.12, 1.2),
-            (0.12, 0.17, 1.1),
-            (0.17, 0.84, 0.94),
-            (0.84, 0.88, 1.02),
-            (0.88, 0.96, 1.14),
-            (0.96, 1.0, 1.06),
-        ] {
-            let half = 0.5 * width * wide;
-            shape.join(block(stone, [-half, low * height, -half], [half, high * height, half]));
-        }
-        let [half, out] = [0.33 * width, 0.477 * width];
-        let tablet = block(inlay, [-half, 0.26 * height, 0.4 * width], [half, 0.75 * height, out]);
-        for side in 0..4 {
-            let turn = f64::from(TAU) * f64::from(side) / 4.0;
-            shape.add(&tablet, Transform::rotation([0.0, 1.0, 0.0], turn));
-        }
-        shape
-    })
+    shop.piece(
+        format!("pedestal {width} {height} {} {}", stone.0, inlay.0),
+        || {
+            let mut shape = Shape::new();
+            for (low, high, wide) in [
+                (0.0, 0.12, 1.2),
+                (0.12, 0.17, 1.1),
+                (0.17, 0.84, 0.94),
+                (0.84, 0.88, 1.02),
+                (0.88, 0.96, 1.14),
+                (0.96, 1.0, 1.06),
+            ] {
+                let half = 0.5 * width * wide;
+                shape.join(block(
+                    stone,
+                    [-half, low * height, -half],
+                    [half, high * height, half],
+                ));
+            }
+            let [half, out] = [0.33 * width, 0.477 * width];
+            let tablet = block(
+                inlay,
+                [-half, 0.26 * height, 0.4 * width],
+                [half, 0.75 * height, out],
+            );
+            for side in 0..4 {
+                let turn = f64::from(TAU) * f64::from(side) / 4.0;
+                shape.add(&tablet, Transform::rotation([0.0, 1.0, 0.0], turn));
+            }
+            shape
+        },
+    )
 }

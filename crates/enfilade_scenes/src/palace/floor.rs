@@ -1,7 +1,7 @@
 //! Paving: tiles and planks laid over a room's plan and cut at its walls.
 
-use super::envelope::{Plan, inwards};
 use super::room::PAVING;
+use crate::envelope::{Plan, inwards};
 use crate::shape::{Shape, clip};
 use enfilade::MaterialId;
 use glam::{Vec2, vec2, vec3};
@@ -12,8 +12,8 @@ use std::f64::consts::TAU;
 pub(crate) enum Floor {
     /// Squares of two colors, set diagonally.
     Checker(f32, [MaterialId; 2]),
-    /// Octagons, with small squares between them.
-    Octagons(f32, [MaterialId; 2]),
+    /// Octagons of two colors, with small squares between them.
+    Octagons(f32, [MaterialId; 3]),
     /// Planks at right angles, each against the side of the next: the width of one, three kinds of wood.
     Herringbone(f32, [MaterialId; 3]),
     /// Square panels of planks that turn from panel to panel, framed.
@@ -49,7 +49,9 @@ pub(crate) fn paving(plan: Plan, floor: Floor, border: MaterialId, width: f32) -
         }
     };
     let middle = plan.center();
-    let reach = region.iter().fold(0.0, |most: f32, at| most.max(at.distance(middle)));
+    let reach = region
+        .iter()
+        .fold(0.0, |most: f32, at| most.max(at.distance(middle)));
     match floor {
         Floor::Checker(side, colors) => {
             let diagonal = side * std::f32::consts::SQRT_2;
@@ -64,12 +66,13 @@ pub(crate) fn paving(plan: Plan, floor: Floor, border: MaterialId, width: f32) -
                 }
             }
         }
-        Floor::Octagons(side, [large, small]) => {
+        Floor::Octagons(side, [even, odd, small]) => {
             let cut = 0.29 * side;
             let count = (reach / side) as i32 + 1;
             for row in -count..=count {
                 for column in -count..=count {
                     let at = middle + side * vec2(column as f32, row as f32);
+                    let large = if (row + column) % 2 == 0 { even } else { odd };
                     lay(large, &octagon(at, 0.5 * side, cut));
                     lay(small, &diamond(at + Vec2::splat(0.5 * side), cut));
                 }
@@ -90,7 +93,13 @@ fn rectangle(from: Vec2, to: Vec2) -> [Vec2; 4] {
 }
 
 fn diamond(at: Vec2, reach: f32) -> [Vec2; 4] {
-    [vec2(0.0, reach), vec2(reach, 0.0), vec2(0.0, -reach), vec2(-reach, 0.0)].map(|corner| at + corner)
+    [
+        vec2(0.0, reach),
+        vec2(reach, 0.0),
+        vec2(0.0, -reach),
+        vec2(-reach, 0.0),
+    ]
+    .map(|corner| at + corner)
 }
 
 fn octagon(at: Vec2, reach: f32, cut: f32) -> [Vec2; 8] {
@@ -123,7 +132,11 @@ fn herringbone(lay: &mut Lay, middle: Vec2, reach: f32, width: f32, woods: [Mate
                 _ => continue,
             };
             // Planks along z hang down from their corner, so that they meet the end of the plank above.
-            let at = if size.y > 1.0 { at - vec2(0.0, size.y - 1.0) } else { at };
+            let at = if size.y > 1.0 {
+                at - vec2(0.0, size.y - 1.0)
+            } else {
+                at
+            };
             lay(wood, &rectangle(at, at + size).map(turned));
         }
     }
@@ -185,7 +198,12 @@ fn star(lay: &mut Lay, middle: Vec2, reach: f32, width: f32, colors: [MaterialId
         middle + vec2(cos as f32, -sin as f32) * (ring * width)
     };
     let rings = (reach / width) as usize + 2;
-    lay(colors[2], &(0..PETALS).map(|petal| at(1.0, petal as f32 + 0.5)).collect::<Vec<_>>());
+    lay(
+        colors[2],
+        &(0..PETALS)
+            .map(|petal| at(1.0, petal as f32 + 0.5))
+            .collect::<Vec<_>>(),
+    );
     for ring in 1..rings {
         for petal in 0..PETALS {
             let [near, far] = [ring as f32, ring as f32 + 1.0];

@@ -51,8 +51,9 @@ pub(crate) fn head(material: MaterialId, size: f32, hair: Hair) -> Shape {
         let toward = vec3((out * turn_cos) as f32, -cos as f32, -(out * turn_sin) as f32);
         toward * radius(toward, hair) * vec3(0.40, 0.5, 0.47) * size
     };
-    let rings: Vec<Vec<Vec3>> =
-        (0..=RINGS).map(|ring| (0..SIDES).map(|side| point(ring, side)).collect()).collect();
+    let rings: Vec<Vec<Vec3>> = (0..=RINGS)
+        .map(|ring| (0..SIDES).map(|side| point(ring, side)).collect())
+        .collect();
     loft(material, &rings)
 }
 

@@ -1,89 +1,120 @@
 //! The built-in palace: an enfilade of twelve rooms, with a gallery, a court and cabinets beside it.
 
+mod cameras;
+mod case;
 mod ceiling;
 mod column;
-mod envelope;
+mod doll_house;
+mod doors;
+mod drapery;
 mod floor;
+mod garden;
+mod head;
+mod hearth;
+mod light;
+mod ornament;
 mod palette;
+mod panel;
+mod picture;
 mod plan;
 mod room;
+mod rooms;
+mod seat;
+mod statue;
+mod table;
 mod trim;
 mod workshop;
 
+use crate::BuiltIn;
 use crate::random::Random;
-use crate::{BuiltIn, Camera};
 use enfilade::{FragmentId, Method, OpeningId, SceneBuilder};
-use envelope::{Ceiling, Side};
 use glam::{Vec2, Vec3, vec2, vec3};
-use plan::{DOORS, Door, ROOMS};
+use doors::{DOORS, Gate};
+use plan::{Name, ROOMS};
 use room::{Doorway, Room, arched};
 use workshop::Workshop;
 
 /// The seed of the palace that everybody knows.
 pub(crate) const SEED: u64 = 1_783;
 
-/// Builds the palace. Paintings, books and the lie of small things follow from the seed; rooms and doors do not.
+/// Builds the palace. Paintings and the lie of small things follow from the seed; rooms and doors do not.
 pub(crate) fn palace(seed: u64) -> BuiltIn {
     let mut scene = SceneBuilder::new();
     let mut shop = Workshop::default();
     let mut random = Random::new(seed);
     let mut door_ends: Vec<Vec<(FragmentId, OpeningId)>> = vec![Vec::new(); DOORS.len()];
-    for (place, design) in ROOMS.iter().enumerate() {
-        let mut room = Room::new(*design, &mut shop, Random::new(random.bits()));
-        let id = FragmentId(place as u32);
-        for (door, ends) in DOORS.iter().zip(&mut door_ends) {
-            if let Some(opening) = hang_door(&mut room, door, place) {
-                ends.push((id, opening));
+    let mut doll_house_front = None;
+    for (name, design) in Name::ALL.into_iter().zip(ROOMS) {
+        let mut room = Room::new(design, &mut shop, Random::new(random.bits()));
+        let mut openings = Vec::new();
+        for (number, door) in DOORS.iter().enumerate() {
+            if door.from == name || door.to == name {
+                openings.push((number, open(&mut room, door.name, &door.gate, door.from == name)));
             }
         }
-        let top = room.design.height;
-        trim::dress(&mut room, top, 0.6);
-        let s = room.design.style;
-        let p = floor::paving(design.plan, s.floor, s.gilt, 0.4);
-        room.make("paving", &p);
+        if name == Name::Study {
+            doll_house_front = Some(doll_house::stand(&mut room));
+        }
+        rooms::furnish(&mut room, name);
         let (content, mirrors) = room.close();
-        let added = scene.add(design.name, content, Method::HierarchicalZ);
-        debug_assert_eq!(added, id);
+        let id = scene.add(design.name, content, Method::HierarchicalZ);
+        for (door, opening) in openings {
+            door_ends[door].push((id, opening));
+        }
         for mirror in mirrors {
             scene.mirror(id, mirror);
+        }
+        if let (Name::Study, Some(front)) = (name, doll_house_front) {
+            doll_house::join(
+                &mut scene,
+                (id, front),
+                &doll_house::doll_house(&mut shop, random.bits()),
+            );
         }
     }
     for ends in door_ends {
         let [a, b] = ends.try_into().expect("a door has two sides");
         scene.door(a, b);
     }
-    BuiltIn { scene: scene.build().expect("the palace stands"), cameras: vec![
-        Camera::new("enfilade", [0.0, 1.65, -0.7], [0.0, 1.65, -120.0])
-    ] }
+    BuiltIn {
+        scene: scene.build().expect("the palace stands"),
+        cameras: cameras::cameras(),
+    }
 }
 
-/// Cuts a door into a room, if it is one of its two; the opening looks into the room.
-fn hang_door(room: &mut Room, door: &Door, place: usize) -> Option<OpeningId> {
-    let ahead = door.looks.direction();
+/// Cuts a gate into a room, which is the `near` one of its two or the far one; the opening looks into the room.
+fn open(room: &mut Room, name: &str, gate: &Gate, near: bool) -> OpeningId {
+    let ahead = gate.looks.direction();
     let right = vec2(-ahead.y, ahead.x);
-    let at = Vec2::from(door.at);
-    let mut outline: Vec<Vec3> = arched(door.width, door.sill, door.spring, door.rise)
+    let at = Vec2::from(gate.at);
+    let mut outline: Vec<Vec3> = arched(gate.width, gate.sill, gate.spring, gate.rise)
         .into_iter()
         .map(|corner| {
             let on_plan = at + right * corner.x;
             vec3(on_plan.x, corner.y, on_plan.y)
         })
         .collect();
-    let side = if door.from as usize == place {
-        door.looks
-    } else if door.to as usize == place {
+    let side = if near { gate.looks } else { gate.looks.opposite() };
+    if !near {
         outline.reverse();
-        door.looks.opposite()
-    } else {
-        return None;
-    };
+    }
     let wall = room.wall(side);
-    let along = wall.along(at);
-    let depth = (at - wall.left).dot(side.direction());
-    let Door { width, sill, spring, rise, .. } = *door;
-    room.doorway(
-        Doorway { wall: room.design.plan.wall(side), along, width, sill, spring, rise, depth },
-        outline.clone(),
-    );
-    Some(room.opening(door.name, &outline))
+    let Gate {
+        width,
+        sill,
+        spring,
+        rise,
+        ..
+    } = *gate;
+    let doorway = Doorway {
+        wall: room.design.plan.wall(side),
+        along: wall.along(at),
+        width,
+        sill,
+        spring,
+        rise,
+        depth: (at - wall.left).dot(side.direction()),
+    };
+    room.doorway(doorway, outline.clone());
+    room.opening(name, &outline)
 }

@@ -14,15 +14,25 @@ const fn solid(r: f32, g: f32, b: f32) -> Material {
 
 /// Thin things that are seen from both sides.
 const fn sheet(r: f32, g: f32, b: f32) -> Material {
-    Material { double_sided: true, ..solid(r, g, b) }
+    Material {
+        double_sided: true,
+        ..solid(r, g, b)
+    }
 }
 
 const fn cut_out(r: f32, g: f32, b: f32) -> Material {
-    Material { alpha: Alpha::Mask, ..sheet(r, g, b) }
+    Material {
+        alpha: Alpha::Mask,
+        ..sheet(r, g, b)
+    }
 }
 
 const fn glass(r: f32, g: f32, b: f32, coverage: f32) -> Material {
-    Material { base_color: [r, g, b, coverage], alpha: Alpha::Blend, double_sided: true }
+    Material {
+        base_color: [r, g, b, coverage],
+        alpha: Alpha::Blend,
+        double_sided: true,
+    }
 }
 
 pub(crate) const PLASTER: MaterialId = MaterialId(0);

@@ -24,7 +24,11 @@ pub(crate) fn hang_painting(room: &mut Room, place: Transform, size: [f32; 2], g
             [0.0, 0.40],
             [0.0, 0.15],
         ];
-        frame(gilt, size, &PROFILE.map(|[inwards, out]| [inwards * broad, out * broad]))
+        frame(
+            gilt,
+            size,
+            &PROFILE.map(|[inwards, out]| [inwards * broad, out * broad]),
+        )
     });
     room.put("picture frame", &border, place);
     let canvas = painting(&mut room.random, size).mesh();
@@ -50,11 +54,17 @@ fn layered(size: [f32; 2], layers: &[Layer]) -> Shape {
     let mut shape = Shape::new();
     let mut below = vec![0.0; COLUMNS + 1];
     for Layer(edge, color) in layers {
-        let above: Vec<f32> =
-            (0..=COLUMNS).map(|i| edge(i as f32 / COLUMNS as f32).clamp(below[i], 1.0)).collect();
+        let above: Vec<f32> = (0..=COLUMNS)
+            .map(|i| edge(i as f32 / COLUMNS as f32).clamp(below[i], 1.0))
+            .collect();
         for i in 0..COLUMNS {
             let corner = |i: usize, up: f32| vec3(wide * i as f32 / COLUMNS as f32, high * up, 0.0);
-            let face = [corner(i, below[i]), corner(i + 1, below[i + 1]), corner(i + 1, above[i + 1]), corner(i, above[i])];
+            let face = [
+                corner(i, below[i]),
+                corner(i + 1, below[i + 1]),
+                corner(i + 1, above[i + 1]),
+                corner(i, above[i]),
+            ];
             shape.face(*color, &face);
         }
         below = above;
@@ -93,16 +103,33 @@ fn sky(random: &mut Random, horizon: f32) -> Vec<Layer> {
 fn landscape(random: &mut Random, size: [f32; 2]) -> Shape {
     let horizon = random.between(0.4, 0.6);
     let mut layers = vec![
-        Layer(hills(random, 0.12, 0.12, 0.6), random.pick(&[BARK, WALNUT, HEDGE])),
-        Layer(hills(random, 0.26, 0.1, 0.9), random.pick(&[HEDGE, GREEN_SILK, OAK])),
-        Layer(hills(random, 0.36, 0.08, 1.1), random.pick(&[LAWN, PALE_GREEN, PALE_OAK])),
-        Layer(hills(random, horizon, 0.2, 1.6), random.pick(&[VERDIGRIS, PALE_BLUE, BLUE_SILK])),
+        Layer(
+            hills(random, 0.12, 0.12, 0.6),
+            random.pick(&[BARK, WALNUT, HEDGE]),
+        ),
+        Layer(
+            hills(random, 0.26, 0.1, 0.9),
+            random.pick(&[HEDGE, GREEN_SILK, OAK]),
+        ),
+        Layer(
+            hills(random, 0.36, 0.08, 1.1),
+            random.pick(&[LAWN, PALE_GREEN, PALE_OAK]),
+        ),
+        Layer(
+            hills(random, horizon, 0.2, 1.6),
+            random.pick(&[VERDIGRIS, PALE_BLUE, BLUE_SILK]),
+        ),
     ];
     layers.extend(sky(random, horizon));
     let mut shape = layered(size, &layers);
     for _ in 0..random.below(4) {
-        let at = vec3(size[0] * random.between(0.1, 0.9), size[1] * random.between(0.15, 0.3), 0.004);
-        tree(&mut shape, random, at, size[1] * random.between(0.2, 0.42));
+        let at = vec3(
+            size[0] * random.between(0.1, 0.9),
+            size[1] * random.between(0.15, 0.3),
+            0.004,
+        );
+        let high = size[1] * random.between(0.2, 0.42);
+        tree(&mut shape, random, at, high);
     }
     shape
 }
@@ -110,11 +137,29 @@ fn landscape(random: &mut Random, size: [f32; 2]) -> Shape {
 /// A trunk and a crown of overlapping discs.
 fn tree(shape: &mut Shape, random: &mut Random, foot: Vec3, high: f32) {
     let thin = 0.03 * high;
-    shape.face(BARK, &[foot - Vec3::X * thin, foot + Vec3::X * thin, foot + vec3(thin, 0.6 * high, 0.0), foot + vec3(-thin, 0.6 * high, 0.0)]);
+    shape.face(
+        BARK,
+        &[
+            foot - Vec3::X * thin,
+            foot + Vec3::X * thin,
+            foot + vec3(thin, 0.6 * high, 0.0),
+            foot + vec3(-thin, 0.6 * high, 0.0),
+        ],
+    );
     for leaf in 0..5 {
-        let off = vec3(random.between(-0.22, 0.22), random.between(0.5, 0.9), 0.002 * (leaf + 1) as f32);
+        let off = vec3(
+            random.between(-0.22, 0.22),
+            random.between(0.5, 0.9),
+            0.002 * (leaf + 1) as f32,
+        );
         let color = random.pick(&[HEDGE, GREEN_SILK, LAWN]);
-        disc(shape, color, foot + vec3(off.x * high, off.y * high, off.z), high * random.between(0.12, 0.2), 1.0);
+        disc(
+            shape,
+            color,
+            foot + vec3(off.x * high, off.y * high, off.z),
+            high * random.between(0.12, 0.2),
+            1.0,
+        );
     }
 }
 
@@ -136,11 +181,29 @@ fn seascape(random: &mut Random, size: [f32; 2]) -> Shape {
     let mut shape = layered(size, &layers);
     for _ in 0..1 + random.below(3) {
         let high = size[1] * random.between(0.15, 0.35);
-        let at = vec3(size[0] * random.between(0.2, 0.8), size[1] * random.between(0.15, horizon), 0.004);
+        let at = vec3(
+            size[0] * random.between(0.2, 0.8),
+            size[1] * random.between(0.15, horizon),
+            0.004,
+        );
         let corner = |x: f32, y: f32| at + vec3(x * high, y * high, 0.0);
-        shape.face(WALNUT, &[corner(-0.3, -0.12), corner(0.3, -0.12), corner(0.42, 0.04), corner(-0.42, 0.04)]);
-        shape.face(IVORY, &[corner(-0.3, 0.08), corner(-0.02, 0.08), corner(-0.02, 0.85)]);
-        shape.face(PAPER, &[corner(0.02, 0.08), corner(0.36, 0.08), corner(0.02, 1.0)]);
+        shape.face(
+            WALNUT,
+            &[
+                corner(-0.3, -0.12),
+                corner(0.3, -0.12),
+                corner(0.42, 0.04),
+                corner(-0.42, 0.04),
+            ],
+        );
+        shape.face(
+            IVORY,
+            &[corner(-0.3, 0.08), corner(-0.02, 0.08), corner(-0.02, 0.85)],
+        );
+        shape.face(
+            PAPER,
+            &[corner(0.02, 0.08), corner(0.36, 0.08), corner(0.02, 1.0)],
+        );
     }
     shape
 }
@@ -151,7 +214,10 @@ fn still_life(random: &mut Random, size: [f32; 2]) -> Shape {
         size,
         &[
             Layer(level(table), random.pick(&[WALNUT, DARK_RED, OAK])),
-            Layer(hills(random, 0.8, 0.1, 0.3), random.pick(&[BARK, NIGHT_BLUE, HEDGE])),
+            Layer(
+                hills(random, 0.8, 0.1, 0.3),
+                random.pick(&[BARK, NIGHT_BLUE, HEDGE]),
+            ),
             Layer(level(1.0), EBONY),
         ],
     );
@@ -160,7 +226,17 @@ fn still_life(random: &mut Random, size: [f32; 2]) -> Shape {
     let half = 0.16 * high;
     let corner = |x: f32, y: f32| foot + vec3(x * half, y * high, 0.0);
     let clay = random.pick(&[COBALT, TERRACOTTA, VERDIGRIS]);
-    shape.face(clay, &[corner(-1.0, -0.2), corner(1.0, -0.2), corner(2.2, 0.5), corner(1.0, 0.9), corner(-1.0, 0.9), corner(-2.2, 0.5)]);
+    shape.face(
+        clay,
+        &[
+            corner(-1.0, -0.2),
+            corner(1.0, -0.2),
+            corner(2.2, 0.5),
+            corner(1.0, 0.9),
+            corner(-1.0, 0.9),
+            corner(-2.2, 0.5),
+        ],
+    );
     for flower in 0..12 {
         let at = foot
             + vec3(
@@ -168,12 +244,28 @@ fn still_life(random: &mut Random, size: [f32; 2]) -> Shape {
                 high * random.between(1.0, 1.9),
                 0.004 + 0.001 * flower as f32,
             );
-        disc(&mut shape, random.pick(&[RED_SILK, ROSE, IVORY, YELLOW_SILK, LAWN]), at, high * random.between(0.12, 0.22), 0.9);
+        disc(
+            &mut shape,
+            random.pick(&[RED_SILK, ROSE, IVORY, YELLOW_SILK, LAWN]),
+            at,
+            high * random.between(0.12, 0.22),
+            0.9,
+        );
     }
     for fruit in 0..6 {
         let at = foot
-            + vec3(size[0] * random.between(-0.35, 0.35), high * random.between(-0.3, 0.05), 0.02 + 0.001 * fruit as f32);
-        disc(&mut shape, random.pick(&[RED_SILK, YELLOW_SILK, EMBER, DARK_RED]), at, high * random.between(0.1, 0.16), 1.0);
+            + vec3(
+                size[0] * random.between(-0.35, 0.35),
+                high * random.between(-0.3, 0.05),
+                0.02 + 0.001 * fruit as f32,
+            );
+        disc(
+            &mut shape,
+            random.pick(&[RED_SILK, YELLOW_SILK, EMBER, DARK_RED]),
+            at,
+            high * random.between(0.1, 0.16),
+            1.0,
+        );
     }
     shape
 }

@@ -4,10 +4,10 @@
 //! Half of every wall belongs to the room on either side: rooms end at the planes of their doors, and nowhere
 //! reach over them.
 
-use super::envelope::{Axis, Ceiling, Plan, Side};
 use super::floor::Floor;
 use super::palette::*;
 use super::room::{Design, Style};
+use crate::envelope::{Axis, Ceiling, Plan, Side};
 
 /// Half the thickness of a wall.
 pub(crate) const WALL: f32 = 0.45;
@@ -36,27 +36,38 @@ pub(crate) enum Name {
     Treasury,
 }
 
-/// A doorway or window between two rooms.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Door {
-    pub(crate) name: &'static str,
-    /// The room from which one looks through it to `looks`, and the room beyond.
-    pub(crate) from: Name,
-    pub(crate) to: Name,
-    pub(crate) looks: Side,
-    /// The middle of its foot: x and z; its plane goes through it.
-    pub(crate) at: [f32; 2],
-    pub(crate) width: f32,
-    pub(crate) sill: f32,
-    pub(crate) spring: f32,
-    pub(crate) rise: f32,
+impl Name {
+    /// All rooms, in the order of [`ROOMS`].
+    pub(crate) const ALL: [Name; 19] = [
+        Name::Vestibule,
+        Name::GuardRoom,
+        Name::RedSalon,
+        Name::GreenSalon,
+        Name::Rotunda,
+        Name::BlueSalon,
+        Name::MirrorRoom,
+        Name::MusicRoom,
+        Name::Library,
+        Name::PictureRoom,
+        Name::Antechamber,
+        Name::ThroneRoom,
+        Name::Gallery,
+        Name::Court,
+        Name::PorcelainCabinet,
+        Name::Chapel,
+        Name::WinterGarden,
+        Name::Study,
+        Name::Treasury,
+    ];
 }
 
 /// Where the doors of the enfilade stand, from the first to the last.
-const DOORS_AT: [f32; 11] = [-12.0, -21.0, -31.0, -40.0, -54.0, -63.0, -72.0, -82.0, -93.0, -103.0, -111.0];
+pub(crate) const DOORS_AT: [f32; 11] = [
+    -12.0, -21.0, -31.0, -40.0, -54.0, -63.0, -72.0, -82.0, -93.0, -103.0, -111.0,
+];
 
 /// Half the width of the rooms of the enfilade, to the middle of the walls.
-const HALF: f32 = 7.0;
+pub(crate) const HALF: f32 = 7.0;
 
 const fn enfilade(first: f32, last: f32) -> Plan {
     Plan::Rectangle([WALL - HALF, HALF - WALL], [last + WALL, first - WALL])
@@ -92,7 +103,13 @@ pub(crate) const ROOMS: [Design; 19] = [
         plan: Plan::Rectangle([WALL - HALF, HALF - WALL], [DOORS_AT[0] + WALL, -WALL]),
         height: 5.4,
         ceiling: Ceiling::Vault(Axis::NorthSouth, 3.6),
-        style: Style { floor: Floor::Checker(0.8, [WHITE_MARBLE, BLACK_MARBLE]), ..STONEWORK },
+        style: Style {
+            floor: Floor::Checker(0.7, [WHITE_MARBLE, BLACK_MARBLE]),
+            dado: GREEN_MARBLE,
+            field: PLASTER,
+            gilt: OLD_GOLD,
+            ..STONEWORK
+        },
     },
     Design {
         name: "Guard Room",
@@ -100,7 +117,7 @@ pub(crate) const ROOMS: [Design; 19] = [
         height: 6.0,
         ceiling: Ceiling::Flat,
         style: Style {
-            floor: Floor::Octagons(0.9, [TERRACOTTA, DARK_STONE]),
+            floor: Floor::Octagons(0.9, [TERRACOTTA, STONE, DARK_STONE]),
             trim: OAK,
             gilt: WALNUT,
             dado: OAK,
@@ -138,7 +155,7 @@ pub(crate) const ROOMS: [Design; 19] = [
     },
     Design {
         name: "Rotunda",
-        plan: Plan::Round([0.0, -47.0], 6.55, 16),
+        plan: Plan::Round([0.0, -47.0], 6.55, 12),
         height: 7.2,
         ceiling: Ceiling::Dome(5.6, 1.5),
         style: Style {
@@ -167,7 +184,11 @@ pub(crate) const ROOMS: [Design; 19] = [
         plan: enfilade(DOORS_AT[5], DOORS_AT[6]),
         height: 6.4,
         ceiling: Ceiling::Cove(1.0, 1.0),
-        style: Style { floor: Floor::Cubes(0.5, [WHITE_MARBLE, STONE, BLACK_MARBLE]), dado: ROSE, ..GILDED },
+        style: Style {
+            floor: Floor::Cubes(0.5, [WHITE_MARBLE, STONE, BLACK_MARBLE]),
+            dado: ROSE,
+            ..GILDED
+        },
     },
     Design {
         name: "Music Room",
@@ -204,7 +225,7 @@ pub(crate) const ROOMS: [Design; 19] = [
         height: 7.0,
         ceiling: Ceiling::Cove(2.0, 1.4),
         style: Style {
-            floor: Floor::Octagons(1.0, [PALE_OAK, EBONY]),
+            floor: Floor::Octagons(1.0, [PALE_OAK, OAK, EBONY]),
             dado: WALNUT,
             wall: GREEN_SILK,
             field: GREEN_SILK,
@@ -229,11 +250,15 @@ pub(crate) const ROOMS: [Design; 19] = [
     },
     Design {
         name: "Throne Room",
-        plan: Plan::Apse([WALL - HALF, HALF - WALL], [-122.0, DOORS_AT[10] - WALL], Side::North),
+        plan: Plan::Apse(
+            [WALL - HALF, HALF - WALL],
+            [-122.0, DOORS_AT[10] - WALL],
+            Side::North,
+        ),
         height: 6.4,
         ceiling: Ceiling::Vault(Axis::NorthSouth, 5.2),
         style: Style {
-            floor: Floor::Octagons(1.2, [WHITE_MARBLE, RED_MARBLE]),
+            floor: Floor::Octagons(1.2, [WHITE_MARBLE, IVORY, RED_MARBLE]),
             trim: WHITE_MARBLE,
             dado: RED_MARBLE,
             wall: DARK_RED,
@@ -260,7 +285,12 @@ pub(crate) const ROOMS: [Design; 19] = [
         plan: Plan::Rectangle([-41.0, -15.45], [-76.0, -27.0]),
         height: 9.0,
         ceiling: Ceiling::Sky,
-        style: Style { wall: PLASTER, trim: GRAVEL, reveal: PALE_STONE, ..STONEWORK },
+        style: Style {
+            wall: PLASTER,
+            trim: GRAVEL,
+            reveal: PALE_STONE,
+            ..STONEWORK
+        },
     },
     Design {
         name: "Porcelain Cabinet",
@@ -281,7 +311,7 @@ pub(crate) const ROOMS: [Design; 19] = [
         height: 5.0,
         ceiling: Ceiling::Vault(Axis::WestEast, 4.0),
         style: Style {
-            floor: Floor::Octagons(0.8, [WHITE_MARBLE, BLACK_MARBLE]),
+            floor: Floor::Octagons(0.8, [WHITE_MARBLE, PALE_STONE, BLACK_MARBLE]),
             dado: RED_MARBLE,
             ceiling: NIGHT_BLUE,
             ..STONEWORK
@@ -293,7 +323,7 @@ pub(crate) const ROOMS: [Design; 19] = [
         height: 6.0,
         ceiling: Ceiling::Vault(Axis::NorthSouth, 2.6),
         style: Style {
-            floor: Floor::Octagons(0.7, [PALE_STONE, VERDIGRIS]),
+            floor: Floor::Octagons(0.7, [PALE_STONE, WHITE_MARBLE, VERDIGRIS]),
             trim: WHITE_MARBLE,
             gilt: VERDIGRIS,
             dado: WHITE_MARBLE,
@@ -332,66 +362,6 @@ pub(crate) const ROOMS: [Design; 19] = [
             ..STONEWORK
         },
     },
-];
-
-const fn in_line(name: &'static str, from: Name, to: Name, door: usize, rise: f32) -> Door {
-    let spring = if rise > 0.0 { 3.0 } else { 3.9 };
-    let at = [0.0, DOORS_AT[door]];
-    Door { name, from, to, looks: Side::North, at, width: 2.4, sill: 0.0, spring, rise }
-}
-
-const fn aside(name: &'static str, from: Name, to: Name, looks: Side, z: f32) -> Door {
-    let x = if matches!(looks, Side::East) { HALF } else { -HALF };
-    Door { name, from, to, looks, at: [x, z], width: 1.8, sill: 0.0, spring: 3.3, rise: 0.0 }
-}
-
-/// Where the windows between gallery and court stand.
-pub(crate) const WINDOWS_AT: [f32; 8] = [-31.5, -36.5, -41.5, -46.5, -56.5, -61.5, -66.5, -71.5];
-
-const fn window(name: &'static str, z: f32) -> Door {
-    Door {
-        name,
-        from: Name::Gallery,
-        to: Name::Court,
-        looks: Side::West,
-        at: [-15.0, z],
-        width: 2.0,
-        sill: 0.9,
-        spring: 3.2,
-        rise: 1.0,
-    }
-}
-
-/// All doors and windows.
-pub(crate) const DOORS: [Door; 28] = [
-    in_line("vestibule door", Name::Vestibule, Name::GuardRoom, 0, 1.2),
-    in_line("guard room door", Name::GuardRoom, Name::RedSalon, 1, 0.0),
-    in_line("red salon door", Name::RedSalon, Name::GreenSalon, 2, 0.0),
-    in_line("green salon door", Name::GreenSalon, Name::Rotunda, 3, 1.2),
-    in_line("rotunda door", Name::Rotunda, Name::BlueSalon, 4, 1.2),
-    in_line("blue salon door", Name::BlueSalon, Name::MirrorRoom, 5, 0.0),
-    in_line("mirror room door", Name::MirrorRoom, Name::MusicRoom, 6, 0.0),
-    in_line("music room door", Name::MusicRoom, Name::Library, 7, 0.0),
-    in_line("library door", Name::Library, Name::PictureRoom, 8, 0.0),
-    in_line("picture room door", Name::PictureRoom, Name::Antechamber, 9, 0.0),
-    in_line("throne room door", Name::Antechamber, Name::ThroneRoom, 10, 1.2),
-    aside("red salon gallery door", Name::RedSalon, Name::Gallery, Side::West, -26.0),
-    Door { rise: 0.9, spring: 3.0, ..aside("rotunda gallery arch", Name::Rotunda, Name::Gallery, Side::West, -47.0) },
-    aside("music room gallery door", Name::MusicRoom, Name::Gallery, Side::West, -77.0),
-    aside("treasury door", Name::RedSalon, Name::Treasury, Side::East, -26.0),
-    aside("porcelain door", Name::GreenSalon, Name::PorcelainCabinet, Side::East, -35.5),
-    Door { rise: 0.9, spring: 3.0, ..aside("chapel arch", Name::Rotunda, Name::Chapel, Side::East, -47.0) },
-    aside("winter garden door", Name::BlueSalon, Name::WinterGarden, Side::East, -58.5),
-    aside("study door", Name::Library, Name::Study, Side::East, -87.5),
-    window("window 1", WINDOWS_AT[0]),
-    window("window 2", WINDOWS_AT[1]),
-    window("window 3", WINDOWS_AT[2]),
-    window("window 4", WINDOWS_AT[3]),
-    Door { sill: 0.0, width: 2.4, ..window("court door", -51.5) },
-    window("window 5", WINDOWS_AT[4]),
-    window("window 6", WINDOWS_AT[5]),
-    window("window 7", WINDOWS_AT[6]),
-    window("window 8", WINDOWS_AT[7]),
 ];
 
 #[cfg(test)]

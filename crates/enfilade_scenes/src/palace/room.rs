@@ -1,13 +1,13 @@
 //! A room while it is built: things are put in, holes are cut, and at the end it is closed round them.
 
-use super::envelope::{Axis, Ceiling, Finish, Hole, Plan, Side, envelope};
 use super::floor::Floor;
 use super::palette::materials;
 use super::workshop::Workshop;
+use crate::envelope::{Ceiling, Finish, Hole, Plan, Side, envelope};
 use crate::random::Random;
 use crate::shape::Shape;
 use enfilade::{Content, ContentBuilder, ConvexPolygon, MaterialId, Mesh, MeshId, OpeningId, Transform};
-use glam::{Vec2, Vec3, vec2, vec3};
+use glam::{Vec2, Vec3, vec2};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -153,8 +153,8 @@ impl<'a> Room<'a> {
         let count = self.counts.entry(thing.to_owned()).or_default();
         *count += 1;
         let name = format!("{}: {thing} {count}", self.design.name);
-        let id = *(self.meshes.entry(Arc::as_ptr(mesh)))
-            .or_insert_with(|| self.content.mesh(Arc::clone(mesh)));
+        let id =
+            *(self.meshes.entry(Arc::as_ptr(mesh))).or_insert_with(|| self.content.mesh(Arc::clone(mesh)));
         self.content.item(&name, id, at);
     }
 
@@ -166,13 +166,19 @@ impl<'a> Room<'a> {
     /// Adds an opening; its front looks into the room.
     pub(crate) fn opening(&mut self, name: &str, outline: &[Vec3]) -> OpeningId {
         let corners: Vec<[f32; 3]> = outline.iter().map(|corner| corner.to_array()).collect();
-        self.content.opening(name, ConvexPolygon::new(&corners).expect("outlines are made convex"))
+        self.content.opening(
+            name,
+            ConvexPolygon::new(&corners).expect("outlines are made convex"),
+        )
     }
 
     pub(crate) fn walls(&self) -> Vec<Wall> {
         let corners = self.design.plan.corners();
         (0..corners.len())
-            .map(|i| Wall { left: corners[i], right: corners[(i + 1) % corners.len()] })
+            .map(|i| Wall {
+                left: corners[i],
+                right: corners[(i + 1) % corners.len()],
+            })
             .collect()
     }
 
@@ -202,11 +208,18 @@ impl<'a> Room<'a> {
         reveal: MaterialId,
     ) -> Vec<Vec3> {
         let frame = self.walls()[wall].at(along, 0.0);
-        let far: Vec<Vec3> =
-            outline.iter().map(|at| Vec3::from(frame.point([at.x, at.y, -depth]))).collect();
+        let far: Vec<Vec3> = outline
+            .iter()
+            .map(|at| Vec3::from(frame.point([at.x, at.y, -depth])))
+            .collect();
         let reach = outline.iter().fold(0.0, |most: f32, at| most.max(at.x.abs()));
         self.take(wall, along - reach, along + reach);
-        self.holes.push(Hole { wall, far: far.clone(), back, reveal });
+        self.holes.push(Hole {
+            wall,
+            far: far.clone(),
+            back,
+            reveal,
+        });
         far
     }
 
@@ -214,14 +227,29 @@ impl<'a> Room<'a> {
     pub(crate) fn doorway(&mut self, door: Doorway, far: Vec<Vec3>) {
         let [from, to] = door.reach(0.36);
         self.take(door.wall, from, to);
-        self.holes.push(Hole { wall: door.wall, far, back: None, reveal: self.design.style.reveal });
+        self.holes.push(Hole {
+            wall: door.wall,
+            far,
+            back: None,
+            reveal: self.design.style.reveal,
+        });
         self.doorways.push(door);
     }
 
     /// Closes the room round what was put in.
     pub(crate) fn close(mut self) -> (Content, Vec<OpeningId>) {
-        let Design { plan, height, ceiling, style, .. } = self.design;
-        let finish = Finish { floor: style.trim, wall: style.wall, ceiling: style.ceiling };
+        let Design {
+            plan,
+            height,
+            ceiling,
+            style,
+            ..
+        } = self.design;
+        let finish = Finish {
+            floor: style.trim,
+            wall: style.wall,
+            ceiling: style.ceiling,
+        };
         let shell = envelope(plan, height, ceiling, &self.holes, finish);
         self.make("shell floor", &shell.floor);
         for wall in &shell.walls {
@@ -230,7 +258,10 @@ impl<'a> Room<'a> {
         if !matches!(ceiling, Ceiling::Sky) {
             self.make("shell ceiling", &shell.ceiling);
         }
-        (self.content.build().expect("a room is made of sound things"), self.mirrors)
+        (
+            self.content.build().expect("a room is made of sound things"),
+            self.mirrors,
+        )
     }
 }
 
@@ -256,19 +287,6 @@ impl Design {
         match self.ceiling {
             Ceiling::Flat | Ceiling::Sky => self.height,
             Ceiling::Cove(_, rise) | Ceiling::Vault(_, rise) | Ceiling::Dome(rise, _) => self.height + rise,
-        }
-    }
-
-    /// A point of the plan at a height.
-    pub(crate) fn above(at: Vec2, height: f32) -> Vec3 {
-        vec3(at.x, height, at.y)
-    }
-
-    /// The direction of the vault, if the room has one.
-    pub(crate) fn vault(&self) -> Option<Axis> {
-        match self.ceiling {
-            Ceiling::Vault(axis, _) => Some(axis),
-            _ => None,
         }
     }
 }

@@ -1,6 +1,5 @@
 //! What joiners and plasterers add to bare walls: skirting, rail, panels, cornice, door frames.
 
-use super::envelope::Side;
 use super::palette::WHITE_MARBLE;
 use super::room::{Doorway, PAVING, Room, Style, Wall, arched};
 use super::workshop::Workshop;
@@ -15,10 +14,24 @@ pub(crate) const RAIL: f32 = 1.02;
 /// Width of the frame round a doorway.
 const ARCHITRAVE: f32 = 0.26;
 
-const SKIRTING: [[f32; 2]; 7] =
-    [[0.0, 0.0], [0.05, 0.0], [0.05, 0.2], [0.035, 0.23], [0.035, 0.25], [0.015, 0.29], [0.0, 0.29]];
-const RAIL_PROFILE: [[f32; 2]; 7] =
-    [[0.0, -0.05], [0.02, -0.05], [0.03, -0.02], [0.055, 0.0], [0.055, 0.03], [0.03, 0.05], [0.0, 0.05]];
+const SKIRTING: [[f32; 2]; 7] = [
+    [0.0, 0.0],
+    [0.05, 0.0],
+    [0.05, 0.2],
+    [0.035, 0.23],
+    [0.035, 0.25],
+    [0.015, 0.29],
+    [0.0, 0.29],
+];
+const RAIL_PROFILE: [[f32; 2]; 7] = [
+    [0.0, -0.05],
+    [0.02, -0.05],
+    [0.03, -0.02],
+    [0.055, 0.0],
+    [0.055, 0.03],
+    [0.03, 0.05],
+    [0.0, 0.05],
+];
 
 /// Dresses all walls up to `top` metres, leaving free what is taken.
 pub(crate) fn dress(room: &mut Room, top: f32, cornice_size: f32) {
@@ -39,6 +52,9 @@ pub(crate) fn dress(room: &mut Room, top: f32, cornice_size: f32) {
     room.make("skirting", &skirting);
     let mut rail = Shape::new();
     for (path, closed) in runs(&corners, &room.taken) {
+        if path.windows(2).map(|pair| pair[0].distance(pair[1])).sum::<f32>() < 0.4 {
+            continue;
+        }
         rail.join(moulding(style.gilt, &path, closed, RAIL, &RAIL_PROFILE));
     }
     room.make("rail", &rail);
@@ -46,7 +62,7 @@ pub(crate) fn dress(room: &mut Room, top: f32, cornice_size: f32) {
     for (number, wall) in room.walls().into_iter().enumerate() {
         let free = free_stretches(wall.length(), &room.taken[number]);
         for [from, to] in free {
-            panels(room, wall, from, to, top - cornice_size - 0.12);
+            panels(room, wall, from, to, top - 1.5 * cornice_size);
         }
     }
     for door in room.doorways.clone() {
@@ -58,15 +74,41 @@ pub(crate) fn dress(room: &mut Room, top: f32, cornice_size: f32) {
 pub(crate) fn cornice(room: &mut Room, corners: &[Vec2], top: f32, size: f32) {
     let Style { trim, gilt, .. } = room.design.style;
     let parts: [(MaterialId, &[[f32; 2]]); 5] = [
-        (gilt, &[[0.0, -1.3], [0.05, -1.3], [0.07, -1.24], [0.05, -1.18], [0.0, -1.18]]),
-        (trim, &[[0.0, 0.0], [0.1, 0.0], [0.1, 0.12], [0.2, 0.2], [0.24, 0.3]]),
+        (
+            gilt,
+            &[
+                [0.0, -0.36],
+                [0.05, -0.36],
+                [0.07, -0.30],
+                [0.05, -0.24],
+                [0.0, -0.24],
+            ],
+        ),
+        (
+            trim,
+            &[[0.0, 0.0], [0.1, 0.0], [0.1, 0.12], [0.2, 0.2], [0.24, 0.3]],
+        ),
         (gilt, &[[0.24, 0.3], [0.28, 0.32], [0.28, 0.38], [0.24, 0.4]]),
-        (trim, &[[0.24, 0.4], [0.5, 0.48], [0.56, 0.52], [0.56, 0.68], [0.62, 0.72], [0.72, 0.86], [0.74, 0.92]]),
+        (
+            trim,
+            &[
+                [0.24, 0.4],
+                [0.5, 0.48],
+                [0.56, 0.52],
+                [0.56, 0.68],
+                [0.62, 0.72],
+                [0.72, 0.86],
+                [0.74, 0.92],
+            ],
+        ),
         (gilt, &[[0.74, 0.92], [0.78, 0.94], [0.78, 1.0], [0.0, 1.0]]),
     ];
     let mut shape = Shape::new();
     for (material, profile) in parts {
-        let sized: Vec<[f32; 2]> = profile.iter().map(|point| point.map(|value| value * size)).collect();
+        let sized: Vec<[f32; 2]> = profile
+            .iter()
+            .map(|point| point.map(|value| value * size))
+            .collect();
         shape.join(moulding(material, corners, true, top - size, &sized));
     }
     room.make("cornice", &shape);
@@ -85,7 +127,11 @@ fn dentils(shop: &mut Workshop, material: MaterialId, length: f32, size: f32) ->
         let mut shape = Shape::new();
         for i in 0..count {
             let left = start + (i as f32 + 0.2) * step;
-            shape.join(block(material, [left, 0.0, 0.0], [left + 0.6 * step, 0.22 * size, 0.42 * size]));
+            shape.join(block(
+                material,
+                [left, 0.0, 0.0],
+                [left + 0.6 * step, 0.22 * size, 0.42 * size],
+            ));
         }
         shape
     })
@@ -118,81 +164,15 @@ fn free_stretches(length: f32, taken: &[[f32; 2]]) -> Vec<[f32; 2]> {
     free
 }
 
-/// Panels over one free stretch, below the rail and above it.
-fn panels(room: &mut Room, wall: Wall, from: f32, to: f32, top: f32) {
-    let Style { gilt, dado, field, wall: ground, .. } = room.design.style;
-    let count = ((to - from) / 2.1).round().max(1.0);
-    let step = (to - from) / count;
-    for i in 0..count as usize {
-        let left = from + step * i as f32 + 0.14;
-        let width = step - 0.28;
-        let low = panel(room.shop, [width, RAIL - 0.12 - 0.4], gilt, dado, None);
-        room.put("dado panel", &low, wall.at(left, 0.4));
-        let figure = (field != ground).then_some(ground);
-        let high = panel(room.shop, [width, top - RAIL - 0.22], gilt, field, figure);
-        room.put("panel", &high, wall.at(left, RAIL + 0.2));
-    }
-}
-
-/// A framed field on a wall; its silk is figured with lozenges where a second material is given.
-pub(crate) fn panel(
-    shop: &mut Workshop,
-    size: [f32; 2],
-    edge: MaterialId,
-    field: MaterialId,
-    figure: Option<MaterialId>,
-) -> Arc<Mesh> {
-    let [width, height] = size;
-    shop.piece(format!("panel {size:?} {} {} {figure:?}", edge.0, field.0), || {
-        const PROFILE: [[f32; 2]; 6] =
-            [[0.0, 0.0], [0.0, 0.02], [0.015, 0.035], [0.04, 0.035], [0.055, 0.02], [0.06, 0.006]];
-        let mut shape = frame(edge, size, &PROFILE);
-        let corner = |x: f32, y: f32| vec3(x, y, 0.006);
-        let inset = 0.06;
-        let [right, top] = [width - inset, height - inset];
-        shape.face(field, &[corner(inset, inset), corner(right, inset), corner(right, top), corner(inset, top)]);
-        if let Some(figure) = figure {
-            let [columns, rows] = [right - inset, top - inset].map(|side| (side / 0.42).max(1.0) as usize);
-            let step = vec2((right - inset) / columns as f32, (top - inset) / rows as f32);
-            for row in 0..rows {
-                for column in 0..columns {
-                    let shifted = if row % 2 == 0 { 0.5 } else { 1.0 };
-                    if column as f32 + shifted + 0.4 > columns as f32 {
-                        continue;
-                    }
-                    let at = Vec2::splat(inset) + step * vec2(column as f32 + shifted, row as f32 + 0.5);
-                    for face in fleuron(at, 0.44 * step.min_element()) {
-                        shape.face(figure, &face);
-                    }
-                }
-            }
-        }
-        shape
-    })
-}
-
-/// A small flower of four petals, woven into silk.
-fn fleuron(at: Vec2, reach: f32) -> [Vec<Vec3>; 4] {
-    std::array::from_fn(|petal| {
-        let (along, across) = [
-            (vec2(0.0, 1.0), vec2(-1.0, 0.0)),
-            (vec2(-1.0, 0.0), vec2(0.0, -1.0)),
-            (vec2(0.0, -1.0), vec2(1.0, 0.0)),
-            (vec2(1.0, 0.0), vec2(0.0, 1.0)),
-        ][petal];
-        let long = if petal % 2 == 0 { 1.0 } else { 0.62 };
-        [(0.06, 0.0), (0.6, -0.22), (1.0, 0.0), (0.6, 0.22)]
-            .map(|(out, side)| at + reach * (along * out * long + across * side))
-            .map(|at| at.extend(0.011))
-            .to_vec()
-    })
-}
-
 /// The frame round a doorway, its threshold, and what crowns it.
 fn door_case(room: &mut Room, door: &Doorway) {
     let style = room.design.style;
     let wall = room.walls()[door.wall];
-    let case = room.shop.piece(format!("case {door:?} {} {}", style.trim.0, style.gilt.0), || case(door, style));
+    let case = room
+        .shop
+        .piece(format!("case {door:?} {} {}", style.trim.0, style.gilt.0), || {
+            case(door, style)
+        });
     room.put("door case", &case, wall.at(door.along, 0.0));
     if door.sill == 0.0 {
         let [half, depth] = [0.5 * door.width, door.depth];
@@ -200,7 +180,12 @@ fn door_case(room: &mut Room, door: &Doorway) {
         let mut slab = Shape::new();
         slab.face(
             WHITE_MARBLE,
-            &[corner(-half, 0.0), corner(half, 0.0), corner(half, -depth), corner(-half, -depth)],
+            &[
+                corner(-half, 0.0),
+                corner(half, 0.0),
+                corner(half, -depth),
+                corner(-half, -depth),
+            ],
         );
         let at = wall.at(door.along, 0.0);
         let slab = slab.bent(|corner| Vec3::from(at.point(corner.to_array())));
@@ -233,7 +218,11 @@ fn case(door: &Doorway, style: Style) -> Shape {
         let key = taper(gilt, [0.2, 0.12], 0.5, [0.34, 0.2]);
         shape.add(&key, Transform::translation([0.0, top - 0.06, 0.06]));
     } else if door.sill == 0.0 {
-        shape.join(block(trim, [-reach, top + ARCHITRAVE, 0.0], [reach, top + ARCHITRAVE + 0.3, 0.07]));
+        shape.join(block(
+            trim,
+            [-reach, top + ARCHITRAVE, 0.0],
+            [reach, top + ARCHITRAVE + 0.3, 0.07],
+        ));
         shape.join(block(
             dado,
             [-reach + 0.1, top + ARCHITRAVE + 0.06, 0.06],
@@ -249,7 +238,13 @@ fn case(door: &Doorway, style: Style) -> Shape {
             [0.26, 0.18],
             [0.0, 0.2],
         ];
-        let ledge = moulding(trim, &[vec2(-reach - 0.1, 0.0), vec2(reach + 0.1, 0.0)], false, 0.0, &LEDGE);
+        let ledge = moulding(
+            trim,
+            &[vec2(-reach - 0.1, 0.0), vec2(reach + 0.1, 0.0)],
+            false,
+            0.0,
+            &LEDGE,
+        );
         shape.add(&ledge, Transform::translation([0.0, top + ARCHITRAVE + 0.3, 0.0]));
         pediment(&mut shape, trim, gilt, reach + 0.1, top + ARCHITRAVE + 0.5);
     }
@@ -262,7 +257,11 @@ fn pediment(shape: &mut Shape, trim: MaterialId, gilt: MaterialId, reach: f32, f
     let rise = 0.36 * reach;
     let bar = 0.14;
     let gable = |out: f32, low: f32, high: f32| {
-        [vec3(-reach * low, foot, out), vec3(reach * low, foot, out), vec3(0.0, foot + rise * high, out)]
+        [
+            vec3(-reach * low, foot, out),
+            vec3(reach * low, foot, out),
+            vec3(0.0, foot + rise * high, out),
+        ]
     };
     shape.face(gilt, &gable(0.06, 1.0, 1.0));
     for side in [-1.0, 1.0] {
@@ -308,9 +307,4 @@ pub(crate) fn runs(corners: &[Vec2], gaps: &[Vec<[f32; 2]>]) -> Vec<(Vec<Vec2>, 
         }
     }
     runs
-}
-
-/// The four walls of a rectangular room, or those of a round one that face the four sides.
-pub(crate) fn sides(room: &Room) -> [Wall; 4] {
-    Side::ALL.map(|side| room.wall(side))
 }

@@ -11,7 +11,10 @@ use std::collections::HashMap;
 /// The faces of a flat surface. The outline runs counter-clockwise from the front; holes run either way round and
 /// touch neither it nor each other. Corners on a straight edge stay corners of the faces beside it.
 pub(crate) fn fill(outline: &[Vec3], holes: &[Vec<Vec3>]) -> Vec<Vec<Vec3>> {
-    let mut surface = Surface { points: outline.to_vec(), flat: Vec::new() };
+    let mut surface = Surface {
+        points: outline.to_vec(),
+        flat: Vec::new(),
+    };
     let mut loops = vec![(0..outline.len()).collect::<Vec<usize>>()];
     for hole in holes {
         loops.push((surface.points.len()..surface.points.len() + hole.len()).collect());
@@ -26,7 +29,10 @@ pub(crate) fn fill(outline: &[Vec3], holes: &[Vec<Vec3>]) -> Vec<Vec<Vec3>> {
     let path = surface.bridged(loops);
     let triangles = surface.ears(path);
     let faces = surface.joined(triangles);
-    faces.into_iter().map(|face| face.into_iter().map(|i| surface.points[i]).collect()).collect()
+    faces
+        .into_iter()
+        .map(|face| face.into_iter().map(|i| surface.points[i]).collect())
+        .collect()
 }
 
 struct Surface {
@@ -46,7 +52,11 @@ impl Surface {
         if normal[facing] < 0.0 {
             std::mem::swap(&mut across, &mut up);
         }
-        self.flat = self.points.iter().map(|point| [across, up].map(|axis| f64::from(point[axis]))).collect();
+        self.flat = self
+            .points
+            .iter()
+            .map(|point| [across, up].map(|axis| f64::from(point[axis])))
+            .collect();
     }
 
     /// Twice the area of the triangle of three points; positive where they turn left.
@@ -56,7 +66,9 @@ impl Surface {
     }
 
     fn area(&self, path: &[usize]) -> f64 {
-        (1..path.len() - 1).map(|i| self.turn([path[0], path[i], path[i + 1]])).sum()
+        (1..path.len() - 1)
+            .map(|i| self.turn([path[0], path[i], path[i + 1]]))
+            .sum()
     }
 
     /// One path round the outline and, over bridges, round all holes.
@@ -78,7 +90,12 @@ impl Surface {
         for (hole, ring) in holes.iter().enumerate() {
             for (inner, &a) in ring.iter().enumerate() {
                 for (outer, &b) in path.iter().enumerate() {
-                    bridges.push((self.points[a].distance_squared(self.points[b]), hole, inner, outer));
+                    bridges.push((
+                        self.points[a].distance_squared(self.points[b]),
+                        hole,
+                        inner,
+                        outer,
+                    ));
                 }
             }
         }
@@ -86,9 +103,11 @@ impl Surface {
         let free = bridges.iter().find(|&&(_, hole, inner, outer)| {
             let bridge = [holes[hole][inner], path[outer]];
             self.opens(path, outer, bridge[0])
-                && std::iter::once(path).chain(holes.iter().map(Vec::as_slice)).all(|ring| {
-                    (0..ring.len()).all(|i| !self.crosses(bridge, [ring[i], ring[(i + 1) % ring.len()]]))
-                })
+                && std::iter::once(path)
+                    .chain(holes.iter().map(Vec::as_slice))
+                    .all(|ring| {
+                        (0..ring.len()).all(|i| !self.crosses(bridge, [ring[i], ring[(i + 1) % ring.len()]]))
+                    })
         });
         let &(_, hole, inner, outer) = free.expect("every hole is seen from somewhere");
         (hole, inner, outer)
@@ -98,9 +117,20 @@ impl Surface {
     /// has one angle for each.
     fn opens(&self, path: &[usize], corner: usize, point: usize) -> bool {
         let count = path.len();
-        let [before, at, after] = [path[(corner + count - 1) % count], path[corner], path[(corner + 1) % count]];
-        let [left_of_in, left_of_out] = [self.turn([before, at, point]) > 0.0, self.turn([at, after, point]) > 0.0];
-        if self.turn([before, at, after]) >= 0.0 { left_of_in && left_of_out } else { left_of_in || left_of_out }
+        let [before, at, after] = [
+            path[(corner + count - 1) % count],
+            path[corner],
+            path[(corner + 1) % count],
+        ];
+        let [left_of_in, left_of_out] = [
+            self.turn([before, at, point]) > 0.0,
+            self.turn([at, after, point]) > 0.0,
+        ];
+        if self.turn([before, at, after]) >= 0.0 {
+            left_of_in && left_of_out
+        } else {
+            left_of_in || left_of_out
+        }
     }
 
     /// Do two edges share a point that is not an end of both?
@@ -139,9 +169,9 @@ impl Surface {
     }
 
     fn is_empty(&self, [a, b, c]: [usize; 3], path: &[usize]) -> bool {
-        path.iter().filter(|&&p| p != a && p != b && p != c).all(|&p| {
-            self.turn([a, b, p]) < 0.0 || self.turn([b, c, p]) < 0.0 || self.turn([c, a, p]) < 0.0
-        })
+        path.iter()
+            .filter(|&&p| p != a && p != b && p != c)
+            .all(|&p| self.turn([a, b, p]) < 0.0 || self.turn([b, c, p]) < 0.0 || self.turn([c, a, p]) < 0.0)
     }
 
     /// Joins faces across each cut in turn, where the whole stays convex. One pass is enough: what is not convex
@@ -157,7 +187,9 @@ impl Surface {
         for corners in &triangles {
             for i in 0..3 {
                 let [a, b] = [corners[i], corners[(i + 1) % 3]];
-                let (Some(&one), Some(&other)) = (face_of.get(&[a, b]), face_of.get(&[b, a])) else { continue };
+                let (Some(&one), Some(&other)) = (face_of.get(&[a, b]), face_of.get(&[b, a])) else {
+                    continue;
+                };
                 let whole = join(&faces[one], &faces[other], a, b);
                 if one == other || !self.is_convex_at(&whole, a) || !self.is_convex_at(&whole, b) {
                     continue;
@@ -177,9 +209,9 @@ impl Surface {
 
     fn is_convex_at(&self, face: &[usize], corner: usize) -> bool {
         let count = face.len();
-        face.iter().position(|&p| p == corner).is_some_and(|i| {
-            self.turn([face[(i + count - 1) % count], corner, face[(i + 1) % count]]) >= 0.0
-        })
+        face.iter()
+            .position(|&p| p == corner)
+            .is_some_and(|i| self.turn([face[(i + count - 1) % count], corner, face[(i + 1) % count]]) >= 0.0)
     }
 }
 
@@ -207,38 +239,67 @@ mod tests {
 
     fn area(faces: &[Vec<Vec3>]) -> f32 {
         let of = |face: &Vec<Vec3>| -> f32 {
-            (1..face.len() - 1).map(|i| (face[i] - face[0]).cross(face[i + 1] - face[0]).z).sum()
+            (1..face.len() - 1)
+                .map(|i| (face[i] - face[0]).cross(face[i + 1] - face[0]).z)
+                .sum()
         };
         0.5 * faces.iter().map(of).sum::<f32>()
     }
 
     fn check(outline: &[Vec3], holes: &[Vec<Vec3>], expected_area: f32, most_faces: usize) {
         let faces = fill(outline, holes);
-        assert!((area(&faces) - expected_area).abs() < 1e-4, "an area of {}", area(&faces));
+        assert!(
+            (area(&faces) - expected_area).abs() < 1e-4,
+            "an area of {}",
+            area(&faces)
+        );
         assert!(faces.len() <= most_faces, "{} faces: {faces:?}", faces.len());
         for face in &faces {
             let corners: Vec<[f32; 3]> = face.iter().map(|c| c.to_array()).collect();
-            assert_eq!(ConvexPolygon::new(&corners).expect("convex").normal(), [0.0, 0.0, 1.0]);
+            assert_eq!(
+                ConvexPolygon::new(&corners).expect("convex").normal(),
+                [0.0, 0.0, 1.0]
+            );
         }
     }
 
     #[test]
     fn a_convex_outline_stays_whole() {
         check(&square(0.0, 0.0, 2.0), &[], 4.0, 1);
-        let with_corners_on_edges = points(&[[0.0, 0.0], [1.0, 0.0], [1.5, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
+        let with_corners_on_edges = points(&[
+            [0.0, 0.0],
+            [1.0, 0.0],
+            [1.5, 0.0],
+            [2.0, 0.0],
+            [2.0, 2.0],
+            [0.0, 2.0],
+        ]);
         check(&with_corners_on_edges, &[], 4.0, 1);
     }
 
     #[test]
     fn a_wall_has_holes_for_its_windows() {
         let windows: Vec<Vec<Vec3>> = (0..9).map(|i| square(1.0 + 2.0 * i as f32, 1.0, 1.0)).collect();
-        check(&points(&[[0.0, 0.0], [19.0, 0.0], [19.0, 3.0], [0.0, 3.0]]), &windows, 48.0, 40);
+        check(
+            &points(&[[0.0, 0.0], [19.0, 0.0], [19.0, 3.0], [0.0, 3.0]]),
+            &windows,
+            48.0,
+            40,
+        );
     }
 
     #[test]
     fn a_doorway_is_a_bay_in_the_outline() {
-        let wall =
-            [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [3.0, 2.0], [3.0, 0.0], [5.0, 0.0], [5.0, 3.0], [0.0, 3.0]];
+        let wall = [
+            [0.0, 0.0],
+            [2.0, 0.0],
+            [2.0, 2.0],
+            [3.0, 2.0],
+            [3.0, 0.0],
+            [5.0, 0.0],
+            [5.0, 3.0],
+            [0.0, 3.0],
+        ];
         check(&points(&wall), &[], 13.0, 3);
     }
 }

@@ -76,7 +76,11 @@ pub(crate) fn ball(material: MaterialId, radius: f32, rings: usize, sides: usize
     let profile: Vec<[f32; 2]> = (0..=rings)
         .map(|ring| {
             let (sin, cos) = (0.5 * TAU * ring as f64 / rings as f64).sin_cos();
-            let out = if ring == 0 || ring == rings { 0.0 } else { sin as f32 };
+            let out = if ring == 0 || ring == rings {
+                0.0
+            } else {
+                sin as f32
+            };
             [radius * out, -radius * cos as f32]
         })
         .collect();
@@ -93,14 +97,23 @@ pub(crate) fn tube(material: MaterialId, path: &[Vec3], radius: impl Fn(f32) -> 
         let forward = along(i);
         // Carried from corner to corner, so that the tube does not twist.
         across = (across - forward * across.dot(forward)).normalize();
-        rings.push(ring(center, across, forward.cross(across), radius(i as f32 / last as f32), sides));
+        rings.push(ring(
+            center,
+            across,
+            forward.cross(across),
+            radius(i as f32 / last as f32),
+            sides,
+        ));
     }
     rings.push(vec![path[last]; sides]);
     loft(material, &rings)
 }
 
 /// A tube along a torus knot about the y axis: `turns` times round the axis, `coils` times round the ring.
-#[expect(clippy::too_many_arguments, reason = "the numbers of a knot, each with its own meaning")]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the numbers of a knot, each with its own meaning"
+)]
 pub(crate) fn knot(
     material: MaterialId,
     turns: u32,
@@ -131,7 +144,13 @@ pub(crate) fn knot(
 }
 
 /// A round ring about the y axis, like a tyre.
-pub(crate) fn round_tube(material: MaterialId, ring_radius: f32, radius: f32, sides: usize, steps: usize) -> Shape {
+pub(crate) fn round_tube(
+    material: MaterialId,
+    ring_radius: f32,
+    radius: f32,
+    sides: usize,
+    steps: usize,
+) -> Shape {
     let profile: Vec<[f32; 2]> = (0..=steps)
         .map(|step| {
             let (sin, cos) = (TAU * (step % steps) as f64 / steps as f64).sin_cos();
@@ -143,5 +162,7 @@ pub(crate) fn round_tube(material: MaterialId, ring_radius: f32, radius: f32, si
 
 /// A circle in the plane of `across` and `up`, counter-clockwise seen from where `across` × `up` points to.
 fn ring(center: Vec3, across: Vec3, up: Vec3, radius: f32, sides: usize) -> Vec<Vec3> {
-    around(sides).map(|at| center + radius * (at.x * across - at.y * up)).collect()
+    around(sides)
+        .map(|at| center + radius * (at.x * across - at.y * up))
+        .collect()
 }

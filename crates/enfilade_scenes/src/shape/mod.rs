@@ -39,8 +39,10 @@ impl Shape {
     /// Adds a face, counter-clockwise from its front. One that bends beyond what a face may is cut into triangles.
     pub(crate) fn face(&mut self, material: MaterialId, corners: &[Vec3]) {
         let count = corners.len();
-        let corners: Vec<Vec3> =
-            (0..count).filter(|&i| corners[i] != corners[(i + 1) % count]).map(|i| corners[i]).collect();
+        let corners: Vec<Vec3> = (0..count)
+            .filter(|&i| corners[i] != corners[(i + 1) % count])
+            .map(|i| corners[i])
+            .collect();
         if corners.len() < 3 {
             return;
         }
@@ -72,7 +74,9 @@ impl Shape {
             let mut start = 0;
             for &sides in &sheet.sides {
                 let face = &sheet.corners[start..start + sides as usize];
-                let moved = face.iter().map(|corner| Vec3::from(placed.point(corner.to_array())));
+                let moved = face
+                    .iter()
+                    .map(|corner| Vec3::from(placed.point(corner.to_array())));
                 if mirrors {
                     self.push(sheet.material, moved.rev(), face.len());
                 } else {
@@ -100,8 +104,10 @@ impl Shape {
         for sheet in self.sheets {
             let mut start = 0;
             for sides in sheet.sides {
-                let moved: Vec<Vec3> =
-                    sheet.corners[start..start + sides as usize].iter().map(|&corner| bend(corner)).collect();
+                let moved: Vec<Vec3> = sheet.corners[start..start + sides as usize]
+                    .iter()
+                    .map(|&corner| bend(corner))
+                    .collect();
                 shape.face(sheet.material, &moved);
                 start += sides as usize;
             }
@@ -128,7 +134,11 @@ impl Shape {
             .map(|(sheet, (positions, corners))| Part {
                 positions,
                 corners,
-                sides: sheet.sides.iter().any(|&sides| sides != 3).then_some(&*sheet.sides),
+                sides: sheet
+                    .sides
+                    .iter()
+                    .any(|&sides| sides != 3)
+                    .then_some(&*sheet.sides),
                 material: sheet.material,
             })
             .collect();
@@ -136,10 +146,18 @@ impl Shape {
     }
 
     fn sheet(&mut self, material: MaterialId) -> &mut Sheet {
-        let index = self.sheets.iter().position(|sheet| sheet.material == material).unwrap_or_else(|| {
-            self.sheets.push(Sheet { material, corners: Vec::new(), sides: Vec::new() });
-            self.sheets.len() - 1
-        });
+        let index = self
+            .sheets
+            .iter()
+            .position(|sheet| sheet.material == material)
+            .unwrap_or_else(|| {
+                self.sheets.push(Sheet {
+                    material,
+                    corners: Vec::new(),
+                    sides: Vec::new(),
+                });
+                self.sheets.len() - 1
+            });
         &mut self.sheets[index]
     }
 
@@ -157,10 +175,12 @@ impl Sheet {
         let mut places: HashMap<[u32; 3], u32> = HashMap::with_capacity(self.corners.len() / 2);
         let corners = (self.corners.iter())
             .map(|corner| {
-                *places.entry(corner.to_array().map(f32::to_bits)).or_insert_with(|| {
-                    positions.push(corner.to_array());
-                    positions.len() as u32 - 1
-                })
+                *places
+                    .entry(corner.to_array().map(f32::to_bits))
+                    .or_insert_with(|| {
+                        positions.push(corner.to_array());
+                        positions.len() as u32 - 1
+                    })
             })
             .collect();
         (positions, corners)
@@ -173,7 +193,7 @@ mod tests {
 
     const STONE: MaterialId = MaterialId(0);
 
-    /// Six times the volume inside, by the sum over faces; negative where faces look inwards.
+    /// The volume inside, summed over faces; negative where faces look inwards.
     fn volume(shape: &Shape) -> f32 {
         let mut sum = 0.0;
         for sheet in &shape.sheets {
@@ -197,7 +217,8 @@ mod tests {
             for &sides in &sheet.sides {
                 let face = &sheet.corners[start..start + sides as usize];
                 for i in 0..face.len() {
-                    let [a, b] = [face[i], face[(i + 1) % face.len()]].map(|c| c.to_array().map(f32::to_bits));
+                    let [a, b] =
+                        [face[i], face[(i + 1) % face.len()]].map(|c| c.to_array().map(f32::to_bits));
                     *edges.entry([a, b]).or_default() += 1;
                     *edges.entry([b, a]).or_default() -= 1;
                 }
@@ -214,12 +235,27 @@ mod tests {
             ("block", block(STONE, [-1.0; 3], [1.0, 2.0, 3.0])),
             ("taper", taper(STONE, [1.0, 2.0], 3.0, [0.5, 0.25])),
             ("prism", prism(STONE, &[Vec3::ZERO, Vec3::Z, Vec3::X], Vec3::Y)),
-            ("lathe", lathe(STONE, &[[0.0, 0.0], [1.0, 0.0], [0.5, 2.0], [0.0, 3.0]], 12)),
-            ("fluted", fluted(STONE, &[[0.0, 0.0], [1.0, 0.0], [0.8, 2.0], [0.0, 2.0]], 12, 4, 0.1)),
+            (
+                "lathe",
+                lathe(STONE, &[[0.0, 0.0], [1.0, 0.0], [0.5, 2.0], [0.0, 3.0]], 12),
+            ),
+            (
+                "fluted",
+                fluted(
+                    STONE,
+                    &[[0.0, 0.0], [1.0, 0.0], [0.8, 2.0], [0.0, 2.0]],
+                    12,
+                    4,
+                    0.1,
+                ),
+            ),
             ("ball", ball(STONE, 1.0, 6, 9)),
             ("tube", tube(STONE, &path, |_| 0.1, 7)),
             ("knot", knot(STONE, 2, 3, 1.0, 0.4, 0.1, 40, 6)),
-            ("superquadric", superquadric(STONE, [1.0, 2.0, 1.0], 0.4, 1.6, 8, 12)),
+            (
+                "superquadric",
+                superquadric(STONE, [1.0, 2.0, 1.0], 0.4, 1.6, 8, 12),
+            ),
         ] {
             assert!(is_closed(&solid), "{name} is not closed");
             assert!(volume(&solid) > 0.0, "{name} is inside out");
@@ -229,7 +265,10 @@ mod tests {
     #[test]
     fn a_mirrored_copy_still_looks_outwards() {
         let mut shape = Shape::new();
-        shape.add(&block(STONE, [0.0; 3], [1.0; 3]), Transform::scaling([-1.0, 1.0, 1.0]));
+        shape.add(
+            &block(STONE, [0.0; 3], [1.0; 3]),
+            Transform::scaling([-1.0, 1.0, 1.0]),
+        );
         assert!(volume(&shape) > 0.0);
     }
 

@@ -8,7 +8,13 @@ use std::f64::consts::PI;
 /// A box between two corners.
 pub(crate) fn block(material: MaterialId, min: [f32; 3], max: [f32; 3]) -> Shape {
     let corner = |bits: usize| {
-        Vec3::from_array(std::array::from_fn(|axis| if bits >> axis & 1 == 0 { min[axis] } else { max[axis] }))
+        Vec3::from_array(std::array::from_fn(|axis| {
+            if bits >> axis & 1 == 0 {
+                min[axis]
+            } else {
+                max[axis]
+            }
+        }))
     };
     let mut shape = Shape::new();
     for face in BOX_FACES {
@@ -18,8 +24,14 @@ pub(crate) fn block(material: MaterialId, min: [f32; 3], max: [f32; 3]) -> Shape
 }
 
 /// The faces of a box, by corners whose bits choose between least and greatest x, y, z.
-const BOX_FACES: [[usize; 4]; 6] =
-    [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+const BOX_FACES: [[usize; 4]; 6] = [
+    [0, 4, 6, 2],
+    [1, 3, 7, 5],
+    [0, 1, 5, 4],
+    [2, 6, 7, 3],
+    [0, 2, 3, 1],
+    [4, 5, 7, 6],
+];
 
 /// A box of width, height and depth that stands on the floor over the origin.
 pub(crate) fn cuboid(material: MaterialId, [width, height, depth]: [f32; 3]) -> Shape {
@@ -32,7 +44,11 @@ pub(crate) fn taper(material: MaterialId, foot: [f32; 2], height: f32, head: [f3
     let corner = |bits: usize| {
         let [width, depth] = if bits & 2 == 0 { foot } else { head };
         let side = |bit: usize, size: f32| if bits & bit == 0 { -0.5 * size } else { 0.5 * size };
-        vec3(side(1, width), if bits & 2 == 0 { 0.0 } else { height }, side(4, depth))
+        vec3(
+            side(1, width),
+            if bits & 2 == 0 { 0.0 } else { height },
+            side(4, depth),
+        )
     };
     let mut shape = Shape::new();
     for face in BOX_FACES {

@@ -21,8 +21,16 @@ pub(crate) fn moulding(
         vec2(-along.y, along.x)
     };
     let mitre = |i: usize| {
-        let before = if i > 0 || closed { into_room(i + count - 1) } else { into_room(0) };
-        let after = if i + 1 < count || closed { into_room(i) } else { before };
+        let before = if i > 0 || closed {
+            into_room(i + count - 1)
+        } else {
+            into_room(0)
+        };
+        let after = if i + 1 < count || closed {
+            into_room(i)
+        } else {
+            before
+        };
         (before + after) / (1.0 + before.dot(after))
     };
     let rows: Vec<Vec<Vec3>> = (0..count)
@@ -58,7 +66,12 @@ pub(crate) fn moulding(
 /// A profile of (inwards, out of the wall) drawn round a rectangle that hangs on a wall: x right, y up, z out of
 /// the wall, the rectangle's lower left corner at the origin. The profile runs inwards.
 pub(crate) fn frame(material: MaterialId, [width, height]: [f32; 2], profile: &[[f32; 2]]) -> Shape {
-    let path = [vec2(0.0, 0.0), vec2(0.0, -height), vec2(width, -height), vec2(width, 0.0)];
+    let path = [
+        vec2(0.0, 0.0),
+        vec2(0.0, -height),
+        vec2(width, -height),
+        vec2(width, 0.0),
+    ];
     let outwards: Vec<[f32; 2]> = profile.iter().rev().copied().collect();
     moulding(material, &path, true, 0.0, &outwards).bent(on_wall)
 }

@@ -3,7 +3,10 @@
 //! Surfaces that meet are made of the same corners, bit for bit: a wall's upper edge is the vault's lower one, a
 //! floor has a corner wherever a doorway begins. So no ray gets out but through an opening.
 
-use super::palette::PLASTER;
+mod roof;
+
+pub(crate) use roof::arc;
+
 use crate::shape::{Shape, fill};
 use enfilade::MaterialId;
 use glam::{Vec2, Vec3, vec2, vec3};
@@ -115,7 +118,11 @@ impl Plan {
                 let snapped = |value: f64| {
                     // The walls that doors stand in must lie on their planes exactly.
                     let value = value as f32;
-                    if (value.abs() - reach).abs() < 1e-4 { reach.copysign(value) } else { value }
+                    if (value.abs() - reach).abs() < 1e-4 {
+                        reach.copysign(value)
+                    } else {
+                        value
+                    }
                 };
                 (0..sides)
                     .map(|i| {
@@ -160,7 +167,12 @@ impl Plan {
 }
 
 fn rectangle(x: [f32; 2], z: [f32; 2]) -> [Vec2; 4] {
-    [vec2(x[0], z[1]), vec2(x[0], z[0]), vec2(x[1], z[0]), vec2(x[1], z[1])]
+    [
+        vec2(x[0], z[1]),
+        vec2(x[0], z[0]),
+        vec2(x[1], z[0]),
+        vec2(x[1], z[1]),
+    ]
 }
 
 /// The corners between `left` and `right` of half a circle that bulges `outwards`.
@@ -176,19 +188,33 @@ fn half_circle(left: Vec2, right: Vec2, outwards: Vec2) -> Vec<Vec2> {
 }
 
 /// The closed surface of a room.
-pub(crate) fn envelope(plan: Plan, height: f32, ceiling: Ceiling, holes: &[Hole], finish: Finish) -> Envelope {
+pub(crate) fn envelope(
+    plan: Plan,
+    height: f32,
+    ceiling: Ceiling,
+    holes: &[Hole],
+    finish: Finish,
+) -> Envelope {
     let corners = plan.corners();
     let count = corners.len();
-    let (tops, ceiling) = roof(plan, height, ceiling, finish.ceiling);
+    let (tops, ceiling) = roof::roof(plan, height, ceiling, finish.ceiling);
     let mut floor_outline: Vec<Vec3> = Vec::new();
     let mut floor = Shape::new();
     let mut walls = Vec::with_capacity(count);
     for wall in 0..count {
         let [left, right] = [corners[wall], corners[(wall + 1) % count]];
         let mut shape = Shape::new();
-        let mut holes: Vec<Bored> =
-            holes.iter().filter(|hole| hole.wall == wall).map(|hole| Bored::new(hole, left, right)).collect();
-        holes.sort_by(|a, b| a.near[0].xz().distance(left).total_cmp(&b.near[0].xz().distance(left)));
+        let mut holes: Vec<Bored> = holes
+            .iter()
+            .filter(|hole| hole.wall == wall)
+            .map(|hole| Bored::new(hole, left, right))
+            .collect();
+        holes.sort_by(|a, b| {
+            a.near[0]
+                .xz()
+                .distance(left)
+                .total_cmp(&b.near[0].xz().distance(left))
+        });
         let mut outline = vec![vec3(left.x, 0.0, left.y)];
         let mut windows = Vec::new();
         for hole in &holes {
@@ -215,7 +241,11 @@ pub(crate) fn envelope(plan: Plan, height: f32, ceiling: Ceiling, holes: &[Hole]
     for face in fill(&floor_outline, &[]) {
         floor.face(finish.floor, &face);
     }
-    Envelope { floor, walls, ceiling }
+    Envelope {
+        floor,
+        walls,
+        ceiling,
+    }
 }
 
 /// A hole as it goes through its wall; both outlines begin with the lower edge.
@@ -228,7 +258,10 @@ struct Bored {
 
 impl Bored {
     fn new(hole: &Hole, left: Vec2, right: Vec2) -> Bored {
-        let lowest = hole.far.iter().fold(f32::INFINITY, |least, corner| least.min(corner.y));
+        let lowest = hole
+            .far
+            .iter()
+            .fold(f32::INFINITY, |least, corner| least.min(corner.y));
         let count = hole.far.len();
         let first = (0..count)
             .find(|&i| hole.far[i].y == lowest && hole.far[(i + 1) % count].y == lowest)
@@ -246,7 +279,12 @@ impl Bored {
                 vec3(at.x, corner.y, at.y)
             }
         };
-        Bored { near: far.iter().map(onto_wall).collect(), far, back: hole.back, reveal: hole.reveal }
+        Bored {
+            near: far.iter().map(onto_wall).collect(),
+            far,
+            back: hole.back,
+            reveal: hole.reveal,
+        }
     }
 
     /// The sides from the wall to the far end, and what closes it there. The sill is part of the floor if given.
@@ -269,67 +307,6 @@ impl Bored {
     }
 }
 
-/// For each wall the corners of its upper edge between its ends, from right to left; and the ceiling.
-fn roof(plan: Plan, height: f32, ceiling: Ceiling, material: MaterialId) -> (Vec<Vec<Vec3>>, Shape) {
-    let corners = plan.corners();
-    let mut tops = vec![Vec::new(); corners.len()];
-    let mut shape = Shape::new();
-    let edge = |inset: f32, up: f32| -> Vec<Vec3> {
-        inwards(&corners, inset).iter().map(|at| vec3(at.x, height + up, at.y)).collect()
-    };
-    match ceiling {
-        Ceiling::Sky => {}
-        Ceiling::Flat => shape.face(material, &edge(0.0, 0.0)),
-        Ceiling::Cove(inset, rise) => {
-            const STEPS: usize = 6;
-            let rings: Vec<Vec<Vec3>> = (0..=STEPS)
-                .map(|i| {
-                    let (sin, cos) = (0.5 * PI * i as f64 / STEPS as f64).sin_cos();
-                    let inset = inset * (1.0 - cos as f32);
-                    if i == 0 { edge(0.0, 0.0) } else { edge(inset, rise * sin as f32) }
-                })
-                .collect();
-            rings_inside(&mut shape, material, &rings);
-            shape.face(material, &rings[STEPS]);
-        }
-        Ceiling::Dome(rise, lantern) => {
-            const STEPS: usize = 10;
-            let Plan::Round(center, reach, _) = plan else { panic!("only round rooms have domes") };
-            let center = Vec2::from(center);
-            let ring = |scale: f32, up: f32| -> Vec<Vec3> {
-                let at = |corner: &Vec2| center + (*corner - center) * scale;
-                corners.iter().map(|corner| vec3(at(corner).x, height + up, at(corner).y)).collect()
-            };
-            let open = lantern / reach;
-            let steepest = f64::from(open).acos();
-            let mut rings: Vec<Vec<Vec3>> = (1..=STEPS)
-                .map(|i| {
-                    let (sin, cos) = (steepest * i as f64 / STEPS as f64).sin_cos();
-                    ring(cos as f32, rise * sin as f32)
-                })
-                .collect();
-            rings.insert(0, edge(0.0, 0.0));
-            let top = rings[STEPS][0].y - height;
-            rings.push(ring(open, top + 2.2 * lantern));
-            rings_inside(&mut shape, material, &rings);
-            shape.face(PLASTER, &rings[rings.len() - 1]);
-        }
-        Ceiling::Vault(axis, rise) => vault(plan, height, axis, rise, material, &mut tops, &mut shape),
-    }
-    (tops, shape)
-}
-
-/// Bands between rings that run clockwise from above, seen from inside.
-fn rings_inside(shape: &mut Shape, material: MaterialId, rings: &[Vec<Vec3>]) {
-    for pair in rings.windows(2) {
-        let count = pair[0].len();
-        for i in 0..count {
-            let next = (i + 1) % count;
-            shape.face(material, &[pair[0][i], pair[0][next], pair[1][next], pair[1][i]]);
-        }
-    }
-}
-
 /// The plan with all walls moved inwards.
 pub(crate) fn inwards(corners: &[Vec2], inset: f32) -> Vec<Vec2> {
     let count = corners.len();
@@ -343,97 +320,6 @@ pub(crate) fn inwards(corners: &[Vec2], inset: f32) -> Vec<Vec2> {
             corners[i] + (before + after) * (inset / (1.0 + before.dot(after)))
         })
         .collect()
-}
-
-/// Corners of a vault's arc from `left` to `right`, both included, as seen by who looks along the vault.
-pub(crate) fn arc(left: Vec2, right: Vec2, height: f32, rise: f32) -> Vec<Vec3> {
-    let middle = 0.5 * (left + right);
-    (0..=ARC)
-        .map(|i| {
-            let (sin, cos) = (PI * i as f64 / ARC as f64).sin_cos();
-            // The ends are the walls' corners, to the last bit.
-            match i {
-                0 => vec3(left.x, height, left.y),
-                ARC => vec3(right.x, height, right.y),
-                _ => {
-                    let at = middle + (left - middle) * cos as f32;
-                    vec3(at.x, height + rise * sin as f32, at.y)
-                }
-            }
-        })
-        .collect()
-}
-
-fn vault(
-    plan: Plan,
-    height: f32,
-    axis: Axis,
-    rise: f32,
-    material: MaterialId,
-    tops: &mut [Vec<Vec3>],
-    shape: &mut Shape,
-) {
-    let (x, z, apse) = match plan {
-        Plan::Rectangle(x, z) => (x, z, None),
-        Plan::Apse(x, z, side) => (x, z, Some(side)),
-        Plan::Round(..) => panic!("a round room has a dome"),
-    };
-    let corners = rectangle(x, z);
-    // The two ends of the vault, each with its arc seen from inside.
-    let ends = match axis {
-        Axis::NorthSouth => [Side::North, Side::South],
-        Axis::WestEast => [Side::East, Side::West],
-    };
-    let [far, near] = ends.map(|side| {
-        let [left, right] = [corners[side as usize], corners[(side as usize + 1) % 4]];
-        arc(left, right, height, rise)
-    });
-    for i in 0..ARC {
-        // Seen from inside at the far end, the near arc runs the other way.
-        shape.face(material, &[far[i], far[i + 1], near[ARC - i - 1], near[ARC - i]]);
-    }
-    for (side, arc) in ends.into_iter().zip([&far, &near]) {
-        if apse == Some(side) {
-            half_dome(plan, arc, height, rise, material, shape);
-        } else {
-            tops[plan.wall(side)] = arc[1..ARC].iter().rev().copied().collect();
-        }
-    }
-}
-
-/// Half a dome over an apse, whose edge is the arc of the vault before it.
-fn half_dome(plan: Plan, arc: &[Vec3], height: f32, rise: f32, material: MaterialId, shape: &mut Shape) {
-    const HALF: usize = ARC / 2;
-    let Plan::Apse(_, _, side) = plan else { return };
-    let corners = plan.corners();
-    let first = side as usize;
-    let center = plan.center();
-    // From the left end of the arc round the apse to the right end.
-    let point = |around: usize, up: usize| -> Vec3 {
-        let foot = corners[(first + around) % corners.len()];
-        match (around, up) {
-            (_, HALF) => arc[HALF],
-            (0, _) => arc[up],
-            (HALF, _) => arc[ARC - up],
-            (_, 0) => vec3(foot.x, height, foot.y),
-            _ => {
-                let (sin, cos) = (0.5 * PI * up as f64 / HALF as f64).sin_cos();
-                let at = center + (foot - center) * cos as f32;
-                vec3(at.x, height + rise * sin as f32, at.y)
-            }
-        }
-    };
-    for around in 0..HALF {
-        for up in 0..HALF {
-            let face =
-                [point(around, up), point(around + 1, up), point(around + 1, up + 1), point(around, up + 1)];
-            if up + 1 == HALF {
-                shape.triangle(material, [face[0], face[1], face[2]]);
-            } else {
-                shape.face(material, &face);
-            }
-        }
-    }
 }
 
 /// The plan coordinates of a corner.

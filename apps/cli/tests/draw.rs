@@ -1,0 +1,80 @@
+//! `draw`: the pictures it leaves.
+
+mod support;
+
+use support::Folder;
+
+/// Width and height of a PNG.
+fn size(folder: &Folder, name: &str) -> [u32; 2] {
+    let picture = std::fs::read(folder.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
+    assert!(picture.starts_with(b"\x89PNG\r\n\x1a\n"), "{name}");
+    [16, 20].map(|at| u32::from_be_bytes(picture[at..at + 4].try_into().expect("four bytes")))
+}
+
+fn drawn(folder: &Folder, arguments: &str) {
+    let run = folder.run(&format!("draw scene.glb --size 80x45 {arguments}"));
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""), "{arguments}");
+}
+
+#[test]
+fn a_picture_has_the_size_asked_for_and_leaves_nothing_beside_it() {
+    let folder = Folder::new();
+    drawn(&folder, "-o a.png");
+    assert_eq!(size(&folder, "a.png"), [80, 45]);
+    assert_eq!(folder.names(), ["a.png", "scene.glb", "views.jsonl"]);
+    drawn(&folder, "-o a.png --camera back");
+    assert_eq!(folder.names().len(), 3, "a picture is replaced");
+}
+
+#[test]
+fn every_show_is_a_picture_of_its_own() {
+    let folder = Folder::new();
+    let shows = ["image", "overdraw", "items", "order", "fragments"];
+    let pictures = shows.map(|show| {
+        drawn(&folder, &format!("-o {show}.PNG --show {show}"));
+        std::fs::read(folder.path(&format!("{show}.PNG"))).expect("a picture")
+    });
+    for (i, picture) in pictures.iter().enumerate() {
+        assert!(!pictures[..i].contains(picture), "{}", shows[i]);
+    }
+}
+
+#[test]
+fn several_views_and_methods_have_several_pictures() {
+    let folder = Folder::new();
+    drawn(&folder, "-o a.png --path views.jsonl");
+    drawn(&folder, "-o b.png --method all");
+    drawn(&folder, "-o c.png --survey 2 --method z-buffer");
+    let made: Vec<String> = folder
+        .names()
+        .into_iter()
+        .filter(|name| name.ends_with(".png"))
+        .collect();
+    assert_eq!(
+        made,
+        [
+            "a-000.png",
+            "a-001.png",
+            "b-hierarchical-z.png",
+            "b-z-buffer.png",
+            "c-000.png",
+            "c-001.png"
+        ]
+    );
+    let bytes = |name: &str| std::fs::read(folder.path(name)).expect("a picture");
+    assert_ne!(bytes("a-000.png"), bytes("a-001.png"));
+    assert_eq!(
+        bytes("b-hierarchical-z.png"),
+        bytes("b-z-buffer.png"),
+        "methods agree on the picture"
+    );
+}
+
+#[test]
+fn a_report_says_how_long_drawing_took_and_where_the_pictures_are() {
+    let folder = Folder::new();
+    let report = folder.json("draw scene.glb --size 80x45 -o a.png --path views.jsonl");
+    assert_eq!(report["views"][1]["picture"], "a-001.png");
+    assert!(report["views"][1]["draw_ms"].as_f64() > Some(0.0));
+    assert_eq!(report["views"][0]["items_visible"], 3);
+}

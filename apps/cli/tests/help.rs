@@ -1,0 +1,88 @@
+//! Every help ends with examples, and every example runs.
+
+mod support;
+
+use support::Folder;
+
+/// The examples of a verb's help.
+fn examples(folder: &Folder, verb: &str) -> Vec<String> {
+    let help = folder.run(&format!("{verb} --help"));
+    assert_eq!(help.code, Some(0), "{}", help.stderr);
+    let (_, examples) = help
+        .stdout
+        .split_once("\nExamples:\n")
+        .expect("examples at the end");
+    examples
+        .lines()
+        .map(|line| {
+            line.trim()
+                .strip_prefix("enfilade")
+                .expect("a command")
+                .to_owned()
+        })
+        .collect()
+}
+
+fn examples_run(verb: &str) {
+    let folder = Folder::new();
+    let examples = examples(&folder, verb);
+    assert!(!examples.is_empty());
+    for example in examples {
+        let run = folder.run(&example);
+        assert_eq!(run.code, Some(0), "enfilade{example}: {}", run.stderr);
+        assert_eq!(run.stderr, "", "enfilade{example}");
+        assert!(!run.stdout.is_empty(), "enfilade{example}");
+    }
+}
+
+#[test]
+fn the_examples_of_the_program_run() {
+    examples_run("");
+}
+
+#[test]
+fn the_examples_of_draw_run() {
+    examples_run("draw");
+}
+
+#[test]
+fn the_examples_of_look_run() {
+    examples_run("look");
+}
+
+#[test]
+fn the_examples_of_info_run() {
+    examples_run("info");
+}
+
+#[test]
+fn without_a_verb_there_is_a_picture_a_table_of_all_methods_and_what_to_try_next() {
+    let folder = Folder::new();
+    let run = folder.run("");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    for word in [
+        "z-buffer",
+        "hierarchical-z",
+        "enfilade.png",
+        "Try next",
+        "enfilade look",
+    ] {
+        assert!(run.stdout.contains(word), "{}", run.stdout);
+    }
+    let picture = std::fs::read(folder.path("enfilade.png")).expect("a picture");
+    assert!(picture.starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_panic() {
+    let folder = Folder::new();
+    for arguments in [
+        "--help",
+        "info scene.glb",
+        "look scene.glb --json - --size 64x36",
+        "look scene.glb --size 64x36",
+    ] {
+        let run = folder.run_unread(arguments);
+        assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""), "{arguments}");
+    }
+}

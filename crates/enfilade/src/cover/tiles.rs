@@ -1,0 +1,261 @@
+//! Tiles of 8×8 samples that cost nothing until they need their samples.
+//!
+//! A tile is empty, or one triangle owns all of it, or its samples are written out. Most tiles of a picture of walls
+//! are of the second kind: 64 samples are decided by two depths. What is written out later is the same, bit for bit.
+
+use super::raster::{BAND, Band, Triangle};
+use super::report::Report;
+use super::samples::{OPEN, Sample, Samples, lower_half, nearness};
+use crate::aperture::Rect;
+use crate::passage::Passage;
+
+/// Samples along a tile's side, as a power of two.
+pub(super) const TILE_SHIFT: usize = 3;
+pub(super) const TILE: usize = 1 << TILE_SHIFT;
+const _: () = assert!(TILE == BAND);
+
+#[derive(Default)]
+pub(super) struct Tiles {
+    pub(super) samples: Samples,
+    pub(super) columns: usize,
+    pub(super) rows: usize,
+    tiles: Vec<Tile>,
+    /// Triangles that own whole tiles.
+    triangles: Vec<Triangle>,
+}
+
+#[derive(Clone, Copy)]
+struct Tile {
+    state: State,
+    /// Bits of the farthest nearness in it; never nearer than the truth.
+    farthest: u32,
+    /// May a sample have come nearer since `farthest` was known?
+    stale: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum State {
+    /// Nothing is in it.
+    Empty,
+    /// A triangle, by its place in [`Tiles::triangles`], owns all of it; the number is its greatest nearness.
+    Whole(u32, u32),
+    /// See the samples.
+    Written,
+}
+
+impl Tiles {
+    pub(super) fn clear(&mut self, passage: &Passage, trace: bool) {
+        self.samples.shape(passage, trace);
+        // Behind a portal some samples are covered from the start, and a trace wants each sample.
+        let written = trace || passage.parent.is_some();
+        if written {
+            self.samples.open(passage);
+        }
+        let Rect { x1, y1, .. } = self.samples.rect;
+        [self.columns, self.rows] = [x1, y1].map(|side| usize::from(side).div_ceil(TILE));
+        let state = if written { State::Written } else { State::Empty };
+        self.tiles.clear();
+        self.tiles.resize(
+            self.columns * self.rows,
+            Tile {
+                state,
+                farthest: 0,
+                stale: written,
+            },
+        );
+        self.triangles.clear();
+    }
+
+    /// The samples of a tile inside the aperture's rectangle.
+    #[inline(always)]
+    fn rect(&self, column: usize, row: usize) -> Rect {
+        let [x0, y0] = [(column << TILE_SHIFT) as u16, (row << TILE_SHIFT) as u16];
+        Rect {
+            x0,
+            y0,
+            x1: x0 + TILE as u16,
+            y1: y0 + TILE as u16,
+        }
+        .intersection(&self.samples.rect)
+    }
+
+    /// Lets a triangle own those samples of a band at which it is nearest. `nearer` is told of each tile in which a
+    /// sample may have come nearer.
+    #[inline(always)]
+    pub(super) fn keep_nearest(
+        &mut self,
+        band: &Band,
+        triangle: &Triangle,
+        mut nearer: impl FnMut(usize, usize),
+    ) {
+        let row = usize::from(band.y) >> TILE_SHIFT;
+        let Rect { x0, y0, x1, y1 } = self.samples.rect;
+        // Columns that any row holds, and columns that all rows of the rectangle hold.
+        let [mut any, mut all] = [[u16::MAX, 0], [x0, x1]];
+        for (y, &[start, end]) in (band.y..).zip(&band.runs) {
+            if start < end {
+                any = [any[0].min(start), any[1].max(end)];
+            }
+            if (y0..y1).contains(&y) {
+                all = [all[0].max(start), all[1].min(end)];
+            }
+        }
+        // Linear, so nearest and farthest at corners.
+        let [right, down] = [triangle.nearness.x > 0.0, triangle.nearness.y > 0.0];
+        let mut number = None;
+        for column in usize::from(any[0]) >> TILE_SHIFT..=(usize::from(any[1]) - 1) >> TILE_SHIFT {
+            let rect = self.rect(column, row);
+            let corner = |right: bool, down: bool| {
+                let x = if right { rect.x1 - 1 } else { rect.x0 };
+                triangle
+                    .row(if down { rect.y1 - 1 } else { rect.y0 })
+                    .bits(i32::from(x))
+            };
+            let index = row * self.columns + column;
+            let nearest = corner(right, down);
+            if nearest < self.tiles[index].farthest {
+                continue;
+            }
+            let whole = all[0] <= rect.x0 && all[1] >= rect.x1;
+            let farthest = if whole { corner(!right, !down) } else { 0 };
+            match self.tiles[index].state {
+                State::Empty if whole => {}
+                State::Whole(_, theirs) if whole && farthest > theirs => {}
+                state => {
+                    if state != State::Written {
+                        self.write_out(column, row);
+                    }
+                    for (y, [start, end]) in band.rows() {
+                        let [start, end] = [start.max(rect.x0), end.min(rect.x1)];
+                        if start < end {
+                            self.samples.keep_nearest(y, start, end, triangle);
+                        }
+                    }
+                    let tile = &mut self.tiles[index];
+                    if !tile.stale {
+                        tile.stale = true;
+                        nearer(column, row);
+                    }
+                    continue;
+                }
+            }
+            let number = *number.get_or_insert_with(|| {
+                self.triangles.push(*triangle);
+                self.triangles.len() as u32 - 1
+            });
+            self.tiles[index] = Tile {
+                state: State::Whole(number, nearest),
+                farthest,
+                stale: false,
+            };
+            nearer(column, row);
+        }
+    }
+
+    /// Writes the samples of a tile out.
+    #[inline(never)]
+    fn write_out(&mut self, column: usize, row: usize) {
+        let Rect { x0, y0, x1, y1 } = self.rect(column, row);
+        let tile = &mut self.tiles[row * self.columns + column];
+        let state = std::mem::replace(&mut tile.state, State::Written);
+        for y in y0..y1 {
+            match state {
+                State::Whole(number, _) => {
+                    let triangle = self.triangles[number as usize];
+                    let (row, owner) = (triangle.row(y), Sample::from(lower_half(triangle.owner)));
+                    for (x, sample) in (i32::from(x0)..).zip(self.samples.row_mut(y, x0, x1)) {
+                        *sample = Sample::from(row.bits(x)) << 32 | owner;
+                    }
+                }
+                _ => self.samples.row_mut(y, x0, x1).fill(OPEN),
+            }
+        }
+    }
+
+    /// Bits of the farthest nearness of a tile that is known without looking at samples; no nearer than the truth.
+    #[inline(always)]
+    pub(super) fn farthest_known(&self, column: usize, row: usize) -> u32 {
+        self.tiles[row * self.columns + column].farthest
+    }
+
+    /// Bits of the farthest nearness of a tile.
+    pub(super) fn farthest(&mut self, column: usize, row: usize) -> u32 {
+        let index = row * self.columns + column;
+        if self.tiles[index].stale {
+            let farthest = self.farthest_in(&self.rect(column, row), column, row);
+            self.tiles[index] = Tile {
+                farthest,
+                stale: false,
+                ..self.tiles[index]
+            };
+        }
+        self.tiles[index].farthest
+    }
+
+    /// Bits of the farthest nearness among the samples of a tile inside `rect`.
+    pub(super) fn farthest_in(&self, rect: &Rect, column: usize, row: usize) -> u32 {
+        let within = self.rect(column, row).intersection(rect);
+        if within.is_empty() {
+            // Tiles beside the aperture's rectangle: nothing is seen there.
+            return u32::MAX;
+        }
+        let Rect { x0, y0, x1, y1 } = within;
+        match self.tiles[row * self.columns + column].state {
+            State::Empty => 0,
+            State::Whole(number, _) => {
+                let triangle = &self.triangles[number as usize];
+                let x = if triangle.nearness.x > 0.0 { x0 } else { x1 - 1 };
+                triangle
+                    .row(if triangle.nearness.y > 0.0 { y0 } else { y1 - 1 })
+                    .bits(i32::from(x))
+            }
+            State::Written => {
+                let smaller = |a: Sample, b: Sample| if a < b { a } else { b };
+                let row = |y| {
+                    self.samples
+                        .row(y, x0, x1)
+                        .iter()
+                        .copied()
+                        .fold(Sample::MAX, smaller)
+                };
+                nearness((y0..y1).map(row).fold(Sample::MAX, smaller))
+            }
+        }
+    }
+
+    /// Bits of the nearness at a sample.
+    pub(super) fn depth(&self, x: u16, y: u16) -> u32 {
+        let index = (usize::from(y) >> TILE_SHIFT) * self.columns + (usize::from(x) >> TILE_SHIFT);
+        match self.tiles[index].state {
+            State::Empty => 0,
+            State::Whole(number, _) => self.triangles[number as usize].row(y).bits(i32::from(x)),
+            State::Written => nearness(self.samples.row(y, x, x + 1)[0]),
+        }
+    }
+
+    /// Reports all owners, row by row.
+    pub(super) fn report(&self, report: &mut Report) {
+        let Rect { x0, y0, x1, y1 } = self.samples.rect;
+        for y in y0..y1 {
+            let row = usize::from(y) >> TILE_SHIFT;
+            for column in usize::from(x0) >> TILE_SHIFT..usize::from(x1).div_ceil(TILE) {
+                let Rect { x0, x1, .. } = self.rect(column, row);
+                match self.tiles[row * self.columns + column].state {
+                    State::Empty => report.run(x0, x1, OPEN as u32),
+                    State::Whole(number, _) => {
+                        report.run(x0, x1, lower_half(self.triangles[number as usize].owner));
+                    }
+                    State::Written => report.samples(x0, self.samples.row(y, x0, x1)),
+                }
+            }
+            report.end_row(y, &self.samples);
+        }
+    }
+
+    /// Memory in bytes for a screen of this size.
+    pub(super) fn needs_bytes(size: [u32; 2]) -> u64 {
+        let tiles = u64::from(size[0].div_ceil(TILE as u32)) * u64::from(size[1].div_ceil(TILE as u32));
+        let samples = u64::from(size[0]) * u64::from(size[1]) * size_of::<Sample>() as u64;
+        samples + tiles * (size_of::<Tile>() + size_of::<Triangle>()) as u64
+    }
+}

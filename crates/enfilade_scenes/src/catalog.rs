@@ -1,0 +1,229 @@
+//! The list of all scenes.
+
+use crate::{Camera, laws, palace};
+use enfilade::Scene;
+
+/// A scene, and places to look at it from; the first is the default.
+#[derive(Clone)]
+pub struct BuiltIn {
+    /// The scene. Every fragment is seen by the method that its author chose.
+    pub scene: Scene,
+    /// At least one; names are unique.
+    pub cameras: Vec<Camera>,
+}
+
+/// A scene by its name.
+#[derive(Clone, Copy, Debug)]
+pub struct Named {
+    /// What one types after `@`.
+    pub name: &'static str,
+    /// What there is to see, in a line.
+    pub about: &'static str,
+    /// What it contains that not every method can handle.
+    pub groups: &'static [Group],
+    build: fn() -> BuiltIn,
+}
+
+/// What a scene contains: laws name their exceptions by it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Group {
+    /// Openings that lead into other fragments.
+    Doors,
+    /// Mirrors.
+    Mirrors,
+    /// Scenes within the scene.
+    Nested,
+    /// Faces that overlap in a cycle, so that no order paints them.
+    Cycles,
+    /// Faces that go through each other.
+    Intersections,
+    /// Faces of different items in one plane.
+    Coplanar,
+    /// Glass or cut-outs.
+    Glass,
+    /// Faces seen from behind.
+    OneSided,
+    /// Faces or items without area, or nearly so.
+    Slivers,
+    /// Coordinates far above or below a metre.
+    Extreme,
+    /// Eyes within a millimetre of a face or an opening, or inside a thing.
+    Close,
+    /// Thousands of items, or meshes of thousands of faces.
+    Large,
+}
+
+impl Named {
+    /// Builds the scene.
+    pub fn build(&self) -> BuiltIn {
+        (self.build)()
+    }
+
+    /// Does the scene contain this?
+    pub fn is(&self, group: Group) -> bool {
+        self.groups.contains(&group)
+    }
+}
+
+/// All scenes, the default first, then those of the laws.
+pub const NAMES: [Named; 21] = [
+    Named {
+        name: "enfilade",
+        about: "a palace: twelve rooms in line, a gallery, a court, cabinets, a doll's house",
+        groups: &[
+            Group::Doors,
+            Group::Mirrors,
+            Group::Nested,
+            Group::Glass,
+            Group::Intersections,
+            Group::Large,
+        ],
+        build: || palace::palace(palace::SEED),
+    },
+    law(
+        "two-rooms",
+        "a door, and what is in line with it",
+        &[Group::Doors],
+        laws::two_rooms,
+    ),
+    law(
+        "pillar",
+        "a pillar before a door",
+        &[Group::Doors, Group::Intersections],
+        laws::pillar,
+    ),
+    law(
+        "mirror",
+        "a mirror, and something behind its glass",
+        &[Group::Mirrors, Group::OneSided],
+        laws::mirror,
+    ),
+    law(
+        "facing-mirrors",
+        "two mirrors face to face",
+        &[Group::Mirrors],
+        laws::facing_mirrors,
+    ),
+    law(
+        "cabinet",
+        "a scene in a scene in a scene",
+        &[Group::Nested],
+        laws::cabinet,
+    ),
+    law(
+        "free-doorway",
+        "a doorway that stands free and leads one way",
+        &[Group::Doors],
+        laws::free_doorway,
+    ),
+    law(
+        "crossing",
+        "sheets that cross, boxes that overlap in a cycle",
+        &[Group::Cycles, Group::Intersections],
+        laws::crossing,
+    ),
+    law(
+        "coplanar",
+        "pictures pasted on a wall, a flat box on the floor",
+        &[Group::Coplanar],
+        laws::coplanar,
+    ),
+    law(
+        "glass",
+        "panes and leaves before and behind things",
+        &[Group::Glass, Group::Doors, Group::Intersections],
+        laws::glass,
+    ),
+    law(
+        "one-sided",
+        "faces seen from behind, mirrored and inside out",
+        &[Group::OneSided],
+        laws::one_sided,
+    ),
+    law(
+        "slits",
+        "a slit, needle holes, a door ajar",
+        &[Group::Doors, Group::Slivers],
+        laws::slits,
+    ),
+    law(
+        "huge",
+        "rooms the size of countries, far from the origin",
+        &[Group::Doors, Group::Extreme],
+        laws::huge,
+    ),
+    law(
+        "far-away",
+        "rooms a million units from the origin",
+        &[Group::Doors, Group::Extreme],
+        laws::far_away,
+    ),
+    law(
+        "tiny",
+        "rooms half a millimetre wide",
+        &[Group::Doors, Group::Extreme],
+        laws::tiny,
+    ),
+    law(
+        "degenerate",
+        "faces without area, slivers, things scaled flat",
+        &[Group::Slivers, Group::Coplanar, Group::Intersections],
+        laws::degenerate,
+    ),
+    law(
+        "crowd",
+        "three thousand things behind walls, pebbles of a pixel",
+        &[Group::Large, Group::Intersections],
+        laws::crowd,
+    ),
+    law(
+        "polygons",
+        "faces with four to eleven corners",
+        &[Group::Intersections],
+        laws::polygons,
+    ),
+    law(
+        "eye-in-things",
+        "eyes in doorways, in boxes, on walls",
+        &[Group::Doors, Group::Close],
+        laws::eye_in_things,
+    ),
+    law(
+        "big-mesh",
+        "hills made of one mesh",
+        &[Group::Large, Group::Intersections],
+        laws::big_mesh,
+    ),
+    law(
+        "random",
+        "a handful of things at random",
+        &[Group::Doors, Group::Glass, Group::OneSided, Group::Intersections],
+        || crate::random_scene(3),
+    ),
+];
+
+const fn law(
+    name: &'static str,
+    about: &'static str,
+    groups: &'static [Group],
+    build: fn() -> BuiltIn,
+) -> Named {
+    Named {
+        name,
+        about,
+        groups,
+        build,
+    }
+}
+
+/// Builds the scene that is called `name`; `None` if none is.
+pub fn built_in(name: &str) -> Option<BuiltIn> {
+    NAMES.iter().find(|named| named.name == name).map(Named::build)
+}
+
+/// The small scenes that the laws run on: all but the palace.
+pub fn law_scenes() -> impl Iterator<Item = &'static Named> {
+    const LAWS: &[Named] = NAMES.split_at(1).1;
+    LAWS.iter()
+}

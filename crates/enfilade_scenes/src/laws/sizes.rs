@@ -1,0 +1,232 @@
+//! Worlds of unusual size: very large, very small, of very many things, of one very large thing.
+
+use super::stage::{
+    BLUE, BROWN, Doorway, GREEN, GREY, RED, RED_SHEET, Stage, WHITE, YELLOW, alone, finished, sheet,
+};
+use crate::envelope::{Ceiling, Finish, Hole, Plan, Side, envelope};
+use crate::random::Random;
+use crate::shape::{Shape, ball, block, cuboid, taper};
+use crate::{BuiltIn, Camera};
+use enfilade::{Method, SceneBuilder, Transform};
+use glam::{Vec3, vec3};
+
+/// A world of ordinary size, made large or small and moved away: every corner is `offset` + `scale` times its place.
+#[derive(Clone, Copy)]
+struct Resized {
+    scale: f32,
+    offset: Vec3,
+}
+
+impl Resized {
+    fn at(self, point: Vec3) -> Vec3 {
+        self.offset + self.scale * point
+    }
+
+    fn shape(self, shape: Shape) -> Shape {
+        shape.bent(|corner| self.at(corner))
+    }
+
+    /// Two rooms with a door, boxes in both and a tower seen through the door.
+    fn world(self) -> BuiltIn {
+        let door = Doorway {
+            name: "door",
+            side: Side::East,
+            plane: 0.0,
+            along: [-0.75, 0.75],
+            up: [0.0, 2.0],
+        };
+        let mut scene = SceneBuilder::new();
+        let mut ends = Vec::new();
+        for (name, x, door) in [
+            ("west", [-5.0, -0.125], door),
+            ("east", [0.125, 5.0], door.other_side()),
+        ] {
+            let mut stage = Stage::new();
+            let plan = Plan::Rectangle(x, [-2.5, 2.5]);
+            let hole = Hole {
+                wall: plan.wall(door.side),
+                far: door.outline(),
+                back: None,
+                reveal: BROWN,
+            };
+            let finish = Finish {
+                floor: GREY,
+                wall: WHITE,
+                ceiling: GREY,
+            };
+            let inside = envelope(plan, 3.0, Ceiling::Flat, &[hole], finish);
+            stage.thing("floor", &self.shape(inside.floor));
+            for wall in inside.walls {
+                stage.thing("wall", &self.shape(wall));
+            }
+            stage.thing("ceiling", &self.shape(inside.ceiling));
+            let middle = 0.5 * (x[0] + x[1]);
+            for (i, material) in [RED, BLUE, YELLOW].into_iter().enumerate() {
+                let at = vec3(middle + 1.2 * (i as f32 - 1.0), 0.0, -1.5 + 1.4 * i as f32);
+                let place =
+                    Transform::translation(self.at(at).to_array()) * Transform::scaling([self.scale; 3]);
+                stage.placed("box", &cuboid(material, [0.5, 0.75 + 0.5 * i as f32, 0.5]), place);
+            }
+            let at = self.at(vec3(middle, 2.4, 0.0)).to_array();
+            let place = Transform::translation(at) * Transform::scaling([self.scale; 3]);
+            stage.placed("lamp", &ball(GREEN, 0.25, 8, 12), place);
+            let outline: Vec<Vec3> = door.outline().into_iter().map(|corner| self.at(corner)).collect();
+            let opening = stage.opening(door.name, &outline);
+            ends.push((scene.add(name, stage.build(), Method::HierarchicalZ), opening));
+        }
+        scene.door(ends[0], ends[1]);
+        let camera = |name: &str, eye: Vec3, toward: Vec3| {
+            Camera::new(name, self.at(eye).to_array(), self.at(toward).to_array())
+        };
+        finished(
+            scene,
+            vec![
+                camera("in line", vec3(-4.5, 1.5, 0.25), vec3(5.0, 1.0, 0.0)),
+                camera("aslant", vec3(-4.0, 2.0, 2.0), vec3(0.5, 1.0, -0.5)),
+                camera("at the door", vec3(-0.25, 1.5, 0.0), vec3(4.0, 1.0, 0.5)),
+                camera("way back", vec3(4.5, 1.5, -1.0), vec3(-5.0, 1.0, 0.5)),
+            ],
+        )
+    }
+}
+
+/// Two rooms a million units wide, millions of units from the origin.
+pub(crate) fn huge() -> BuiltIn {
+    Resized {
+        scale: 2.0e5,
+        offset: vec3(5.0e6, 1.0e6, -7.0e6),
+    }
+    .world()
+}
+
+/// Two rooms of some fifty units, a million from the origin, where neighbouring floats lie an eighth of a unit apart:
+/// a wall is ten of them thick.
+pub(crate) fn far_away() -> BuiltIn {
+    Resized {
+        scale: 10.0,
+        offset: vec3(1.0e6, 0.0, -2.0e6),
+    }
+    .world()
+}
+
+/// The same two rooms, ten thousand times smaller than rooms are.
+pub(crate) fn tiny() -> BuiltIn {
+    Resized {
+        scale: 1.0e-4,
+        offset: Vec3::ZERO,
+    }
+    .world()
+}
+
+/// Some three thousand copies of four meshes.
+///
+/// Most stand in a field behind three walls with gaps, in which some are seen; some stand in the open; far away lie
+/// heaps of pebbles, each about a pixel large.
+pub(crate) fn crowd() -> BuiltIn {
+    let mut random = Random::new(11);
+    let mut stage = Stage::new();
+    stage.thing(
+        "ground",
+        &sheet(
+            GREY,
+            vec3(-60.0, 0.0, 10.0),
+            vec3(120.0, 0.0, 0.0),
+            vec3(0.0, 0.0, -130.0),
+        ),
+    );
+    for (i, z) in [-2.0, -14.0, -30.0].into_iter().enumerate() {
+        for part in -3..=3 {
+            let [left, right] = [0.2, 9.6].map(|edge| 10.0 * part as f32 - 5.0 + edge);
+            let high = 2.4 + i as f32;
+            stage.thing("wall", &block(WHITE, [left, 0.0, z - 0.3], [right, high, z]));
+        }
+    }
+    let kinds = [
+        ("cone", taper(RED, [0.7, 0.7], 1.3, [0.0, 0.0])),
+        ("box", cuboid(BLUE, [0.6, 0.9, 0.6])),
+        ("ball", ball(YELLOW, 0.4, 6, 9)),
+    ];
+    for (name, shape) in kinds {
+        let places: Vec<Transform> = (0..800)
+            .map(|_| {
+                let at = [random.between(-35.0, 35.0), 0.4, random.between(-45.0, 6.0)];
+                let turn = Transform::rotation([0.0, 1.0, 0.0], f64::from(random.between(0.0, 6.28)));
+                Transform::translation(at) * turn * Transform::scaling([random.between(0.5, 1.2); 3])
+            })
+            .collect();
+        stage.copies(name, &shape.mesh(), places);
+    }
+    let pebbles: Vec<Transform> = (0..600)
+        .map(|_| {
+            let at = [
+                random.between(-30.0, 30.0),
+                random.between(0.0, 9.0),
+                random.between(-112.0, -90.0),
+            ];
+            Transform::translation(at) * Transform::scaling([random.between(0.3, 2.0); 3])
+        })
+        .collect();
+    stage.copies("pebble", &ball(RED_SHEET, 0.12, 3, 5).mesh(), pebbles);
+    alone(
+        stage,
+        vec![
+            Camera::new("over the field", [0.0, 7.0, 9.0], [0.0, 0.0, -25.0]),
+            Camera::new("before the wall", [2.0, 1.6, 3.0], [1.0, 1.4, -20.0]),
+            Camera::new("at a gap", [4.95, 1.6, 0.0], [5.3, 1.4, -20.0]),
+            Camera::new("among them", [0.3, 1.6, -8.0], [12.0, 1.2, -20.0]),
+            Camera::new("pebbles", [0.0, 6.0, -44.0], [0.0, 4.0, -100.0]).lens(40.0),
+        ],
+    )
+}
+
+/// One mesh of twenty thousand triangles: hills that hide each other and the boxes between them.
+pub(crate) fn big_mesh() -> BuiltIn {
+    const CELLS: usize = 100;
+    let height = |x: f32, z: f32| {
+        let wave = |ax: f32, az: f32, phase: f32| (f64::from(ax * x + az * z + phase)).sin() as f32;
+        1.6 * wave(0.31, 0.17, 0.4)
+            + 1.1 * wave(-0.23, 0.41, 1.9)
+            + 0.5 * wave(0.83, -0.6, 0.0)
+            + 0.2 * wave(1.9, 1.3, 2.2)
+    };
+    let point = |i: usize, j: usize| {
+        let [x, z] = [i, j].map(|step| 0.6 * step as f32 - 30.0);
+        vec3(x, height(x, z), z)
+    };
+    let mut hills = Shape::new();
+    for i in 0..CELLS {
+        for j in 0..CELLS {
+            let [a, b, c, d] = [point(i, j), point(i, j + 1), point(i + 1, j + 1), point(i + 1, j)];
+            let material = if a.y > 1.4 {
+                WHITE
+            } else if a.y > -0.6 {
+                GREEN
+            } else {
+                BROWN
+            };
+            hills.triangle(material, [a, b, c]);
+            hills.triangle(material, [a, c, d]);
+        }
+    }
+    let mut stage = Stage::new();
+    stage.thing("hills", &hills);
+    for i in 0..60 {
+        let [x, z] = [(i % 10) as f32 * 5.6 - 25.0, (i / 10) as f32 * 8.5 - 22.0];
+        let place = Transform::translation([x, height(x, z), z]);
+        stage.placed(
+            "house",
+            &cuboid([RED, BLUE, YELLOW][i % 3], [0.8, 0.9, 0.8]),
+            place,
+        );
+    }
+    let eye = |x: f32, z: f32, over: f32| [x, height(x, z) + over, z];
+    alone(
+        stage,
+        vec![
+            Camera::new("valley", eye(2.0, 3.0, 1.2), eye(-20.0, -20.0, 0.5)),
+            Camera::new("hilltop", eye(-10.0, 14.0, 3.0), eye(10.0, -20.0, 0.0)),
+            Camera::new("from the edge", eye(29.0, 29.0, 1.0), [0.0, 0.0, 0.0]),
+            Camera::new("from above", [0.0, 40.0, 10.0], [0.0, 0.0, 0.0]),
+        ],
+    )
+}

@@ -1,0 +1,152 @@
+//! The doors and windows of the palace.
+
+use super::plan::{DOORS_AT, HALF, Name};
+use crate::envelope::Side;
+
+/// A doorway or window between two rooms.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Door {
+    pub(crate) name: &'static str,
+    /// The room from which one looks the way that the gate says, and the room beyond.
+    pub(crate) from: Name,
+    pub(crate) to: Name,
+    pub(crate) gate: Gate,
+}
+
+/// A hole between two rooms, on the plan.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Gate {
+    /// Where one looks who goes through.
+    pub(crate) looks: Side,
+    /// The middle of its foot: x and z; its plane goes through it.
+    pub(crate) at: [f32; 2],
+    pub(crate) width: f32,
+    /// Height of its lower edge; 0 where one walks through.
+    pub(crate) sill: f32,
+    /// Height where its arch begins, and the arch's own.
+    pub(crate) spring: f32,
+    pub(crate) rise: f32,
+}
+
+const fn in_line(name: &'static str, from: Name, to: Name, door: usize, rise: f32) -> Door {
+    let spring = if rise > 0.0 { 3.1 } else { 4.0 };
+    let at = [0.0, DOORS_AT[door]];
+    Door {
+        name,
+        from,
+        to,
+        gate: Gate {
+            looks: Side::North,
+            at,
+            width: 2.8,
+            sill: 0.0,
+            spring,
+            rise,
+        },
+    }
+}
+
+const fn aside(name: &'static str, from: Name, to: Name, looks: Side, z: f32) -> Door {
+    let x = if matches!(looks, Side::East) { HALF } else { -HALF };
+    let arched = matches!(from, Name::Rotunda);
+    let [spring, rise] = if arched { [3.0, 0.9] } else { [3.3, 0.0] };
+    Door {
+        name,
+        from,
+        to,
+        gate: Gate {
+            looks,
+            at: [x, z],
+            width: 1.8,
+            sill: 0.0,
+            spring,
+            rise,
+        },
+    }
+}
+
+/// Where the windows between gallery and court stand.
+pub(crate) const WINDOWS_AT: [f32; 8] = [-31.5, -36.5, -41.5, -46.5, -56.5, -61.5, -66.5, -71.5];
+
+const fn to_court(name: &'static str, z: f32, width: f32, sill: f32) -> Door {
+    let gate = Gate {
+        looks: Side::West,
+        at: [-15.0, z],
+        width,
+        sill,
+        spring: 3.2,
+        rise: 1.0,
+    };
+    Door {
+        name,
+        from: Name::Gallery,
+        to: Name::Court,
+        gate,
+    }
+}
+
+const fn window(name: &'static str, place: usize) -> Door {
+    to_court(name, WINDOWS_AT[place], 2.0, 0.9)
+}
+
+/// All doors and windows.
+pub(crate) const DOORS: [Door; 28] = [
+    in_line("vestibule door", Name::Vestibule, Name::GuardRoom, 0, 1.4),
+    in_line("guard room door", Name::GuardRoom, Name::RedSalon, 1, 0.0),
+    in_line("red salon door", Name::RedSalon, Name::GreenSalon, 2, 0.0),
+    in_line("green salon door", Name::GreenSalon, Name::Rotunda, 3, 1.4),
+    in_line("rotunda door", Name::Rotunda, Name::BlueSalon, 4, 1.4),
+    in_line("blue salon door", Name::BlueSalon, Name::MirrorRoom, 5, 0.0),
+    in_line("mirror room door", Name::MirrorRoom, Name::MusicRoom, 6, 0.0),
+    in_line("music room door", Name::MusicRoom, Name::Library, 7, 0.0),
+    in_line("library door", Name::Library, Name::PictureRoom, 8, 0.0),
+    in_line("picture room door", Name::PictureRoom, Name::Antechamber, 9, 0.0),
+    in_line("throne room door", Name::Antechamber, Name::ThroneRoom, 10, 1.4),
+    aside(
+        "red salon gallery door",
+        Name::RedSalon,
+        Name::Gallery,
+        Side::West,
+        -26.0,
+    ),
+    aside(
+        "rotunda gallery arch",
+        Name::Rotunda,
+        Name::Gallery,
+        Side::West,
+        -47.0,
+    ),
+    aside(
+        "music room gallery door",
+        Name::MusicRoom,
+        Name::Gallery,
+        Side::West,
+        -77.0,
+    ),
+    aside("treasury door", Name::RedSalon, Name::Treasury, Side::East, -26.0),
+    aside(
+        "porcelain door",
+        Name::GreenSalon,
+        Name::PorcelainCabinet,
+        Side::East,
+        -35.5,
+    ),
+    aside("chapel arch", Name::Rotunda, Name::Chapel, Side::East, -47.0),
+    aside(
+        "winter garden door",
+        Name::BlueSalon,
+        Name::WinterGarden,
+        Side::East,
+        -58.5,
+    ),
+    aside("study door", Name::Library, Name::Study, Side::East, -87.5),
+    window("window 1", 0),
+    window("window 2", 1),
+    window("window 3", 2),
+    window("window 4", 3),
+    to_court("court door", -51.5, 2.4, 0.0),
+    window("window 5", 4),
+    window("window 6", 5),
+    window("window 7", 6),
+    window("window 8", 7),
+];

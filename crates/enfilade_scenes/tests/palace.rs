@@ -1,0 +1,211 @@
+//! The palace stands as drawn: counted, closed, joined, and the same every time.
+
+use enfilade::{Aabb, Content, FragmentId, ItemId, Scene, Transform};
+use enfilade_scenes::{BuiltIn, built_in};
+use std::collections::{BTreeSet, HashMap};
+
+fn palace() -> BuiltIn {
+    built_in("enfilade").expect("the palace is built in")
+}
+
+fn rooms(scene: &Scene) -> impl Iterator<Item = (FragmentId, &str, &Content)> {
+    scene.fragments().map(|id| {
+        (
+            id,
+            scene.fragment_name(id),
+            &**scene.content(id).expect("all rooms are ours"),
+        )
+    })
+}
+
+#[test]
+fn it_has_the_rooms_doors_items_and_triangles_that_it_is_known_for() {
+    let scene = palace().scene;
+    let doors = scene
+        .portals()
+        .iter()
+        .filter(|portal| portal.there_from_here == Transform::IDENTITY)
+        .count()
+        / 2;
+    let mirrors = scene
+        .portals()
+        .iter()
+        .filter(|portal| portal.from == portal.to)
+        .count();
+    assert_eq!((scene.fragment_count(), doors, mirrors), (21, 29, 7));
+    assert_eq!((scene.item_count(), scene.triangle_count()), (0, 0));
+}
+
+#[test]
+fn two_builds_are_equal() {
+    let fingerprint = |scene: &Scene| {
+        let mut hash = Fnv::new();
+        for (_, name, content) in rooms(scene) {
+            hash.add(name.as_bytes());
+            for (number, item) in content.items().iter().enumerate() {
+                hash.add(content.name(ItemId(number as u32)).as_bytes());
+                hash.floats(&item.fragment_from_item);
+            }
+            for mesh in content.meshes() {
+                hash.floats(mesh.positions());
+            }
+        }
+        hash.0
+    };
+    assert_eq!(fingerprint(&palace().scene), fingerprint(&palace().scene));
+}
+
+/// The hash of Fowler, Noll and Vo.
+struct Fnv(u64);
+
+impl Fnv {
+    fn new() -> Fnv {
+        Fnv(0xCBF2_9CE4_8422_2325)
+    }
+
+    fn add(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3);
+        }
+    }
+
+    fn floats(&mut self, rows: &[[f32; 3]]) {
+        rows.iter()
+            .flatten()
+            .for_each(|value| self.add(&value.to_bits().to_le_bytes()));
+    }
+}
+
+#[test]
+fn every_thing_has_a_name_of_its_own() {
+    let scene = palace().scene;
+    let names: BTreeSet<&str> = rooms(&scene)
+        .flat_map(|(_, _, content)| (0..content.items().len()).map(|i| content.name(ItemId(i as u32))))
+        .collect();
+    assert_eq!(names.len(), scene.item_count());
+}
+
+#[test]
+fn one_can_walk_from_the_first_room_to_every_other() {
+    let scene = palace().scene;
+    let mut reached = BTreeSet::from([FragmentId(0)]);
+    let mut waiting = vec![FragmentId(0)];
+    while let Some(room) = waiting.pop() {
+        for portal in scene.portals().iter().filter(|portal| portal.from == room) {
+            if reached.insert(portal.to) {
+                waiting.push(portal.to);
+            }
+        }
+    }
+    assert_eq!(reached.len(), scene.fragment_count());
+}
+
+#[test]
+fn a_camera_that_is_named_for_a_room_stands_in_it() {
+    let BuiltIn { scene, cameras } = palace();
+    let located = |camera: &enfilade_scenes::Camera| {
+        let room = scene.locate(camera.eye, camera.toward).expect("there are rooms");
+        scene.fragment_name(room).to_lowercase()
+    };
+    let names: BTreeSet<String> = rooms(&scene).map(|(_, name, _)| name.to_lowercase()).collect();
+    let named: Vec<_> = cameras
+        .iter()
+        .filter(|camera| names.contains(&camera.name))
+        .collect();
+    assert!(named.len() >= 8);
+    for camera in named {
+        assert_eq!(located(camera), camera.name);
+    }
+    assert_eq!(located(&cameras[0]), "vestibule");
+}
+
+#[test]
+fn rooms_meet_at_their_doors_and_nowhere_overlap() {
+    let scene = palace().scene;
+    for a in scene.fragments() {
+        for b in scene.fragments().filter(|b| b.0 > a.0) {
+            let [a_box, b_box] = [scene.bounds(a), scene.bounds(b)];
+            let shared = a_box.intersection(&b_box);
+            let overlap = if shared.is_empty() { 0.0 } else { shared.volume() };
+            let [a, b] = [a, b].map(|id| scene.fragment_name(id));
+            assert!(overlap < 1e-2, "{a} and {b} share {overlap} cubic metres");
+        }
+    }
+    for portal in scene
+        .portals()
+        .iter()
+        .filter(|portal| portal.there_from_here == Transform::IDENTITY)
+    {
+        let content = scene.content(portal.from).expect("all rooms are ours");
+        let opening = &content.openings()[usize::from(portal.opening.0)];
+        let Aabb { min, max } = opening.outline.bounds();
+        let axis = (0..3)
+            .find(|&axis| min[axis] == max[axis])
+            .expect("doors stand square to the axes");
+        let bounds = content.bounds();
+        let end = if opening.outline.normal()[axis] > 0.0 {
+            bounds.min[axis]
+        } else {
+            bounds.max[axis]
+        };
+        let room = scene.fragment_name(portal.from);
+        assert_eq!(
+            end, min[axis],
+            "{room} does not end at the plane of `{}`",
+            opening.name
+        );
+    }
+}
+
+/// Every edge of a room's floor, walls and ceiling has a neighbour that runs the other way, or is an edge of one of
+/// its openings: no ray gets out elsewhere. Only the court is open to the sky.
+#[test]
+fn every_room_is_closed_but_for_its_openings() {
+    let scene = palace().scene;
+    for (_, name, content) in rooms(&scene) {
+        let mut edges: HashMap<[[u32; 3]; 2], i32> = HashMap::new();
+        let mut add = |corners: &[[f32; 3]]| {
+            for i in 0..corners.len() {
+                let [a, b] = [corners[i], corners[(i + 1) % corners.len()]].map(|at| at.map(f32::to_bits));
+                *edges.entry([a, b]).or_default() += 1;
+                *edges.entry([b, a]).or_default() -= 1;
+            }
+        };
+        let mut pieces = 0;
+        for number in 0..content.items().len() as u32 {
+            if !content.name(ItemId(number)).contains("shell") {
+                continue;
+            }
+            pieces += 1;
+            let mesh = content.mesh_of(ItemId(number));
+            for face in 0..mesh.face_count() {
+                let corners: Vec<[f32; 3]> = mesh
+                    .face(face)
+                    .iter()
+                    .map(|&corner| mesh.positions()[corner as usize])
+                    .collect();
+                add(&corners);
+            }
+        }
+        assert!(pieces >= 5, "{name} has no shell");
+        for opening in content
+            .openings()
+            .iter()
+            .filter(|opening| opening.name != "doll's house")
+        {
+            add(opening.outline.corners());
+        }
+        let to_the_sky =
+            |edge: &[[u32; 3]; 2]| name == "Court" && edge.iter().all(|at| at[1] == 9.0_f32.to_bits());
+        let open: Vec<_> = edges
+            .iter()
+            .filter(|(edge, excess)| **excess != 0 && !to_the_sky(edge))
+            .collect();
+        assert!(
+            open.is_empty(),
+            "{name} has {} open edges, such as {:?}",
+            open.len(),
+            open[0].0.map(|at| at.map(f32::from_bits))
+        );
+    }
+}

@@ -67,7 +67,7 @@ impl Named {
 }
 
 /// All scenes, the default first, then those of the laws.
-pub const NAMES: [Named; 21] = [
+pub const SCENES: [Named; 21] = [
     Named {
         name: "enfilade",
         about: "a palace: twelve rooms in line, a gallery, a court, cabinets, a doll's house",
@@ -199,9 +199,20 @@ pub const NAMES: [Named; 21] = [
         "random",
         "a handful of things at random",
         &[Group::Doors, Group::Glass, Group::OneSided, Group::Intersections],
-        || crate::random_scene(3),
+        || crate::random_scene(2),
     ),
 ];
+
+/// The names of all scenes, as in [`SCENES`].
+pub const NAMES: [&str; SCENES.len()] = {
+    let mut names = [""; SCENES.len()];
+    let mut place = 0;
+    while place < names.len() {
+        names[place] = SCENES[place].name;
+        place += 1;
+    }
+    names
+};
 
 const fn law(
     name: &'static str,
@@ -219,11 +230,11 @@ const fn law(
 
 /// Builds the scene that is called `name`; `None` if none is.
 pub fn built_in(name: &str) -> Option<BuiltIn> {
-    NAMES.iter().find(|named| named.name == name).map(Named::build)
+    SCENES.iter().find(|named| named.name == name).map(Named::build)
 }
 
 /// The small scenes that the laws run on: all but the palace.
 pub fn law_scenes() -> impl Iterator<Item = &'static Named> {
-    const LAWS: &[Named] = NAMES.split_at(1).1;
+    const LAWS: &[Named] = SCENES.split_at(1).1;
     LAWS.iter()
 }

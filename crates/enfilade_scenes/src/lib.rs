@@ -20,5 +20,5 @@ mod random_scene;
 mod shape;
 
 pub use camera::Camera;
-pub use catalog::{BuiltIn, Group, NAMES, Named, built_in, law_scenes};
+pub use catalog::{BuiltIn, Group, NAMES, Named, SCENES, built_in, law_scenes};
 pub use random_scene::random_scene;

@@ -33,7 +33,7 @@ fn it_has_the_rooms_doors_items_and_triangles_that_it_is_known_for() {
         .filter(|portal| portal.from == portal.to)
         .count();
     assert_eq!((scene.fragment_count(), doors, mirrors), (21, 29, 7));
-    assert_eq!((scene.item_count(), scene.triangle_count()), (0, 0));
+    assert_eq!((scene.item_count(), scene.triangle_count()), (4650, 2_175_514));
 }
 
 #[test]
@@ -177,6 +177,7 @@ fn every_room_is_closed_but_for_its_openings() {
                 continue;
             }
             pieces += 1;
+            assert_eq!(content.item(ItemId(number)).transform(), Transform::IDENTITY);
             let mesh = content.mesh_of(ItemId(number));
             for face in 0..mesh.face_count() {
                 let corners: Vec<[f32; 3]> = mesh

@@ -16,6 +16,7 @@ use crate::stats::Stats;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, f64x8};
 use glam::DVec3;
+use std::cmp::Ordering;
 
 /// Rows are handed out by eights, from a multiple of eight.
 pub(super) const BAND: usize = 8;
@@ -73,6 +74,31 @@ impl Triangle {
             step: self.nearness.x,
             least: self.least,
             greatest: self.greatest,
+        }
+    }
+}
+
+impl Triangle {
+    /// Is it nearer (`Greater`) or farther (`Less`) than another at every sample of `rect`, where both are there, by
+    /// more than samples are rounded by? `None` where neither is certain.
+    #[inline(always)]
+    pub(super) fn beside(&self, other: &Triangle, rect: &Rect) -> Option<Ordering> {
+        const ROUNDING: f64 = 1.0 / (1_u64 << 20) as f64;
+        let [mut nearer, mut farther] = [true, true];
+        // Both are linear, and so is their difference: what holds at the corners holds between them.
+        for y in [rect.y0, rect.y1 - 1] {
+            let [mine, theirs] = [self.row(y), other.row(y)];
+            for x in [rect.x0, rect.x1 - 1] {
+                let x = f64::from(x);
+                let [mine, theirs] = [mine.base + mine.step * x, theirs.base + theirs.step * x];
+                nearer &= mine > theirs * (1.0 + ROUNDING);
+                farther &= mine < theirs * (1.0 - ROUNDING);
+            }
+        }
+        match (nearer, farther) {
+            (true, false) => Some(Ordering::Greater),
+            (false, true) => Some(Ordering::Less),
+            _ => None,
         }
     }
 }
@@ -312,7 +338,7 @@ fn walk_rows<S: Simd>(
         for plane in planes {
             plane.narrow(simd, rows + f64::from(y), &mut x0, &mut x1);
         }
-        let [x0, x1] = [x0, x1].map(|columns| <[f64; BAND]>::from(columns).map(|column| column as i32));
+        let [x0, x1]: [[f64; BAND]; 2] = [x0.into(), x1.into()];
         let mut band = Band {
             y,
             runs: [[0; 2]; BAND],
@@ -320,7 +346,7 @@ fn walk_rows<S: Simd>(
         let mut samples = 0;
         for row in usize::from(rect.y0.saturating_sub(y))..usize::from(rect.y1 - y).min(BAND) {
             if x0[row] < x1[row] {
-                samples += (x1[row] - x0[row]) as u64;
+                samples += u64::from(x1[row] as u16 - x0[row] as u16);
                 band.runs[row] = [x0[row] as u16, x1[row] as u16];
             }
         }

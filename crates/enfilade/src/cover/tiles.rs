@@ -8,6 +8,7 @@ use super::report::Report;
 use super::samples::{OPEN, Sample, Samples, lower_half, nearness};
 use crate::aperture::Rect;
 use crate::passage::Passage;
+use std::cmp::Ordering;
 
 /// Samples along a tile's side, as a power of two.
 pub(super) const TILE_SHIFT: usize = 3;
@@ -37,8 +38,8 @@ struct Tile {
 enum State {
     /// Nothing is in it.
     Empty,
-    /// A triangle, by its place in [`Tiles::triangles`], owns all of it; the number is its greatest nearness.
-    Whole(u32, u32),
+    /// A triangle, by its place in [`Tiles::triangles`], owns all of it.
+    Whole(u32),
     /// See the samples.
     Written,
 }
@@ -112,39 +113,42 @@ impl Tiles {
                     .bits(i32::from(x))
             };
             let index = row * self.columns + column;
-            let nearest = corner(right, down);
-            if nearest < self.tiles[index].farthest {
+            if corner(right, down) < self.tiles[index].farthest {
                 continue;
             }
             let whole = all[0] <= rect.x0 && all[1] >= rect.x1;
-            let farthest = if whole { corner(!right, !down) } else { 0 };
-            match self.tiles[index].state {
-                State::Empty if whole => {}
-                State::Whole(_, theirs) if whole && farthest > theirs => {}
-                state => {
-                    if state != State::Written {
-                        self.write_out(column, row);
-                    }
-                    for (y, [start, end]) in band.rows() {
-                        let [start, end] = [start.max(rect.x0), end.min(rect.x1)];
-                        if start < end {
-                            self.samples.keep_nearest(y, start, end, triangle);
-                        }
-                    }
-                    let tile = &mut self.tiles[index];
-                    if !tile.stale {
-                        tile.stale = true;
-                        nearer(column, row);
-                    }
-                    continue;
+            let fits = match self.tiles[index].state {
+                State::Empty => whole,
+                State::Written => false,
+                State::Whole(theirs) => match triangle.beside(&self.triangles[theirs as usize], &rect) {
+                    Some(Ordering::Less) => continue,
+                    Some(Ordering::Greater) => whole,
+                    _ => false,
+                },
+            };
+            if !fits {
+                if self.tiles[index].state != State::Written {
+                    self.write_out(column, row);
                 }
+                for (y, [start, end]) in band.rows() {
+                    let [start, end] = [start.max(rect.x0), end.min(rect.x1)];
+                    if start < end {
+                        self.samples.keep_nearest(y, start, end, triangle);
+                    }
+                }
+                if !self.tiles[index].stale {
+                    self.tiles[index].stale = true;
+                    nearer(column, row);
+                }
+                continue;
             }
             let number = *number.get_or_insert_with(|| {
                 self.triangles.push(*triangle);
                 self.triangles.len() as u32 - 1
             });
+            let farthest = corner(!right, !down);
             self.tiles[index] = Tile {
-                state: State::Whole(number, nearest),
+                state: State::Whole(number),
                 farthest,
                 stale: false,
             };
@@ -160,7 +164,7 @@ impl Tiles {
         let state = std::mem::replace(&mut tile.state, State::Written);
         for y in y0..y1 {
             match state {
-                State::Whole(number, _) => {
+                State::Whole(number) => {
                     let triangle = self.triangles[number as usize];
                     let (row, owner) = (triangle.row(y), Sample::from(lower_half(triangle.owner)));
                     for (x, sample) in (i32::from(x0)..).zip(self.samples.row_mut(y, x0, x1)) {
@@ -202,7 +206,7 @@ impl Tiles {
         let Rect { x0, y0, x1, y1 } = within;
         match self.tiles[row * self.columns + column].state {
             State::Empty => 0,
-            State::Whole(number, _) => {
+            State::Whole(number) => {
                 let triangle = &self.triangles[number as usize];
                 let x = if triangle.nearness.x > 0.0 { x0 } else { x1 - 1 };
                 triangle
@@ -228,7 +232,7 @@ impl Tiles {
         let index = (usize::from(y) >> TILE_SHIFT) * self.columns + (usize::from(x) >> TILE_SHIFT);
         match self.tiles[index].state {
             State::Empty => 0,
-            State::Whole(number, _) => self.triangles[number as usize].row(y).bits(i32::from(x)),
+            State::Whole(number) => self.triangles[number as usize].row(y).bits(i32::from(x)),
             State::Written => nearness(self.samples.row(y, x, x + 1)[0]),
         }
     }
@@ -242,7 +246,7 @@ impl Tiles {
                 let Rect { x0, x1, .. } = self.rect(column, row);
                 match self.tiles[row * self.columns + column].state {
                     State::Empty => report.run(x0, x1, OPEN as u32),
-                    State::Whole(number, _) => {
+                    State::Whole(number) => {
                         report.run(x0, x1, lower_half(self.triangles[number as usize].owner));
                     }
                     State::Written => report.samples(x0, self.samples.row(y, x0, x1)),

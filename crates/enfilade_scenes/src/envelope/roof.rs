@@ -7,7 +7,12 @@ use glam::{Vec2, Vec3, vec3};
 use std::f64::consts::PI;
 
 /// For each wall the corners of its upper edge between its ends, from right to left; and the ceiling.
-pub(super) fn roof(plan: Plan, height: f32, ceiling: Ceiling, material: MaterialId) -> (Vec<Vec<Vec3>>, Shape) {
+pub(super) fn roof(
+    plan: Plan,
+    height: f32,
+    ceiling: Ceiling,
+    material: MaterialId,
+) -> (Vec<Vec<Vec3>>, Shape) {
     let corners = plan.corners();
     let mut tops = vec![Vec::new(); corners.len()];
     let mut shape = Shape::new();

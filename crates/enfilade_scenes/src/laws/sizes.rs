@@ -150,7 +150,7 @@ pub(crate) fn crowd() -> BuiltIn {
         let places: Vec<Transform> = (0..800)
             .map(|_| {
                 let at = [random.between(-35.0, 35.0), 0.4, random.between(-45.0, 6.0)];
-                let turn = Transform::rotation([0.0, 1.0, 0.0], f64::from(random.between(0.0, 6.28)));
+                let turn = Transform::rotation([0.0, 1.0, 0.0], f64::from(random.between(-3.0, 3.0)));
                 Transform::translation(at) * turn * Transform::scaling([random.between(0.5, 1.2); 3])
             })
             .collect();

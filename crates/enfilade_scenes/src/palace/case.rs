@@ -142,8 +142,8 @@ fn books(shape: &mut Shape, random: &mut Random, [from, to]: [f32; 2], foot: f32
             [0.15 * thick, label[0], 0.06 + deep],
             [0.8 * thick, label[1], 0.063 + deep],
         ));
-        let lean = if random.once_in(14) { 0.16 } else { 0.0 };
-        let slack = high * lean as f32;
+        let lean: f32 = if random.once_in(14) { 0.16 } else { 0.0 };
+        let slack = high * lean;
         if left + slack + thick > to {
             break;
         }

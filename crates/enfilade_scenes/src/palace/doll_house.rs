@@ -1,10 +1,10 @@
 //! The doll's house in the study: a scene of its own, eight times larger than it looks, and deeper than the wall
 //! behind it.
 
+use super::doors::Gate;
 use super::floor::Floor;
 use super::open;
 use super::palette::*;
-use super::doors::Gate;
 use super::room::{Design, PAVING, Room, Style, arched, scaled, shift, spot};
 use super::rooms::finish;
 use super::statue::Pose;

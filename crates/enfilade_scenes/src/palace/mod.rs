@@ -27,9 +27,9 @@ mod workshop;
 
 use crate::BuiltIn;
 use crate::random::Random;
+use doors::{DOORS, Gate};
 use enfilade::{FragmentId, Method, OpeningId, SceneBuilder};
 use glam::{Vec2, Vec3, vec2, vec3};
-use doors::{DOORS, Gate};
 use plan::{Name, ROOMS};
 use room::{Doorway, Room, arched};
 use workshop::Workshop;

@@ -1,7 +1,7 @@
 //! Chairs, stools, sofas and the throne. Fronts look to +z.
 
 use super::ceiling::rosette;
-use super::room::{scaled, shift};
+use super::room::shift;
 use super::statue::bezier;
 use super::workshop::Workshop;
 use crate::shape::{Shape, ball, block, cuboid, lathe, superquadric, taper, tube};
@@ -265,7 +265,5 @@ pub(crate) fn sunburst(gilt: MaterialId, reach: f32) -> Shape {
         let turn = Transform::rotation([0.0, 1.0, 0.0], 2.0 * PI * f64::from(ray) / f64::from(RAYS));
         shape.add(&one, turn * Transform::rotation([1.0, 0.0, 0.0], FRAC_PI_2));
     }
-    let mut sized = Shape::new();
-    sized.add(&shape, scaled(1.0));
-    sized
+    shape
 }

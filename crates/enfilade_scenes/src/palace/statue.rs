@@ -1,7 +1,7 @@
 //! Statues: draped figures and busts.
 
 use super::head::{Hair, head};
-use super::room::{scaled, shift};
+use super::room::shift;
 use super::workshop::Workshop;
 use crate::shape::{Shape, around, ball, lathe, loft, round_tube, superquadric, tube};
 use enfilade::{MaterialId, Mesh, Transform};
@@ -299,8 +299,6 @@ pub(crate) fn bust(shop: &mut Workshop, hair: Hair, stone: MaterialId, foot: Mat
         shape.join(loft(stone, &rings));
         let turn = Transform::rotation([0.0, 1.0, 0.0], 0.35);
         shape.add(&head(stone, 0.28, hair), shift(0.0, 0.63, 0.01) * turn);
-        let mut sized = Shape::new();
-        sized.add(&shape, scaled(1.0));
-        sized
+        shape
     })
 }

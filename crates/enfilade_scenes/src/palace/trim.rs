@@ -1,9 +1,10 @@
 //! What joiners and plasterers add to bare walls: skirting, rail, panels, cornice, door frames.
 
 use super::palette::WHITE_MARBLE;
-use super::room::{Doorway, PAVING, Room, Style, Wall, arched};
+use super::panel::panels;
+use super::room::{Doorway, PAVING, Room, Style, arched};
 use super::workshop::Workshop;
-use crate::shape::{Shape, block, frame, moulding, prism, surround, taper};
+use crate::shape::{Shape, block, moulding, prism, surround, taper};
 use enfilade::{MaterialId, Mesh, Transform};
 use glam::{Vec2, Vec3, vec2, vec3};
 use std::sync::Arc;

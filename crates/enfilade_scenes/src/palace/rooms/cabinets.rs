@@ -264,7 +264,7 @@ pub(super) fn treasury(room: &mut Room) {
         lathe(GOLD, &[[0.0, 0.0], [0.02, 0.0], [0.02, 0.004], [0.0, 0.004]], 10)
     });
     for _ in 0..160 {
-        let angle = f64::from(room.random.between(0.0, 6.28));
+        let angle = f64::from(room.random.between(-3.0, 3.0));
         let out = 0.62 * room.random.unit().sqrt();
         let (sin, cos) = angle.sin_cos();
         let high = 0.205 * (1.0 - out / 0.5).max(0.02);

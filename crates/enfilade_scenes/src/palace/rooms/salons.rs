@@ -170,7 +170,7 @@ pub(super) fn blue_salon(room: &mut Room) {
     room.put("console", &console, spot(6.52, -55.8, -90.0));
     for (i, z) in [-61.5, -60.9, -56.1, -55.5].into_iter().enumerate() {
         let vase = ornament::vase(room.shop, i, PORCELAIN, COBALT);
-        room.put("vase", &vase, spot(6.28, z, 0.0) * shift(0.0, 0.93, 0.0));
+        room.put("vase", &vase, spot(6.25, z, 0.0) * shift(0.0, 0.93, 0.0));
     }
     let carpet = drapery::carpet(room.shop, [9.0, 5.2], [NIGHT_BLUE, OLD_GOLD, PALE_BLUE]);
     room.put("carpet", &carpet, spot(0.0, -58.5, 0.0));

@@ -23,6 +23,9 @@ pub struct Faces<'a> {
     pub(crate) starts: Option<&'a [u32]>,
     /// From the space of the positions to (X, Y, W).
     pub(crate) screen_from_local: &'a DAffine3,
+    /// Does the item's place turn left hands into right ones? The front stays the front. A place that flattens does
+    /// not.
+    pub(crate) mirrored: bool,
     /// Seen from both sides?
     pub(crate) double_sided: bool,
     /// Opaque faces hide; others are kept out of every cover.
@@ -59,6 +62,7 @@ impl<'a> Faces<'a> {
             corners,
             starts,
             screen_from_local,
+            mirrored: content.item(item).transform().mirrors(),
             double_sided: material.double_sided,
             alpha: material.alpha,
         }
@@ -81,6 +85,7 @@ impl<'a> Faces<'a> {
             corners,
             starts: Some(ends),
             screen_from_local: screen_from_fragment,
+            mirrored: false,
             double_sided: false,
             alpha: Alpha::Opaque,
         }

@@ -213,17 +213,7 @@ impl Tiles {
                     .row(if triangle.nearness.y > 0.0 { y0 } else { y1 - 1 })
                     .bits(i32::from(x))
             }
-            State::Written => {
-                let smaller = |a: Sample, b: Sample| if a < b { a } else { b };
-                let row = |y| {
-                    self.samples
-                        .row(y, x0, x1)
-                        .iter()
-                        .copied()
-                        .fold(Sample::MAX, smaller)
-                };
-                nearness((y0..y1).map(row).fold(Sample::MAX, smaller))
-            }
+            State::Written => self.samples.farthest(&within),
         }
     }
 

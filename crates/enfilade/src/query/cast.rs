@@ -6,7 +6,7 @@ use crate::geom::{Aabb, Step};
 use glam::DVec3;
 
 impl Content {
-    /// The first face along a ray, seen from whichever side. Cost: O(items) boxes, then the clusters near the ray.
+    /// The first face along a ray, seen from whichever side; what a scale of zero flattens is not met. Cost: O(items) boxes, then the clusters near the ray.
     pub fn cast(&self, ray: &Ray) -> Option<Hit> {
         let [origin, direction] = [ray.origin, ray.direction].map(|v| DVec3::from(v.map(f64::from)));
         let mut first: Option<Hit> = None;

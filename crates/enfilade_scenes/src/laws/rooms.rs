@@ -71,7 +71,7 @@ pub(crate) fn pillar() -> BuiltIn {
         &lathe(GREY, &pillar, 20),
         Transform::translation([-0.9, 0.0, 0.0]),
     );
-    for (name, material, z) in [("left", GREEN, -1.5), ("behind", RED, -0.2), ("right", BLUE, 1.1)] {
+    for (name, material, z) in [("left", GREEN, -1.1), ("behind", RED, -0.2), ("right", BLUE, 0.7)] {
         east.thing(name, &block(material, [4.0, 0.0, z], [4.5, 1.6, z + 0.4]));
     }
     joined(

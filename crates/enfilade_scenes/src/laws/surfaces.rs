@@ -97,8 +97,9 @@ pub(crate) fn coplanar() -> BuiltIn {
             vec3(0.0, high, 0.0),
         )
     };
-    stage.thing("wall", &on_wall(-4.0, 0.0, 8.0, 4.0, WHITE));
+    // Where faces are equally near, the one added first is seen: one picture comes before the wall.
     stage.thing("red picture", &on_wall(-3.0, 1.0, 1.6, 1.2, RED));
+    stage.thing("wall", &on_wall(-4.0, 0.0, 8.0, 4.0, WHITE));
     stage.thing("blue picture", &on_wall(-1.8, 1.6, 1.6, 1.2, BLUE));
     stage.thing("green picture", &on_wall(1.0, 1.0, 2.0, 2.0, GREEN));
     stage.thing("stamp", &on_wall(1.5, 1.5, 0.5, 0.5, YELLOW));

@@ -1,9 +1,9 @@
 //! What ceilings wear: coffers with rosettes, ribs, beams, stucco fields.
 
-use super::room::Room;
+use super::room::{Room, arched};
 use super::workshop::Workshop;
 use crate::envelope::{ARC, Axis, Ceiling, Plan, Side, arc, inwards};
-use crate::shape::{Shape, block, fluted, lathe};
+use crate::shape::{Shape, block, fluted, lathe, surround};
 use enfilade::{MaterialId, Mesh, Transform};
 use glam::{Vec2, Vec3, vec2, vec3};
 use std::f32::consts::TAU;
@@ -315,6 +315,53 @@ pub(crate) fn stars(room: &mut Room, count: usize, material: MaterialId) {
             Transform::from_columns(place.map(|column| column.to_array())),
         );
     }
+}
+
+/// A painted field with golden rays, framed, under the arch at a vault's end; it begins `foot` above the walls.
+pub(crate) fn lunette(room: &mut Room, side: Side, foot: f32, field: MaterialId, gilt: MaterialId) {
+    const RAYS: usize = 15;
+    let Ceiling::Vault(_, rise) = room.design.ceiling else {
+        return;
+    };
+    let wall = room.wall(side);
+    let half = 0.5 * wall.length();
+    // The arch is lower and narrower at the foot of the field than at the vault's.
+    let level = foot / rise;
+    let [wide, high] = [0.88 * half * (1.0 - level * level).sqrt(), 0.86 * (rise - foot)];
+    let lunette = room
+        .shop
+        .piece(format!("lunette {wide} {high} {} {}", field.0, gilt.0), || {
+            let outline = arched(2.0 * wide, 0.0, 0.02, high);
+            let mut shape = Shape::new();
+            let flat: Vec<Vec3> = outline.iter().map(|at| at.extend(0.02)).collect();
+            shape.face(field, &flat);
+            const PROFILE: [[f32; 2]; 6] = [
+                [0.0, 0.02],
+                [0.0, 0.06],
+                [0.04, 0.08],
+                [0.1, 0.08],
+                [0.14, 0.05],
+                [0.14, 0.0],
+            ];
+            shape.join(surround(gilt, &outline, true, &PROFILE));
+            for ray in 0..RAYS {
+                let turn = 0.5 * TAU * (ray as f32 + 0.5) / RAYS as f32;
+                let out = vec2(turn.cos(), turn.sin());
+                let across = vec2(-out.y, out.x) * 0.05 * high;
+                let long = if ray % 2 == 0 { 0.9 } else { 0.66 };
+                let tip = vec2(out.x * wide, out.y * high) * long;
+                let near = out * 0.24 * high;
+                let face = [near - across, tip, near + across].map(|at| at.extend(0.03));
+                shape.face(gilt, &face);
+            }
+            let sun: Vec<Vec3> = (0..=12)
+                .map(|i| 0.5 * TAU * i as f32 / 12.0)
+                .map(|turn| vec3(0.27 * high * turn.cos(), 0.27 * high * turn.sin(), 0.035))
+                .collect();
+            shape.face(gilt, &sun);
+            shape
+        });
+    room.hang("lunette", &lunette, side, half, room.design.height + foot);
 }
 
 /// A stucco rose in the middle of a ceiling, round what a chandelier hangs from.

@@ -178,7 +178,7 @@ pub(crate) fn sofa(shop: &mut Workshop, wood: MaterialId, silk: MaterialId) -> A
             16,
         );
         shape.join(tube(wood, &crest, |_| 0.04, 8));
-        shape.join(block(wood, [-0.98, 0.36, -0.35], [0.98, 0.94, -0.30]));
+        shape.join(block(silk, [-0.98, 0.36, -0.35], [0.98, 0.94, -0.30]));
         shape.add(
             &rosette(wood, 0.13, 0.05),
             shift(0.0, 1.07, -0.30) * Transform::rotation([1.0, 0.0, 0.0], FRAC_PI_2),

@@ -137,6 +137,9 @@ fn music_stand() -> Shape {
 }
 
 pub(super) fn library(room: &mut Room) {
+    for side in [Side::North, Side::South] {
+        ceiling::lunette(room, side, 0.1, NIGHT_BLUE, OLD_GOLD);
+    }
     ceiling::ribs(room, OAK, 0.3, 0.18, &[0.35, 2.85, 5.05, 7.25, 9.75]);
     ceiling::coffer_vault(
         room,

@@ -213,6 +213,9 @@ pub(super) fn study(room: &mut Room) {
 }
 
 pub(super) fn treasury(room: &mut Room) {
+    for side in [Side::West, Side::East] {
+        ceiling::lunette(room, side, 0.1, DARK_RED, OLD_GOLD);
+    }
     ceiling::ribs(room, DARK_STONE, 0.35, 0.2, &[0.3, 2.6, 4.95, 7.25]);
     let chest = case::chest(room.shop, WALNUT, IRON);
     for (x, z, turn) in [

@@ -13,6 +13,9 @@ pub(super) fn gallery(room: &mut Room) {
     ]
     .map(|z: f32| south - z)
     .to_vec();
+    for side in [Side::North, Side::South] {
+        ceiling::lunette(room, side, 0.1, GREEN_MARBLE, GOLD);
+    }
     ceiling::ribs(room, IVORY, 0.5, 0.2, &arches);
     ceiling::coffer_vault(
         room,

@@ -87,7 +87,10 @@ pub(super) fn vestibule(room: &mut Room) {
             spot(x, -11.0, 0.0) * shift(0.0, 0.9, 0.0) * scaled(1.05),
         );
     }
-    light::chandelier(room, [0.0, -6.0], 4.7, 12, 1.9, OLD_GOLD);
+    for side in [Side::North, Side::South] {
+        ceiling::lunette(room, side, 0.3, NIGHT_BLUE, GOLD);
+    }
+    light::chandelier(room, [0.0, -8.4], 4.9, 12, 1.6, OLD_GOLD);
     let runner = drapery::carpet(room.shop, [2.6, 10.0], [RED_SILK, NIGHT_BLUE, GOLD]);
     room.put("carpet", &runner, spot(0.0, -6.0, 0.0));
 }

@@ -44,6 +44,7 @@ pub(super) fn throne_room(room: &mut Room) {
         );
         shape
     });
+    ceiling::lunette(room, Side::South, 0.2, NIGHT_BLUE, GOLD);
     ceiling::stars(room, 180, GOLD);
     room.put(
         "sun",

@@ -241,7 +241,7 @@ fn check(number: usize, part: &Part, faces: &mut Vec<Source>) -> Result<(), Mesh
         corners: part.corners.len(),
     };
     let Some(sides) = part.sides else {
-        if part.corners.len() % 3 != 0 {
+        if !part.corners.len().is_multiple_of(3) {
             return Err(left);
         }
         let count = part.corners.len() as u32 / 3;

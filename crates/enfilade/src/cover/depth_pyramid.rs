@@ -249,7 +249,17 @@ fn mark(levels: &mut [Level], mut column: usize, mut row: usize) {
 impl Sink for Depths {
     #[inline(always)]
     fn hides(&mut self, rect: &Rect, nearest: f32) -> bool {
-        !self.sees(rect, nearest.to_bits())
+        let bits = nearest.to_bits();
+        let [first, last] = cells(rect, 0);
+        if last[0] - first[0] > 1 || last[1] - first[1] > 1 {
+            return !self.sees(rect, bits);
+        }
+        // To bring a tile up to date costs more than a small triangle does: what is known already must do.
+        [first[1], last[1]].iter().all(|&row| {
+            [first[0], last[0]]
+                .iter()
+                .all(|&column| bits < self.tiles.farthest_known(column, row))
+        })
     }
 
     #[inline(always)]

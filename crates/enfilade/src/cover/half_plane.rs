@@ -87,11 +87,12 @@ mod tests {
     /// The columns 0..8 of row 0 that are held, as a picture.
     fn held(normal: [f64; 3]) -> String {
         let plane = HalfPlane::new(DVec3::from(normal));
-        let [mut x0, mut x1] = [0, 8];
-        plane.narrow(y, &mut x0, &mut x1);
-        (0..8)
-            .map(|x| if (x0..x1).contains(&x) { '#' } else { '.' })
-            .collect()
+        dispatch!(Level::new(), simd => {
+            let [mut x0, mut x1] = [0.0, 8.0].map(|column| f64x8::splat(simd, column));
+            plane.narrow(simd, f64x8::splat(simd, 0.5), &mut x0, &mut x1);
+            let [x0, x1]: [[f64; 8]; 2] = [x0.into(), x1.into()];
+            (0..8).map(|x| if (x0[0]..x1[0]).contains(&f64::from(x)) { '#' } else { '.' }).collect()
+        })
     }
 
     #[test]

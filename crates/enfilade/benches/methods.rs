@@ -1,1 +1,96 @@
-fn main() {}
+//! Every method on the built-in scenes, at 1280x720: what a look costs, and a drawing without its painting.
+//!
+//! A wrong number of things seen is an error, not a time. What is remembered at a view is the view before it.
+
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use enfilade::{Canvas, Method, Passage, PassageId, Span, View, Viewer, VisibleSet};
+
+/// A walk from camera to camera of a built-in scene, and what every exact method sees from each; see [`count`].
+struct Path {
+    scene: &'static str,
+    cameras: &'static [(&'static str, usize)],
+    draws: bool,
+}
+
+const SIZE: [u32; 2] = [1280, 720];
+
+const PATHS: [Path; 3] = [
+    Path {
+        scene: "enfilade",
+        cameras: &[("enfilade", 0), ("rotunda", 0), ("gallery", 0)],
+        draws: true,
+    },
+    Path {
+        scene: "crowd",
+        cameras: &[("before the wall", 0), ("at a gap", 0), ("among them", 0)],
+        draws: false,
+    },
+    Path {
+        scene: "big-mesh",
+        cameras: &[("valley", 0), ("hilltop", 0), ("from the edge", 0)],
+        draws: false,
+    },
+];
+
+/// Items that are seen, or of a large one its clusters.
+fn count(set: &VisibleSet) -> usize {
+    set.items()
+        .iter()
+        .map(|item| set.clusters(item).len().max(1))
+        .sum()
+}
+
+/// A canvas that does nothing with what it gets.
+struct Nothing;
+
+impl Canvas for Nothing {
+    fn enter(&mut self, _id: PassageId, _passage: &Passage) {}
+    fn row(&mut self, _y: u16, _spans: &[Span]) {}
+}
+
+fn methods(criterion: &mut Criterion) {
+    for path in &PATHS {
+        let built = enfilade_scenes::built_in(path.scene).expect("a built-in scene");
+        let view = |name: &str| -> View {
+            let camera = built.cameras.iter().find(|camera| camera.name == name);
+            camera.expect("a camera of that scene").view(SIZE)
+        };
+        let views: Vec<View> = path.cameras.iter().map(|(name, _)| view(name)).collect();
+        let mut looks = criterion.benchmark_group(format!("look @{}", path.scene));
+        for method in Method::ALL {
+            let scene = built
+                .scene
+                .with_method(method, Method::DEFAULT_LIMIT)
+                .expect("small");
+            let mut viewer = Viewer::new();
+            for (view, &(name, expected)) in views.iter().zip(path.cameras) {
+                let seen = count(viewer.look(&scene, view));
+                assert_eq!(seen, expected, "{method} on @{} from `{name}`", path.scene);
+            }
+            looks.bench_function(BenchmarkId::from_parameter(method), |bench| {
+                bench.iter(|| {
+                    for view in &views {
+                        viewer.look(&scene, view);
+                    }
+                });
+            });
+            if path.draws {
+                looks.bench_function(BenchmarkId::new("and draw", method), |bench| {
+                    bench.iter(|| {
+                        for view in &views {
+                            viewer.draw(&scene, view, &mut Nothing);
+                        }
+                    });
+                });
+            }
+        }
+        looks.finish();
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(20);
+    targets = methods
+}
+criterion_main!(benches);

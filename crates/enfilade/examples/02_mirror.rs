@@ -10,7 +10,6 @@ impl Canvas for Letters<'_> {
     fn enter(&mut self, _id: PassageId, passage: &Passage) {
         self.1 = passage.mirrored();
     }
-
     fn row(&mut self, y: u16, spans: &[Span]) {
         for span in spans {
             let name = span.owner.item().map_or("#", |item| self.0.name(item));

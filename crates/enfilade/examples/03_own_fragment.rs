@@ -4,14 +4,13 @@
 use enfilade::*;
 use std::sync::Arc;
 
-/// The trees, and the sheet.
+/// The trees, and the sheet, which looks as the first tree does.
 struct Grove(Arc<dyn Fragment>, Arc<dyn Fragment>);
 
 impl Grove {
-    /// Chosen by where the eye is; in a mirror, by where it would stand behind the glass.
-    fn seen_from(&self, [x, y, z]: [f64; 3]) -> &dyn Fragment {
-        let far = x * x + y * y + z * z > 100.0 * 100.0;
-        &**if far { &self.1 } else { &self.0 }
+    /// Chosen by how far off the eye is; in a mirror, by where it would stand behind the glass.
+    fn seen_from(&self, [_, _, z]: [f64; 3]) -> &dyn Fragment {
+        if z < 100.0 { &*self.0 } else { &*self.1 }
     }
 }
 
@@ -31,7 +30,6 @@ impl Fragment for Grove {
     fn cast(&self, ray: &Ray) -> Option<Hit> {
         self.0.cast(ray)
     }
-    // The sheet looks as the first leaf does.
     fn surface(&self, item: ItemId, face: u32) -> Surface {
         self.0.surface(item, face)
     }

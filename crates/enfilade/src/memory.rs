@@ -1,7 +1,9 @@
 //! The working memory of one camera.
 
 use crate::content::ItemId;
+use crate::passage::Passage;
 use crate::stats::Stats;
+use glam::DVec3;
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
 
@@ -73,8 +75,15 @@ impl Marks {
 /// this stays as small as what one look sees.
 #[derive(Default)]
 pub(crate) struct Recall {
-    last: HashMap<u64, Vec<ItemId>>,
-    now: HashMap<u64, Vec<ItemId>>,
+    last: HashMap<u64, Remembered>,
+    now: HashMap<u64, Remembered>,
+}
+
+/// What was seen through a passage, and from where.
+struct Remembered {
+    eye: DVec3,
+    back: DVec3,
+    items: Vec<ItemId>,
 }
 
 impl Recall {
@@ -83,12 +92,24 @@ impl Recall {
         self.now.clear();
     }
 
-    pub(crate) fn seen_last(&mut self, chain: u64) -> Vec<ItemId> {
-        self.last.remove(&chain).unwrap_or_default()
+    /// What the last look saw through the same portals, if the eye has hardly moved since: from elsewhere most of it
+    /// is hidden, and seeing it first would cost more than it hides. `size` is that of the fragment.
+    pub(crate) fn seen_last(&mut self, passage: &Passage, size: f32) -> Vec<ItemId> {
+        const STEP: f64 = 0.02;
+        const TURN: f64 = 0.8;
+        let (eye, back) = passage.stance();
+        let near = |last: &Remembered| {
+            last.eye.distance(eye) <= STEP * f64::from(size) && last.back.dot(back) >= TURN
+        };
+        self.last
+            .remove(&passage.chain)
+            .filter(near)
+            .map_or_else(Vec::new, |last| last.items)
     }
 
-    pub(crate) fn remember(&mut self, chain: u64, items: Vec<ItemId>) {
-        self.now.insert(chain, items);
+    pub(crate) fn remember(&mut self, passage: &Passage, items: Vec<ItemId>) {
+        let (eye, back) = passage.stance();
+        self.now.insert(passage.chain, Remembered { eye, back, items });
     }
 
     pub(crate) fn forget(&mut self) {

@@ -174,8 +174,10 @@ where
         let mut cover = memory.take::<C>();
         let mut waiting = memory.take::<Waiting>();
         let mut scratch = memory.take::<O::Scratch>();
-        let last = if C::PRIMES && memory.coherence {
-            memory.recall.seen_last(passage.chain)
+        let size = self.content.bounds().longest_side();
+        let primes = C::PRIMES && memory.coherence;
+        let last = if primes {
+            memory.recall.seen_last(passage, size)
         } else {
             Vec::new()
         };
@@ -207,10 +209,10 @@ where
             }
         }
         cover.finish(&self.content, passage, seen, canvas);
-        if C::PRIMES && memory.coherence {
+        if primes {
             memory
                 .recall
-                .remember(passage.chain, seen.items.iter().map(|seen| seen.item).collect());
+                .remember(passage, seen.items.iter().map(|seen| seen.item).collect());
         }
         memory.put_back(cover);
         memory.put_back(waiting);

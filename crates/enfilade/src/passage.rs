@@ -128,6 +128,12 @@ impl Passage {
         eye_in(&self.screen_from_fragment).into()
     }
 
+    /// Where the eye stands, and against the line of sight, in the space of the fragment.
+    pub(crate) fn stance(&self) -> (DVec3, DVec3) {
+        let back = self.eye_from_fragment.matrix3.transpose() * DVec3::Z;
+        (eye_in(&self.screen_from_fragment), back.normalize_or_zero())
+    }
+
     /// May any part of a box, given in another space, be in the view's frustum and beyond the last portal?
     pub(crate) fn frustum_meets(&self, screen_from_local: &DAffine3, bounds: &Aabb) -> bool {
         let limits = Rect {

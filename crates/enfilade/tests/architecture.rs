@@ -1,0 +1,196 @@
+//! Holds ARCHITECTURE.md against the folders, and what it says of imports against the sources.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn root() -> PathBuf {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    package.join("../..").canonicalize().expect("the workspace")
+}
+
+/// Everything under a folder of the workspace, folders included, as paths from there.
+fn under(folder: &str) -> Vec<String> {
+    let start = root().join(folder);
+    let mut waiting = vec![start.clone()];
+    let mut found = Vec::new();
+    while let Some(folder) = waiting.pop() {
+        for entry in fs::read_dir(&folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            let from_start = path.strip_prefix(&start).expect("it is below");
+            found.push(from_start.to_string_lossy().replace('\\', "/"));
+            if path.is_dir() {
+                waiting.push(path);
+            }
+        }
+    }
+    found.sort();
+    assert!(!found.is_empty(), "nothing is in {folder}");
+    found
+}
+
+/// The sources under a folder of the workspace, with their paths from there.
+fn sources(folder: &str) -> Vec<(String, String)> {
+    let paths = under(folder).into_iter().filter(|path| path.ends_with(".rs"));
+    paths
+        .map(|path| {
+            let text = fs::read_to_string(root().join(folder).join(&path)).expect("text");
+            (path, text)
+        })
+        .collect()
+}
+
+/// What of the crate itself a source mentions: `order::Unsorted;` and what follows, of `use crate::order::Unsorted;`.
+fn mentions(text: &str) -> impl Iterator<Item = &str> {
+    assert!(
+        !text.contains("crate::{"),
+        "one `use` for each module, so that these tests can read it"
+    );
+    text.split("crate::").skip(1)
+}
+
+const CORE: &str = "crates/enfilade/src";
+
+#[test]
+fn every_crate_and_every_file_of_the_core_is_on_the_map() {
+    let map = fs::read_to_string(root().join("ARCHITECTURE.md")).expect("the map");
+    let crates = ["crates", "apps"].iter().flat_map(|folder| {
+        let entries = fs::read_dir(root().join(folder)).expect("a folder");
+        entries.map(move |entry| {
+            format!(
+                "{folder}/{}",
+                entry.expect("an entry").file_name().to_string_lossy()
+            )
+        })
+    });
+    // A folder stands on the map as `cover/`, a file as `cover/tiles.rs`; a folder's mod.rs goes with the folder.
+    let core = under(CORE).into_iter().filter(|path| !path.ends_with("/mod.rs"));
+    let core = core.map(|path| if path.ends_with(".rs") { path } else { path + "/" });
+    let missing: Vec<String> = crates
+        .map(|path| path + "/")
+        .chain(core)
+        .filter(|path| !map.contains(&format!("`{path}`")))
+        .collect();
+    assert!(
+        missing.is_empty(),
+        "ARCHITECTURE.md does not say what these are: {missing:?}"
+    );
+}
+
+#[test]
+fn nothing_on_the_map_of_the_core_is_gone() {
+    let map = fs::read_to_string(root().join("ARCHITECTURE.md")).expect("the map");
+    let named = map.split('`').skip(1).step_by(2);
+    let files: Vec<&str> = named
+        .filter(|name| name.ends_with(".rs") && !name.contains("*"))
+        .collect();
+    assert!(files.len() > 20);
+    for file in files {
+        let there = root().join(CORE).join(file).exists() || root().join(file).exists();
+        assert!(there, "ARCHITECTURE.md names `{file}`, which is not there");
+    }
+}
+
+#[test]
+fn orders_know_nothing_of_covers() {
+    for (path, text) in sources(&format!("{CORE}/order")) {
+        assert!(mentions(&text).all(|of| !of.starts_with("cover")), "order/{path}");
+        assert!(!text.contains("super::super"), "order/{path}");
+    }
+}
+
+#[test]
+fn covers_know_of_orders_only_what_they_can_promise() {
+    const PROMISES: [&str; 4] = ["Unsorted", "NodesNearToFar", "NearToFar", "FarToNear"];
+    let mut known = 0;
+    for (path, text) in sources(&format!("{CORE}/cover")) {
+        assert!(!text.contains("super::super"), "cover/{path}");
+        for of in mentions(&text).filter_map(|of| of.strip_prefix("order::")) {
+            let (of, _) = of.split_once(';').expect("an import");
+            let mut of = of.trim_matches(['{', '}']).split(',').map(str::trim);
+            let other = of.find(|name| !PROMISES.contains(name));
+            assert_eq!(other, None, "cover/{path} mentions this of orders");
+            known += 1;
+        }
+    }
+    assert!(known > 0, "no cover says what it needs");
+}
+
+#[test]
+fn only_methods_know_both_orders_and_covers() {
+    for (path, text) in sources(CORE) {
+        let knows = |what: &str| mentions(&text).any(|of| of.starts_with(what));
+        let inside = path.starts_with("order/") || path.starts_with("cover/");
+        assert_eq!(
+            !inside && (knows("order::") || knows("cover::")),
+            path == "method.rs",
+            "{path}"
+        );
+    }
+}
+
+#[test]
+fn orders_covers_and_methods_know_nothing_of_portals() {
+    for (path, text) in sources(CORE) {
+        if path.starts_with("order/") || path.starts_with("cover/") || path == "method.rs" {
+            let of_scenes = mentions(&text).find(|of| of.starts_with("scene"));
+            assert_eq!(of_scenes, None, "{path}");
+        }
+    }
+}
+
+#[test]
+fn geometry_knows_nothing_else_of_ours() {
+    for (path, text) in sources(&format!("{CORE}/geom")) {
+        let other = mentions(&text).find(|of| !of.starts_with("geom"));
+        assert_eq!(other, None, "geom/{path}");
+    }
+}
+
+#[test]
+fn the_reference_knows_nothing_of_methods() {
+    for (path, text) in sources(&format!("{CORE}/laws")) {
+        let shared = |of: &&str| {
+            ["method", "faces", "region", "memory"]
+                .iter()
+                .any(|word| of.starts_with(word))
+        };
+        assert_eq!(mentions(&text).find(shared), None, "laws/{path}");
+    }
+}
+
+#[test]
+fn the_library_opens_nothing_and_fuses_nothing() {
+    for (path, text) in sources(CORE) {
+        for word in [
+            "std::fs",
+            "std::io",
+            "std::net",
+            "std::process",
+            "std::env",
+            "std::time::Instant",
+            "mul_add",
+        ] {
+            assert!(!text.contains(word), "{path} mentions {word}");
+        }
+    }
+}
+
+#[test]
+fn no_source_holds_unsafe_code() {
+    let word = ["un", "safe"].concat();
+    let mut roots = 0;
+    for folder in ["crates", "apps"] {
+        for (path, text) in sources(folder) {
+            let forbids = format!("#![forbid({word}_code)]");
+            if path.ends_with("src/lib.rs") || path.ends_with("src/main.rs") {
+                assert!(text.contains(&forbids), "{path} does not forbid it");
+                roots += 1;
+            }
+            assert!(
+                !text.replace(&forbids, "").contains(&format!("{word} ")),
+                "{path}"
+            );
+        }
+    }
+    assert!(roots >= 5);
+}

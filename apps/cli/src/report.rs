@@ -188,7 +188,7 @@ impl Report {
             contract: prepared.contract.to_string(),
             size,
             threads: rayon::current_num_threads(),
-            simd: "scalar",
+            simd: enfilade::simd_level(),
             build_ms: rounded(prepared.build_ms),
             bytes: prepared.bytes(size),
             stats: looks.stats,

@@ -63,10 +63,9 @@ fn methods(criterion: &mut Criterion) {
                 .with_method(method, Method::DEFAULT_LIMIT)
                 .expect("small");
             let mut viewer = Viewer::new();
-            for (view, &(name, expected)) in views.iter().zip(path.cameras) {
-                let seen = count(viewer.look(&scene, view));
-                assert_eq!(seen, expected, "{method} on @{} from `{name}`", path.scene);
-            }
+            let look = |(&(name, _), view)| (name, count(viewer.look(&scene, view)));
+            let seen: Vec<(&str, usize)> = path.cameras.iter().zip(&views).map(look).collect();
+            assert_eq!(seen, path.cameras, "{method} on @{}", path.scene);
             looks.bench_function(BenchmarkId::from_parameter(method), |bench| {
                 bench.iter(|| {
                     for view in &views {

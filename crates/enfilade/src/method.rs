@@ -51,7 +51,7 @@ pub enum Contract {
 
 /// A method would need too much memory; told by an estimate, before anything is built.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[error("{method} needs about {needs_bytes} bytes, but {limit} are allowed; {instead} needs fewer")]
+#[error("{method} needs about {needs_bytes} bytes, but {limit} are allowed{}", self.advice())]
 #[non_exhaustive]
 pub struct TooLarge {
     /// The method that was asked for.
@@ -60,8 +60,25 @@ pub struct TooLarge {
     pub needs_bytes: u64,
     /// What is allowed.
     pub limit: u64,
-    /// A method that needs less.
-    pub instead: Method,
+    /// A method that needs less, if there is one.
+    pub instead: Option<Method>,
+}
+
+impl TooLarge {
+    fn new(method: Method, needs_bytes: u64, limit: u64) -> TooLarge {
+        let instead = (method != Method::ZBuffer).then_some(Method::ZBuffer);
+        TooLarge {
+            method,
+            needs_bytes,
+            limit,
+            instead,
+        }
+    }
+
+    fn advice(&self) -> String {
+        self.instead
+            .map_or_else(String::new, |method| format!("; {method} needs fewer"))
+    }
 }
 
 impl Method {
@@ -150,12 +167,7 @@ where
     fn build(method: Method, content: Arc<Content>, limit: u64) -> Result<Self, TooLarge> {
         let needs_bytes = O::needs_bytes(&content);
         if needs_bytes > limit {
-            return Err(TooLarge {
-                method,
-                needs_bytes,
-                limit,
-                instead: Method::ZBuffer,
-            });
+            return Err(TooLarge::new(method, needs_bytes, limit));
         }
         Ok(Paired {
             order: O::build(&content),
@@ -308,12 +320,7 @@ impl Method {
     pub fn check_screen(self, view: &View, limit_bytes: u64) -> Result<(), TooLarge> {
         let needs_bytes = self.screen_bytes(view.size);
         if needs_bytes > limit_bytes {
-            return Err(TooLarge {
-                method: self,
-                needs_bytes,
-                limit: limit_bytes,
-                instead: Method::ZBuffer,
-            });
+            return Err(TooLarge::new(self, needs_bytes, limit_bytes));
         }
         Ok(())
     }

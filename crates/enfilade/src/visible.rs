@@ -4,6 +4,7 @@ use crate::content::{Content, ItemId};
 use crate::geom::Aabb;
 use crate::passage::{Passage, PassageId};
 use crate::scene::Scene;
+use std::collections::BTreeSet;
 
 /// What can be seen: passages, and in each the items.
 #[derive(Debug, Default)]
@@ -71,23 +72,22 @@ impl VisibleSet {
         self.items.iter().filter_map(triangles).sum()
     }
 
-    /// Items and triangles whose boxes meet the frustum, in the fragments that are seen: what would be left to draw
-    /// if nothing hid anything. An item is counted once for each passage.
+    /// Items and triangles whose boxes meet the frustum, in the fragments that are seen, each item counted once: what
+    /// would be left to draw if nothing hid anything.
     pub fn in_frustum(&self, scene: &Scene) -> (usize, u64) {
-        let [mut items, mut triangles] = [0, 0];
+        let mut met = BTreeSet::new();
+        let mut triangles = 0;
         for passage in &self.passages {
             let Some(content) = scene.content(passage.fragment) else {
                 continue;
             };
-            let met = (0..content.items().len() as u32)
-                .map(ItemId)
-                .filter(|&item| in_frustum(passage, content, item));
-            for item in met {
-                items += 1;
-                triangles += content.mesh_of(item).triangle_count();
+            for item in (0..content.items().len() as u32).map(ItemId) {
+                if in_frustum(passage, content, item) && met.insert((passage.fragment, item)) {
+                    triangles += content.mesh_of(item).triangle_count();
+                }
             }
         }
-        (items as usize, triangles)
+        (met.len(), triangles)
     }
 }
 

@@ -66,6 +66,12 @@ pub(super) struct Row {
 }
 
 impl Triangle {
+    /// Bits of the greatest nearness of any sample.
+    #[inline(always)]
+    pub(super) fn nearest(&self) -> u32 {
+        (self.greatest as f32).to_bits()
+    }
+
     /// Nearness along row `y`.
     #[inline(always)]
     pub(super) fn row(&self, y: u16) -> Row {

@@ -90,13 +90,24 @@ impl Tiles {
         mut nearer: impl FnMut(usize, usize),
     ) {
         let row = usize::from(band.y) >> TILE_SHIFT;
-        let Rect { x0, y0, x1, y1 } = self.samples.rect;
-        // Columns that any row holds, and columns that all rows of the rectangle hold.
-        let [mut any, mut all] = [[u16::MAX, 0], [x0, x1]];
-        for (y, &[start, end]) in (band.y..).zip(&band.runs) {
-            if start < end {
-                any = [any[0].min(start), any[1].max(end)];
+        let mut any = [u16::MAX, 0];
+        for (_, [start, end]) in band.rows() {
+            any = [any[0].min(start), any[1].max(end)];
+        }
+        let columns = usize::from(any[0]) >> TILE_SHIFT..=(usize::from(any[1]) - 1) >> TILE_SHIFT;
+        if usize::from(any[1] - any[0]) < TILE {
+            // Too narrow to own a tile; most triangles of a detailed mesh are.
+            for column in columns {
+                if triangle.nearest() >= self.tiles[row * self.columns + column].farthest {
+                    self.keep_nearest_in(column, row, band, triangle, &mut nearer);
+                }
             }
+            return;
+        }
+        // The columns that all rows of the rectangle hold.
+        let Rect { x0, y0, x1, y1 } = self.samples.rect;
+        let mut all = [x0, x1];
+        for (y, &[start, end]) in (band.y..).zip(&band.runs) {
             if (y0..y1).contains(&y) {
                 all = [all[0].max(start), all[1].min(end)];
             }
@@ -104,7 +115,7 @@ impl Tiles {
         // Linear, so nearest and farthest at corners.
         let [right, down] = [triangle.nearness.x > 0.0, triangle.nearness.y > 0.0];
         let mut number = None;
-        for column in usize::from(any[0]) >> TILE_SHIFT..=(usize::from(any[1]) - 1) >> TILE_SHIFT {
+        for column in columns {
             let rect = self.rect(column, row);
             let corner = |right: bool, down: bool| {
                 let x = if right { rect.x1 - 1 } else { rect.x0 };
@@ -117,7 +128,7 @@ impl Tiles {
                 continue;
             }
             let whole = all[0] <= rect.x0 && all[1] >= rect.x1;
-            let fits = match self.tiles[index].state {
+            let owns_it = match self.tiles[index].state {
                 State::Empty => whole,
                 State::Written => false,
                 State::Whole(theirs) => match triangle.beside(&self.triangles[theirs as usize], &rect) {
@@ -126,20 +137,8 @@ impl Tiles {
                     _ => false,
                 },
             };
-            if !fits {
-                if self.tiles[index].state != State::Written {
-                    self.write_out(column, row);
-                }
-                for (y, [start, end]) in band.rows() {
-                    let [start, end] = [start.max(rect.x0), end.min(rect.x1)];
-                    if start < end {
-                        self.samples.keep_nearest(y, start, end, triangle);
-                    }
-                }
-                if !self.tiles[index].stale {
-                    self.tiles[index].stale = true;
-                    nearer(column, row);
-                }
+            if !owns_it {
+                self.keep_nearest_in(column, row, band, triangle, &mut nearer);
                 continue;
             }
             let number = *number.get_or_insert_with(|| {
@@ -152,6 +151,33 @@ impl Tiles {
                 farthest,
                 stale: false,
             };
+            nearer(column, row);
+        }
+    }
+
+    /// The same in one tile, sample by sample.
+    #[inline(always)]
+    fn keep_nearest_in(
+        &mut self,
+        column: usize,
+        row: usize,
+        band: &Band,
+        triangle: &Triangle,
+        nearer: &mut impl FnMut(usize, usize),
+    ) {
+        let rect = self.rect(column, row);
+        let index = row * self.columns + column;
+        if self.tiles[index].state != State::Written {
+            self.write_out(column, row);
+        }
+        for (y, [start, end]) in band.rows() {
+            let [start, end] = [start.max(rect.x0), end.min(rect.x1)];
+            if start < end {
+                self.samples.keep_nearest(y, start, end, triangle);
+            }
+        }
+        if !self.tiles[index].stale {
+            self.tiles[index].stale = true;
             nearer(column, row);
         }
     }

@@ -17,17 +17,17 @@ const SIZE: [u32; 2] = [1280, 720];
 const PATHS: [Path; 3] = [
     Path {
         scene: "enfilade",
-        cameras: &[("enfilade", 0), ("rotunda", 0), ("gallery", 0)],
+        cameras: &[("enfilade", 1_726), ("rotunda", 2_122), ("gallery", 4_173)],
         draws: true,
     },
     Path {
         scene: "crowd",
-        cameras: &[("before the wall", 0), ("at a gap", 0), ("among them", 0)],
+        cameras: &[("before the wall", 24), ("at a gap", 50), ("among them", 92)],
         draws: false,
     },
     Path {
         scene: "big-mesh",
-        cameras: &[("valley", 0), ("hilltop", 0), ("from the edge", 0)],
+        cameras: &[("valley", 110), ("hilltop", 127), ("from the edge", 256)],
         draws: false,
     },
 ];

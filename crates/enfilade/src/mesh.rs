@@ -89,7 +89,7 @@ pub enum MeshError {
     },
 }
 
-/// Faces in a cluster, at most. Fewer cull more finely but cost a test each; from 64 to 256 looks take as long.
+/// Faces in a cluster, at most. Fewer are culled more finely, but each cluster costs a test and a batch.
 const CLUSTER_FACES: usize = 128;
 
 impl Mesh {

@@ -35,7 +35,7 @@ fn exported(lib: &str) -> String {
 fn the_exported_names_are_those_on_the_list() {
     let now = exported(include_str!("../src/lib.rs"));
     let listed = include_str!("public_api.txt");
-    assert!(listed.lines().count() > 30, "the list is short");
+    assert!(now.lines().count() > 30, "hardly anything is found in lib.rs");
     assert!(
         now == listed,
         "src/lib.rs exports other names than tests/public_api.txt lists. If that is meant, make the list\n\n{now}\n\

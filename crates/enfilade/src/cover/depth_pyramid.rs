@@ -273,3 +273,77 @@ impl Sink for Depths {
         );
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::content::{ContentBuilder, ItemId, Material, MaterialId};
+    use crate::geom::Transform;
+    use crate::mesh::Mesh;
+    use crate::scene::FragmentId;
+    use crate::view::View;
+
+    /// Numbers from 0 to 1 that look random; the same for the same seed.
+    fn dice(seed: u32) -> impl FnMut() -> f32 {
+        let mut state = seed.wrapping_mul(0x9E37_79B9) | 1;
+        move || {
+            state ^= state << 13;
+            state ^= state >> 17;
+            state ^= state << 5;
+            (state >> 8) as f32 / (1 << 24) as f32
+        }
+    }
+
+    /// A pyramid over 77×43 samples that took triangles thrown before the eye, in the order of their numbers.
+    fn pyramid(seed: u32) -> DepthPyramid {
+        let mut roll = dice(seed);
+        let corners = 3 * (2 + seed % 20);
+        let positions: Vec<[f32; 3]> = (0..corners)
+            .map(|_| [9.0 * roll() - 4.5, 6.0 * roll() - 3.0, -0.5 - 5.0 * roll()])
+            .collect();
+        let mut builder = ContentBuilder::new([Material {
+            double_sided: true,
+            ..Material::opaque([1.0; 3])
+        }]);
+        for triangle in positions.chunks(3) {
+            let mesh = Mesh::triangles(triangle, &[0, 1, 2], MaterialId(0)).expect("a triangle");
+            let mesh = builder.mesh(mesh);
+            builder.item("triangle", mesh, Transform::IDENTITY);
+        }
+        let content = builder.build().expect("sound triangles");
+        let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [77, 43]);
+        let passage = Passage::at_the_eye(&view, FragmentId(0), false);
+        let mut cover = DepthPyramid::default();
+        cover.clear(&passage, false);
+        for item in 0..content.items().len() as u32 {
+            let faces = Faces::of_cluster(&content, ItemId(item), 0, &passage.screen_from_fragment);
+            cover.add(&faces, &passage, &mut Stats::default(), None);
+        }
+        cover
+    }
+
+    #[test]
+    fn a_box_is_hidden_only_where_every_sample_before_it_is_strictly_nearer() {
+        let mut hidden = 0;
+        for seed in 0..60 {
+            let mut cover = pyramid(seed);
+            let mut roll = dice(seed + 1000);
+            let deepest = (0..43).flat_map(|y| (0..77).map(move |x| (x, y)));
+            let depths: Vec<u32> = deepest.map(|(x, y)| cover.depths.tiles.depth(x, y)).collect();
+            for _ in 0..300 {
+                let [x0, y0] = [(76.0 * roll()) as u16, (42.0 * roll()) as u16];
+                let x1 = x0 + 1 + ((77 - x0 - 1) as f32 * roll() * roll()) as u16;
+                let y1 = y0 + 1 + ((43 - y0 - 1) as f32 * roll() * roll()) as u16;
+                let rect = Rect { x0, y0, x1, y1 };
+                // Half of the queries are as near as some sample: ties are visible.
+                let at = depths[(roll() * (77.0 * 43.0)) as usize];
+                let bits = if roll() < 0.5 { at } else { at.saturating_sub(1) };
+                let seen =
+                    (y0..y1).any(|y| (x0..x1).any(|x| depths[usize::from(y) * 77 + usize::from(x)] <= bits));
+                hidden += u32::from(!seen);
+                assert_eq!(cover.depths.sees(&rect, bits), seen, "{rect:?} of pyramid {seed}");
+            }
+        }
+        assert!(hidden > 1000, "almost nothing was hidden: {hidden}");
+    }
+}

@@ -4,7 +4,7 @@
 //! ends, nearness is the triangle's plane, and both are linear on the screen. So a triangle that crosses the near
 //! plane, or has corners behind the eye, needs no clipping: "nearer than the near distance" is one more edge.
 //! Source: Olano, Greer, Triangle Scan Conversion Using 2D Homogeneous Coordinates, Graphics Hardware 1997.
-//! Cost: a triangle O(rows it touches) + O(samples it owns); one without a sample about 20 ns.
+//! Cost: a triangle O(rows it touches) + O(samples it owns); one without a sample only its bounds.
 //! Exact up to the rounding of f64: edges within 10⁻⁹ pixel, and a shared edge has the same bits on both sides, so
 //! that each sample belongs to exactly one of them. The same bits at every SIMD level: the compiler only widens it.
 

@@ -90,7 +90,8 @@ impl Order for OctreeOrder {
     }
 
     fn needs_bytes(content: &Content) -> u64 {
-        // An item has at most eight copies at its depth; a node for each copy is more than were ever seen.
+        // At the depth where it stays, an item is no smaller than half a cell: it stands in at most 3 of them along
+        // each axis, in practice in one or two; eight copies with a node each are an ample guess.
         content.items().len() as u64 * 8 * 64
     }
 

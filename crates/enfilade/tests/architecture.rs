@@ -39,13 +39,15 @@ fn sources(folder: &str) -> Vec<(String, String)> {
         .collect()
 }
 
-/// What of the crate itself a source mentions: `order::Unsorted;` and what follows, of `use crate::order::Unsorted;`.
+/// What of the crate itself a source mentions, but for its unit tests, which may set up anything: `order::Unsorted;` and
+/// what follows, of `use crate::order::Unsorted;`.
 fn mentions(text: &str) -> impl Iterator<Item = &str> {
     assert!(
         !text.contains("crate::{"),
         "one `use` for each module, so that these tests can read it"
     );
-    text.split("crate::").skip(1)
+    let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or(text);
+    code.split("crate::").skip(1)
 }
 
 const CORE: &str = "crates/enfilade/src";

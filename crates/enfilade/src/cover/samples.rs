@@ -7,7 +7,7 @@ use crate::faces::{Faces, Of};
 use crate::passage::Passage;
 use crate::seen::Seen;
 use crate::stats::Stats;
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, dispatch};
 
 /// Nearness in the upper half, the complement of the face's number in the lower: the greater number is what is
 /// seen, so that of equally near faces the lower one owns, whatever comes first.
@@ -119,11 +119,12 @@ impl Samples {
 
     /// Bits of the farthest nearness in `rect`.
     pub(super) fn farthest(&self, rect: &Rect) -> u32 {
-        dispatch!(self.level, simd => self.farthest_widened(simd, rect))
+        dispatch!(self.level, _simd => self.farthest_here(rect))
     }
 
+    /// The same, for callers that run at the SIMD level already.
     #[inline(always)]
-    fn farthest_widened<S: Simd>(&self, _level: S, rect: &Rect) -> u32 {
+    pub(super) fn farthest_here(&self, rect: &Rect) -> u32 {
         let mut farthest = COVERED;
         for y in rect.y0..rect.y1 {
             for &sample in self.row(y, rect.x0, rect.x1) {

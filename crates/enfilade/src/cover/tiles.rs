@@ -124,6 +124,15 @@ impl Tiles {
                     .bits(i32::from(x))
             };
             let index = row * self.columns + column;
+            if self.tiles[index].stale {
+                // To bring it up to date costs less than to go through its samples for nothing.
+                let farthest = self.samples.farthest_here(&rect);
+                self.tiles[index] = Tile {
+                    farthest,
+                    stale: false,
+                    ..self.tiles[index]
+                };
+            }
             if corner(right, down) < self.tiles[index].farthest {
                 continue;
             }

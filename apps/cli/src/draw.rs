@@ -84,7 +84,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// `a.png: 43 items, 34,120 triangles by own in 21.3 ms`.
+/// `a.png: 43 items, 34,120 triangles by hierarchical-z in 21.3 ms`.
 fn line(file: &Path, prepared: &Prepared, viewer: &Viewer, took: f64) -> String {
     let set = viewer.visible();
     format!(
@@ -92,7 +92,7 @@ fn line(file: &Path, prepared: &Prepared, viewer: &Viewer, took: f64) -> String 
         file.display(),
         plural(measure::distinct(set).len(), "item"),
         count(set.triangle_count(&prepared.scene)),
-        prepared.method,
+        prepared.spoken_method(),
         ms(took)
     )
 }

@@ -114,10 +114,14 @@ fn for_people(scene: &SceneReport, reports: &[Report]) -> String {
 /// Writing to a String cannot fail, so what `writeln!` returns is dropped here and below.
 fn add_report(text: &mut String, report: &Report) {
     let [width, height] = report.size;
+    let method = if report.method == "own" {
+        "each fragment by its own method"
+    } else {
+        report.method
+    };
     let _ = writeln!(
         text,
-        "{}: {}, {width}x{height}, {}, built in {} ms, {}",
-        report.method,
+        "{method}: {}, {width}x{height}, {}, built in {} ms, {}",
         report.contract,
         plural(report.threads, "thread"),
         ms(report.build_ms),

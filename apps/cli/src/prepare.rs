@@ -28,6 +28,14 @@ impl Prepared {
         viewer
     }
 
+    /// The method in words for people: `own` says which one, where all fragments agree.
+    pub(crate) fn spoken_method(&self) -> &'static str {
+        match methods_of(&self.scene).as_slice() {
+            [one] => one.name(),
+            _ => "each fragment's own method",
+        }
+    }
+
     /// Memory of the scene, of what was built over it, and of the buffers for a screen of this size, in bytes.
     pub(crate) fn bytes(&self, size: [u32; 2]) -> u64 {
         self.scene.bytes()

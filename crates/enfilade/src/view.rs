@@ -19,9 +19,6 @@ pub struct View {
     pub size: [u32; 2],
     /// What is nearer than this along the line of sight neither is seen nor hides; above 0, in scene units.
     pub near: f32,
-    /// Width in pixels by which queries are widened and occluders drawn in, for pictures made by hardware that
-    /// snaps corners to a grid; 0 for pictures of our own.
-    pub margin_px: f32,
 }
 
 /// Why a view sees nothing.
@@ -60,7 +57,6 @@ impl View {
             fov_y: 60.0_f32.to_radians(),
             size,
             near: (1e-3 * distance).clamp(1e-6, 0.01),
-            margin_px: 0.0,
         }
     }
 
@@ -95,9 +91,6 @@ impl View {
         }
         if !(self.near > 0.0 && self.near.is_finite()) {
             return Err(ViewError::Near(self.near));
-        }
-        if !(self.margin_px >= 0.0 && self.margin_px.is_finite()) {
-            return Err(ViewError::NotFinite("the margin"));
         }
         Ok(())
     }

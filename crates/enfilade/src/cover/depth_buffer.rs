@@ -34,7 +34,7 @@ impl Cover for DepthBuffer {
 
     fn clear(&mut self, passage: &Passage, trace: bool) {
         self.samples.shape(passage, trace);
-        self.samples.open(passage);
+        self.samples.open(passage, |_, _| {});
     }
 
     fn sees(&mut self, _region: &Region) -> Sight {

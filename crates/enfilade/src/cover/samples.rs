@@ -83,8 +83,8 @@ impl Samples {
         });
     }
 
-    /// Opens the samples of the aperture, covers the others of its rectangle.
-    pub(super) fn open(&mut self, passage: &Passage) {
+    /// Opens the samples of the aperture, covers the others of its rectangle; `row` is told the open runs of each.
+    pub(super) fn open(&mut self, passage: &Passage, mut row: impl FnMut(u16, &[[u16; 2]])) {
         let Rect {
             x0: first,
             y0,
@@ -94,6 +94,7 @@ impl Samples {
         let mut runs = std::mem::take(&mut self.runs);
         for y in y0..y1 {
             passage.aperture.open_in_row(y, &mut runs);
+            row(y, &runs);
             let mut x = first;
             for &[x0, x1] in &runs {
                 self.row_mut(y, x, x0).fill(COVERED);

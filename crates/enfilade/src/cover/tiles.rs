@@ -47,24 +47,50 @@ enum State {
 impl Tiles {
     pub(super) fn clear(&mut self, passage: &Passage, trace: bool) {
         self.samples.shape(passage, trace);
-        // Behind a portal some samples are covered from the start, and a trace wants each sample.
-        let written = trace || passage.parent.is_some();
-        if written {
-            self.samples.open(passage);
-        }
-        let Rect { x1, y1, .. } = self.samples.rect;
+        let Rect { x0, x1, y0, y1 } = self.samples.rect;
         [self.columns, self.rows] = [x1, y1].map(|side| usize::from(side).div_ceil(TILE));
-        let state = if written { State::Written } else { State::Empty };
         self.tiles.clear();
         self.tiles.resize(
             self.columns * self.rows,
             Tile {
-                state,
+                state: State::Empty,
                 farthest: 0,
-                stale: written,
+                stale: false,
             },
         );
         self.triangles.clear();
+        // Behind a portal some samples are covered from the start, and a trace wants each sample.
+        if passage.parent.is_none() && !trace {
+            return;
+        }
+        self.tiles.fill(Tile {
+            state: State::Written,
+            farthest: 0,
+            stale: true,
+        });
+        let mut open = vec![[x0, x1]; self.rows];
+        self.samples.open(passage, |y, runs| {
+            let band = &mut open[usize::from(y) >> TILE_SHIFT];
+            *band = match *runs {
+                [[start, end]] => [band[0].max(start), band[1].min(end)],
+                _ => [x1, x0],
+            };
+        });
+        if trace {
+            return;
+        }
+        for (row, open) in open.into_iter().enumerate().skip(usize::from(y0) >> TILE_SHIFT) {
+            for column in usize::from(x0) >> TILE_SHIFT..self.columns {
+                let tile = self.rect(column, row);
+                if open[0] <= tile.x0 && tile.x1 <= open[1] {
+                    self.tiles[row * self.columns + column] = Tile {
+                        state: State::Empty,
+                        farthest: 0,
+                        stale: false,
+                    };
+                }
+            }
+        }
     }
 
     /// The samples of a tile inside the aperture's rectangle.

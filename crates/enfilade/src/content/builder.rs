@@ -1,0 +1,186 @@
+//! Puts a content together, and refuses one that cannot be.
+
+use super::names::Names;
+use super::{Content, Item, ItemId, Material, MeshId, Opening, OpeningId};
+use crate::geom::{Aabb, ConvexPolygon, Transform};
+use crate::mesh::Mesh;
+use std::sync::Arc;
+use thiserror::Error;
+
+/// Gathers the things of a fragment; [`ContentBuilder::build`] checks them.
+#[derive(Clone, Debug, Default)]
+pub struct ContentBuilder {
+    meshes: Vec<Arc<Mesh>>,
+    materials: Arc<[Material]>,
+    items: Vec<(MeshId, Transform)>,
+    names: Names,
+    openings: Vec<Opening>,
+}
+
+impl ContentBuilder {
+    /// Starts with a table of materials, which fragments may share.
+    pub fn new(materials: impl Into<Arc<[Material]>>) -> ContentBuilder {
+        ContentBuilder {
+            materials: materials.into(),
+            ..ContentBuilder::default()
+        }
+    }
+
+    /// Adds a mesh that items can be copies of.
+    pub fn mesh(&mut self, mesh: impl Into<Arc<Mesh>>) -> MeshId {
+        self.meshes.push(mesh.into());
+        MeshId(self.meshes.len() as u32 - 1)
+    }
+
+    /// Places a mesh.
+    pub fn item(&mut self, name: &str, mesh: MeshId, fragment_from_item: Transform) -> ItemId {
+        self.items.push((mesh, fragment_from_item));
+        self.names.push(name);
+        ItemId(self.items.len() as u32 - 1)
+    }
+
+    /// Adds a hole to look through. Where it leads, the scene says.
+    pub fn opening(&mut self, name: &str, outline: ConvexPolygon) -> OpeningId {
+        self.openings.push(Opening {
+            name: name.to_owned(),
+            outline,
+        });
+        OpeningId(self.openings.len().min(usize::from(u16::MAX)) as u16 - 1)
+    }
+
+    /// Checks everything.
+    ///
+    /// # Errors
+    /// One [`ContentError`] for the first broken rule.
+    pub fn build(self) -> Result<Content, ContentError> {
+        let ContentBuilder {
+            meshes,
+            materials,
+            items: placed,
+            names,
+            openings,
+        } = self;
+        for (mesh, built) in meshes.iter().enumerate() {
+            if let Some(cluster) = built
+                .clusters()
+                .iter()
+                .find(|c| c.material.0 as usize >= materials.len())
+            {
+                let material = cluster.material.0;
+                return Err(ContentError::NoSuchMaterial {
+                    mesh,
+                    material,
+                    materials: materials.len(),
+                });
+            }
+        }
+        if openings.len() > MOST_OPENINGS {
+            return Err(ContentError::TooManyOpenings(openings.len()));
+        }
+        let mut items = Vec::with_capacity(placed.len());
+        let mut first_faces = Vec::with_capacity(placed.len() + 1);
+        let mut faces = 0_u64;
+        let mut bounds = openings
+            .iter()
+            .fold(Aabb::EMPTY, |sum, o| sum.union(&o.outline.bounds()));
+        for (number, (mesh, transform)) in placed.into_iter().enumerate() {
+            let name = || names.get(number).to_owned();
+            let built = meshes
+                .get(mesh.0 as usize)
+                .ok_or_else(|| ContentError::NoSuchMesh {
+                    item: name(),
+                    mesh: mesh.0,
+                    meshes: meshes.len(),
+                })?;
+            let fragment_from_item = transform.columns();
+            let held = placed_bounds(&Transform::from_columns(fragment_from_item), built);
+            if fragment_from_item.iter().flatten().any(|v| !v.is_finite())
+                || !(held.is_empty() || (held.min.iter().chain(&held.max)).all(|v| v.is_finite()))
+            {
+                return Err(ContentError::NotFinite(name()));
+            }
+            bounds = bounds.union(&held);
+            items.push(Item {
+                mesh,
+                fragment_from_item,
+                bounds: held,
+            });
+            first_faces.push(faces as u32);
+            faces += u64::from(built.face_count());
+        }
+        if faces > u64::from(u32::MAX) - MOST_OPENINGS as u64 {
+            return Err(ContentError::TooManyFaces(faces));
+        }
+        first_faces.push(faces as u32);
+        let outline_ends: Vec<[u32; 2]> = openings
+            .iter()
+            .map(|o| [0, o.outline.corners().len() as u32])
+            .collect();
+        let outline_corners = (0..outline_ends.iter().map(|ends| ends[1]).max().unwrap_or(0)).collect();
+        Ok(Content {
+            meshes,
+            materials,
+            items,
+            names,
+            openings,
+            outline_corners,
+            outline_ends,
+            first_faces,
+            bounds,
+        })
+    }
+}
+
+const MOST_OPENINGS: usize = 60_000;
+
+/// The box around a placed mesh: a large mesh by its corners, a small one by its positions, which is tighter.
+fn placed_bounds(transform: &Transform, mesh: &Mesh) -> Aabb {
+    const FEW: usize = 64;
+    let around = |points: &[[f32; 3]]| {
+        points
+            .iter()
+            .fold(Aabb::EMPTY, |sum, &p| sum.union(&transform.point_box(p)))
+    };
+    if mesh.bounds().is_empty() {
+        Aabb::EMPTY
+    } else if mesh.positions().len() <= FEW {
+        around(mesh.positions())
+    } else {
+        around(&mesh.bounds().corners())
+    }
+}
+
+/// Why things do not make a content.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ContentError {
+    /// An item names a mesh that is not there.
+    #[error("item {item} is a copy of mesh {mesh}, but there are only {meshes}")]
+    NoSuchMesh {
+        /// The item's name.
+        item: String,
+        /// The mesh it names.
+        mesh: u32,
+        /// How many there are.
+        meshes: usize,
+    },
+    /// A cluster names a material that is not there.
+    #[error("mesh {mesh} is made of material {material}, but there are only {materials}")]
+    NoSuchMaterial {
+        /// Which mesh.
+        mesh: usize,
+        /// The material it names.
+        material: u32,
+        /// How many there are.
+        materials: usize,
+    },
+    /// A place is NaN or infinite.
+    #[error("the transform of item {0} is not finite")]
+    NotFinite(String),
+    /// Faces are numbered with 32 bits.
+    #[error("{0} faces in one fragment; cut it into fragments of fewer than 4 billion")]
+    TooManyFaces(u64),
+    /// Openings are numbered with 16 bits.
+    #[error("{0} openings in one fragment; cut it into fragments of fewer than 60,000")]
+    TooManyOpenings(usize),
+}

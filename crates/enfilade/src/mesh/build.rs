@@ -1,0 +1,199 @@
+//! Checks faces, and sorts them into clusters by place and material.
+
+use super::{Cluster, Mesh, Part};
+use crate::geom::{Aabb, ConvexPolygon, Copies, Octree, PolygonError};
+use thiserror::Error;
+
+/// Why faces do not make a mesh.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// A position is NaN or infinite.
+    #[error("position {position} of part {part} is not finite")]
+    NotFinite {
+        /// Which part.
+        part: usize,
+        /// Which of its positions.
+        position: usize,
+    },
+    /// A corner names a position that is not there.
+    #[error("corner {corner} of part {part} is position {index}, but there are only {positions}")]
+    IndexOutOfRange {
+        /// Which part.
+        part: usize,
+        /// Which of its corners.
+        corner: usize,
+        /// The position it names.
+        index: u32,
+        /// How many there are.
+        positions: usize,
+    },
+    /// The numbers of corners do not add up to faces.
+    #[error("the faces of part {part} do not use all of its {corners} corners")]
+    CornersLeft {
+        /// Which part.
+        part: usize,
+        /// How many corners it has.
+        corners: usize,
+    },
+    /// A face of more than three corners is not flat and convex.
+    #[error("face {face} of part {part}: {why}")]
+    BadFace {
+        /// Which part.
+        part: usize,
+        /// Which of its faces.
+        face: usize,
+        /// The broken rule.
+        why: PolygonError,
+    },
+}
+
+/// Faces in a cluster, at most. Fewer are culled more finely, but each cluster costs a test and a batch.
+pub(super) const CLUSTER_FACES: usize = 128;
+
+/// A face of the input: its part, and its corners there.
+pub(super) struct Source {
+    part: u32,
+    start: u32,
+    sides: u32,
+}
+
+pub(super) fn check(number: usize, part: &Part, faces: &mut Vec<Source>) -> Result<(), MeshError> {
+    if let Some(position) = part
+        .positions
+        .iter()
+        .position(|p| p.iter().any(|value| !value.is_finite()))
+    {
+        return Err(MeshError::NotFinite {
+            part: number,
+            position,
+        });
+    }
+    let positions = part.positions.len();
+    if let Some(corner) = part.corners.iter().position(|&index| index as usize >= positions) {
+        let index = part.corners[corner];
+        return Err(MeshError::IndexOutOfRange {
+            part: number,
+            corner,
+            index,
+            positions,
+        });
+    }
+    let left = MeshError::CornersLeft {
+        part: number,
+        corners: part.corners.len(),
+    };
+    let Some(sides) = part.sides else {
+        if !part.corners.len().is_multiple_of(3) {
+            return Err(left);
+        }
+        let count = part.corners.len() as u32 / 3;
+        faces.extend((0..count).map(|face| Source {
+            part: number as u32,
+            start: 3 * face,
+            sides: 3,
+        }));
+        return Ok(());
+    };
+    let mut start = 0;
+    for (face, &sides) in sides.iter().enumerate() {
+        let corners = part
+            .corners
+            .get(start..start + sides as usize)
+            .ok_or_else(|| left.clone())?;
+        if sides != 3 {
+            let outline: Vec<[f32; 3]> = corners
+                .iter()
+                .map(|&index| part.positions[index as usize])
+                .collect();
+            ConvexPolygon::new(&outline).map_err(|why| MeshError::BadFace {
+                part: number,
+                face,
+                why,
+            })?;
+        }
+        faces.push(Source {
+            part: number as u32,
+            start: start as u32,
+            sides,
+        });
+        start += sides as usize;
+    }
+    if start == part.corners.len() {
+        Ok(())
+    } else {
+        Err(left)
+    }
+}
+
+pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
+    let corners_of = |face: &Source| {
+        &parts[face.part as usize].corners[face.start as usize..(face.start + face.sides) as usize]
+    };
+    let bounds: Vec<Aabb> = faces
+        .iter()
+        .map(|face| {
+            let positions = parts[face.part as usize].positions;
+            Aabb::of(corners_of(face).iter().map(|&index| positions[index as usize]))
+        })
+        .collect();
+    let polygons = faces.iter().any(|face| face.sides != 3);
+    let mut mesh = Mesh {
+        positions: Vec::new(),
+        corners: Vec::new(),
+        starts: Vec::new(),
+        clusters: Vec::new(),
+        tree: Octree::build(&bounds, CLUSTER_FACES, Copies::One),
+        bounds: bounds.iter().fold(Aabb::EMPTY, |sum, b| sum.union(b)),
+    };
+    // Where a position of the input stands in the cluster being made, if it does: (cluster + 1, new index).
+    let mut placed: Vec<Vec<(u32, u32)>> = parts
+        .iter()
+        .map(|part| vec![(0, 0); part.positions.len()])
+        .collect();
+    let mut tree = std::mem::take(&mut mesh.tree);
+    tree.renumber(|members, things| {
+        let mut members = members.to_vec();
+        members.sort_by_key(|&face| (parts[faces[face as usize].part as usize].material, face));
+        let material = |face: u32| parts[faces[face as usize].part as usize].material;
+        for run in members.chunk_by(|&a, &b| material(a) == material(b)) {
+            for run in run.chunks(CLUSTER_FACES) {
+                things.push(mesh.clusters.len() as u32);
+                let stamp = mesh.clusters.len() as u32 + 1;
+                let first_position = mesh.positions.len() as u32;
+                let first_face = mesh.clusters.last().map_or(0, |cluster| cluster.faces.end);
+                let mut held = Aabb::EMPTY;
+                for &face in run {
+                    let source = &faces[face as usize];
+                    held = held.union(&bounds[face as usize]);
+                    if polygons {
+                        mesh.starts.push(mesh.corners.len() as u32);
+                    }
+                    for &index in corners_of(source) {
+                        let place = &mut placed[source.part as usize][index as usize];
+                        if place.0 != stamp {
+                            *place = (stamp, mesh.positions.len() as u32);
+                            mesh.positions
+                                .push(parts[source.part as usize].positions[index as usize]);
+                        }
+                        mesh.corners.push(place.1);
+                    }
+                }
+                mesh.clusters.push(Cluster {
+                    faces: first_face..first_face + run.len() as u32,
+                    positions: first_position..mesh.positions.len() as u32,
+                    material: material(run[0]),
+                    bounds: held,
+                });
+            }
+        }
+    });
+    mesh.tree = tree;
+    if polygons {
+        mesh.starts.push(mesh.corners.len() as u32);
+    }
+    mesh.positions.shrink_to_fit();
+    mesh.corners.shrink_to_fit();
+    mesh.clusters.shrink_to_fit();
+    mesh
+}

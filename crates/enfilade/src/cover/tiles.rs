@@ -150,8 +150,9 @@ impl Tiles {
                     .bits(i32::from(x))
             };
             let index = row * self.columns + column;
-            if self.tiles[index].stale {
-                // To bring it up to date costs less than to go through its samples for nothing.
+            let whole = all[0] <= rect.x0 && all[1] >= rect.x1;
+            if whole && self.tiles[index].stale {
+                // To bring it up to date costs less than going through all its samples for nothing.
                 let farthest = self.samples.farthest_here(&rect);
                 self.tiles[index] = Tile {
                     farthest,
@@ -162,7 +163,6 @@ impl Tiles {
             if corner(right, down) < self.tiles[index].farthest {
                 continue;
             }
-            let whole = all[0] <= rect.x0 && all[1] >= rect.x1;
             let owns_it = match self.tiles[index].state {
                 State::Empty => whole,
                 State::Written => false,

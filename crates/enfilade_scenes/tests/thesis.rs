@@ -140,7 +140,8 @@ fn look(figure: &BuiltIn, camera: &Camera) -> Vec<Polygon> {
     polygons(figure).into_iter().map(seen).collect()
 }
 
-/// The part of what is painted that shows a polygon which is not the nearest, when polygons are painted in this order.
+/// The part of what is painted that shows a polygon which is not the nearest, when polygons are painted in this
+/// order.
 fn wrong_part(order: &[&Polygon]) -> f64 {
     let [mut wrong, mut painted] = [0_usize; 2];
     for sample in 0..SAMPLES {

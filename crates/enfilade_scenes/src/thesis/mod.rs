@@ -1,12 +1,14 @@
 //! The figures by which a thesis compares the painter's algorithm with BSP trees, by picture and by time.
 //!
-//! A painter sorts polygons by one number, a key, and paints them from far to near. Two keys are compared: the minimal z
-//! (W of the polygon's nearest corner) and the mean z (mean of W over its corners), W being the distance along the line
-//! of sight. Every polygon is an item of its own (but for those of the four cylinders), so that a picture of the items shows
-//! what an order did wrong. All are seen from both sides: with back-face culling the tetrahedron could not go wrong.
+//! A painter sorts polygons by one number, a key, and paints them from far to near. Two keys are compared: the
+//! minimal z (W of the polygon's nearest corner) and the mean z (mean of W over its corners), W being the distance
+//! along the line of sight. Every polygon is an item of its own (but for those of the four cylinders), so that a
+//! picture of the items shows what an order did wrong. All are seen from both sides: with back-face culling the
+//! tetrahedron could not go wrong.
 //!
-//! Source: the thesis "Painter's algorithm and binary space partitioning" (in Russian), sections 2.2, 2.3 and 3. It gives
-//! no coordinates: these are chosen so that what it says of each figure holds whichever of two equal keys comes first.
+//! Source: the thesis "Painter's algorithm and binary space partitioning" (in Russian), sections 2.2, 2.3 and 3. It
+//! gives no coordinates: these are chosen so that what it says of each figure holds whichever of two equal keys comes
+//! first.
 
 mod round;
 mod sheets;

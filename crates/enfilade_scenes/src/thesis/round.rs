@@ -18,9 +18,9 @@ fn ring(sides: usize, radius: f32, y: f32) -> Vec<Vec3> {
 
 /// A closed cylinder: `sides` rectangles, a lid and a bottom. Both painters are right.
 ///
-/// It is tall and seen aslant, so that what is hidden has its nearest corner, and its mean, farther than what hides it.
-/// Were the eye level with it, or a cylinder of many sides flat, the bottom's nearest corner would be nearer than those
-/// of the faces at the outline, and minimal z wrong.
+/// It is tall and seen aslant, so that what is hidden has its nearest corner, and its mean, farther than what hides
+/// it. Were the eye level with it, or a cylinder of many sides flat, the bottom's nearest corner would be nearer than
+/// those of the faces at the outline, and minimal z wrong.
 pub(crate) fn cylinder(sides: usize) -> BuiltIn {
     let [low, high] = [-1.25, 1.25].map(|y| ring(sides, 1.0, y));
     let mut figure = Figure::tilted(30.0);
@@ -38,8 +38,8 @@ pub(crate) fn cylinder(sides: usize) -> BuiltIn {
 
 /// A cone on its tip: `sides` triangles and a base. Where the base is seen, both painters are right.
 ///
-/// From `base hidden`, a view that the thesis does not tell of, minimal z is wrong: the base has the nearest corner of
-/// all, and is painted over sides that hide it.
+/// From `base hidden`, a view that the thesis does not tell of, minimal z is wrong: the base has the nearest corner
+/// of all, and is painted over sides that hide it.
 pub(crate) fn cone(sides: usize) -> BuiltIn {
     let tip = vec3(0.0, -1.3, 0.0);
     let base = ring(sides, 1.3, 1.0);

@@ -54,7 +54,8 @@ pub(crate) fn parallel_rectangles() -> BuiltIn {
 
 /// Two triangles that go through each other. Both painters are wrong, as is every order of uncut polygons.
 ///
-/// Each is the nearer one on its side of the line in which they meet; painted whole, the last hides half of the other.
+/// Each is the nearer one on its side of the line in which they meet; painted whole, the last hides half of the
+/// other.
 pub(crate) fn crossing_triangles() -> BuiltIn {
     let mut figure = Figure::new();
     figure.polygon(
@@ -74,8 +75,8 @@ pub(crate) fn crossing_triangles() -> BuiltIn {
 
 /// Three bars that overlap in a cycle and nowhere touch. Both painters are wrong.
 ///
-/// Each bar lies before the next at one end and behind the last at the other, so that none of the six orders is right;
-/// a tree must cut one.
+/// Each bar lies before the next at one end and behind the last at the other, so that none of the six orders is
+/// right; a tree must cut one.
 pub(crate) fn cycle() -> BuiltIn {
     let mut figure = Figure::new();
     for (name, color, turn) in [
@@ -97,9 +98,10 @@ pub(crate) fn cycle() -> BuiltIn {
 
 /// A sail before a long wall that runs away from the eye.
 ///
-/// The wall's near end is nearer than all of the sail: by minimal z the wall is painted last, over the sail. By mean z
-/// its middle counts, which from `mean right` is farther than the sail's. From `mean wrong` the eye has moved to the left
-/// and looks along the wall: now the sail's middle is the farther one, though the sail still stands before the wall.
+/// The wall's near end is nearer than all of the sail: by minimal z the wall is painted last, over the sail. By mean
+/// z its middle counts, which from `mean right` is farther than the sail's. From `mean wrong` the eye has moved to
+/// the left and looks along the wall: now the sail's middle is the farther one, though the sail still stands before
+/// the wall.
 pub(crate) fn overlap() -> BuiltIn {
     let mut figure = Figure::new();
     figure.polygon(

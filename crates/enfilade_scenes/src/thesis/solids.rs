@@ -21,17 +21,17 @@ const FACES: [(&str, MaterialId); 4] = [("right", BLUE), ("base", YELLOW), ("bac
 
 /// A tetrahedron. Painter by mean z is right, by minimal z wrong.
 ///
-/// The left and the right face are seen, red and blue. By minimal z the base is as near as they are, for it has the near
-/// corner too: it is painted over one of them, and yellow shows.
+/// The left and the right face are seen, red and blue. By minimal z the base is as near as they are, for it has the
+/// near corner too: it is painted over one of them, and yellow shows.
 pub(crate) fn tetrahedron() -> BuiltIn {
     tetrahedron_of([[0, 2, 3], [1, 2, 0], [2, 1, 3], [1, 0, 3]])
 }
 
 /// The same tetrahedron, with corners in no order: two faces look outwards, two inwards.
 ///
-/// Painters do not ask which way a face looks: mean z is right here too. The thesis shows a picture by its BSP tree that
-/// is wrong, because fronts were taken from the order of corners. A tree that holds the eye and the polygons against the
-/// same planes must be right, whichever way those look.
+/// Painters do not ask which way a face looks: mean z is right here too. The thesis shows a picture by its BSP tree
+/// that is wrong, because fronts were taken from the order of corners. A tree that holds the eye and the polygons
+/// against the same planes must be right, whichever way those look.
 pub(crate) fn wrong_winding() -> BuiltIn {
     tetrahedron_of([[0, 2, 3], [2, 1, 0], [1, 2, 3], [3, 1, 0]])
 }
@@ -48,9 +48,9 @@ fn tetrahedron_of(faces: [[usize; 3]; 4]) -> BuiltIn {
 
 /// A triangle through a cube. Painters are wrong.
 ///
-/// The triangle comes out of faces of the cube that are seen: before such a face on one side of the line in which they
-/// meet, behind it on the other. It is painted whole, over the cube or under it; a tree has to cut, and its picture must
-/// not show where.
+/// The triangle comes out of faces of the cube that are seen: before such a face on one side of the line in which
+/// they meet, behind it on the other. It is painted whole, over the cube or under it; a tree has to cut, and its
+/// picture must not show where.
 pub(crate) fn triangle_through_cube() -> BuiltIn {
     let mut figure = Figure::new();
     let corner = |bits: usize| {

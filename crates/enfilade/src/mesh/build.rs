@@ -1,9 +1,8 @@
 //! Checks faces, and sorts them into clusters by place and material.
 
-use super::neighbours::{NONE, neighbours, neighbours_together};
+use super::neighbours::{NONE, SmallMap, neighbours, neighbours_together};
 use super::{Cluster, Mesh, Part};
 use crate::geom::{Aabb, ConvexPolygon, Copies, Octree, PolygonError};
-use std::collections::HashMap;
 use thiserror::Error;
 
 /// Why faces do not make a mesh.
@@ -212,12 +211,12 @@ pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
 /// The faces of a cluster with neighbours together, and for each of their corners the face across its edge.
 fn in_order<I: Iterator<Item = [f32; 3]>>(run: &[u32], corners: impl Fn(u32) -> I) -> (Vec<u32>, Vec<u8>) {
     // Corners in one place share a number, also where the input holds the place twice.
-    let mut places: HashMap<[u32; 3], u32> = HashMap::with_capacity(2 * run.len());
+    let mut places: SmallMap<(u32, u32, u32), u32> = SmallMap::default();
+    places.reserve(2 * run.len());
     let mut number = |corner: [f32; 3]| {
         let next = places.len() as u32;
-        *places
-            .entry(corner.map(|value| (value + 0.0).to_bits()))
-            .or_insert(next)
+        let [x, y, z] = corner.map(|value| (value + 0.0).to_bits());
+        *places.entry((x, y, z)).or_insert(next)
     };
     let numbered = run
         .iter()

@@ -1,6 +1,30 @@
 //! Which faces of a cluster share an edge.
 
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+
+/// A map for a few hundred keys that nobody chose to collide.
+pub(super) type SmallMap<K, V> = HashMap<K, V, BuildHasherDefault<Mix>>;
+
+/// Mixes numbers fast; not safe against keys chosen by an enemy, who could only slow a cluster of 128 faces down.
+#[derive(Default)]
+pub(super) struct Mix(u64);
+
+impl Hasher for Mix {
+    fn write(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.write_u32(u32::from(byte));
+        }
+    }
+
+    fn write_u32(&mut self, value: u32) {
+        self.0 = (self.0.rotate_left(26) ^ u64::from(value)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    }
+
+    fn finish(&self) -> u64 {
+        self.0 ^ self.0 >> 32
+    }
+}
 
 /// No face of the cluster is across an edge.
 pub(crate) const NONE: u8 = u8::MAX;
@@ -11,7 +35,8 @@ pub(crate) const NONE: u8 = u8::MAX;
 /// or more joins the first two.
 pub(super) fn neighbours(faces: &[Vec<u32>]) -> Vec<Vec<u8>> {
     let mut across: Vec<Vec<u8>> = faces.iter().map(|corners| vec![NONE; corners.len()]).collect();
-    let mut open: HashMap<(u32, u32), (usize, usize)> = HashMap::with_capacity(2 * faces.len());
+    let mut open: SmallMap<(u32, u32), (usize, usize)> = SmallMap::default();
+    open.reserve(2 * faces.len());
     for (face, corners) in faces.iter().enumerate() {
         for (edge, &from) in corners.iter().enumerate() {
             let to = corners[(edge + 1) % corners.len()];

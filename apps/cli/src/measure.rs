@@ -2,9 +2,11 @@
 //!
 //! So what a method remembers at a view is always the view before it.
 
+use crate::draw::draw;
 use crate::prepare::Prepared;
 use crate::progress::Progress;
 use enfilade::{FragmentId, ItemId, Scene, View, Viewer, VisibleSet};
+use enfilade_draw::Show;
 use std::time::Instant;
 
 /// Passes that count.
@@ -50,6 +52,19 @@ pub(crate) fn looks(prepared: &Prepared, views: &[View], viewer: &mut Viewer, pr
     });
     each.iter_mut().zip(times).for_each(|(look, ms)| look.ms = ms);
     Looks { each, stats }
+}
+
+/// Draws all views, shading included, and gives each one's milliseconds; the viewer has been over them once before.
+pub(crate) fn draws(
+    prepared: &Prepared,
+    views: &[View],
+    viewer: &mut Viewer,
+    show: Show,
+    progress: &Progress,
+) -> Vec<f64> {
+    timed(views, progress, |_, view| {
+        draw(prepared, viewer, view, show);
+    })
 }
 
 /// Runs the passes that count, and gives each view's median in milliseconds.

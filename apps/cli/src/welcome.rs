@@ -34,9 +34,9 @@ pub(crate) fn run() -> Result<Outcome> {
         ..
     } = &args;
     Destination::new(Path::new(PICTURE))?;
-    let opened = open(&scene.scene, Choice::All, &methods.limits)?;
+    let opened = open(&scene.scene, Choice::All, &methods.how.limits)?;
     let views = cameras::views(cameras, &opened)?;
-    let (prepared, skipped) = prepare(&opened, methods, views.first())?;
+    let (prepared, skipped) = prepare(&opened, Choice::All, &methods.how, views.first())?;
     let mut rows = Vec::new();
     let mut picture = None;
     let progress = Progress::steps("drawing the palace", prepared.len() * 2 * (1 + PASSES));

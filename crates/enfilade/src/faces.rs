@@ -2,7 +2,7 @@
 
 use crate::content::{Alpha, Content, ItemId, OpeningId};
 use crate::mesh::Cluster;
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 
 /// Faces of one mesh, one transform and one material, as plain arrays.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +30,16 @@ pub struct Faces<'a> {
     pub(crate) double_sided: bool,
     /// Opaque faces hide; others are kept out of every cover.
     pub(crate) alpha: Alpha,
+    /// Only what is on the inner side of all of these is meant: faces cut by a tree keep their outlines and planes.
+    pub(crate) cuts: &'a [Cut],
+}
+
+/// A plane that cuts faces: what lies at n · (X, Y, W) ≥ d is left. The other half is cut by −n and −d, so that every
+/// sample belongs to exactly one of the two.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cut {
+    pub(crate) normal: DVec3,
+    pub(crate) distance: f64,
 }
 
 /// What faces belong to.
@@ -65,6 +75,27 @@ impl<'a> Faces<'a> {
             mirrored: content.item(item).transform().mirrors(),
             double_sided: material.double_sided,
             alpha: material.alpha,
+            cuts: &[],
+        }
+    }
+
+    /// One face of an item, or what `cuts` leave of it.
+    pub(crate) fn of_face(
+        content: &'a Content,
+        item: ItemId,
+        face: u32,
+        screen_from_local: &'a DAffine3,
+        cuts: &'a [Cut],
+    ) -> Faces<'a> {
+        let mesh = content.mesh_of(item);
+        let number = mesh.cluster_of(face) as u32;
+        let (corners, starts) = mesh.runs(face..face + 1);
+        Faces {
+            first_owner: content.first_face(item) + face,
+            corners,
+            starts,
+            cuts,
+            ..Faces::of_cluster(content, item, number, screen_from_local)
         }
     }
 
@@ -88,7 +119,20 @@ impl<'a> Faces<'a> {
             mirrored: false,
             double_sided: false,
             alpha: Alpha::Opaque,
+            cuts: &[],
         }
+    }
+
+    /// How many faces there are.
+    pub(crate) fn count(&self) -> usize {
+        self.starts
+            .map_or(self.corners.len() / 3, |starts| starts.len() - 1)
+    }
+
+    /// Is it one face alone? Then only its own corners are worth a look.
+    #[inline(always)]
+    pub(crate) fn is_lone(&self) -> bool {
+        self.count() == 1
     }
 
     /// Calls `each` with a face's number and its corners' places in `positions`.

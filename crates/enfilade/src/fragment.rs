@@ -31,10 +31,33 @@ pub trait Fragment: Send + Sync {
     /// How a face looks.
     fn surface(&self, item: ItemId, face: u32) -> Surface;
 
+    /// Goes through its order alone, holding nothing against a cover: what the order costs. Gives the number of faces
+    /// handed out; 0 where it has no order.
+    fn walk(&self, _passage: &Passage, _memory: &mut Memory) -> u64 {
+        0
+    }
+
+    /// What was built to see it.
+    fn built(&self) -> Built {
+        Built::default()
+    }
+
     /// Memory in bytes.
     fn bytes(&self) -> u64 {
         0
     }
+}
+
+/// What a method built over the faces of a fragment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Built {
+    /// Faces after splitting; those of the fragment where nothing is split.
+    pub faces: u64,
+    /// How often a face was split.
+    pub splits: u64,
+    /// Levels of the deepest tree; 0 where there is none.
+    pub depth: u32,
 }
 
 /// A half-line in the space of a fragment.

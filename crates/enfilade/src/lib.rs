@@ -67,11 +67,11 @@ pub use content::{
     OpeningId, Owner,
 };
 pub use faces::{Faces, Of};
-pub use fragment::{Fragment, Hit, Ray, Surface};
+pub use fragment::{Built, Fragment, Hit, Ray, Surface};
 pub use geom::{Aabb, ConvexPolygon, Transform};
 pub use memory::Memory;
 pub use mesh::{Cluster, Mesh, MeshError, Part};
-pub use method::{Contract, HierarchicalZ, Method, Paired, TooLarge, ZBuffer};
+pub use method::{Contract, HierarchicalZ, Method, PainterMean, PainterMin, Paired, TooLarge, ZBuffer};
 pub use passage::{Passage, PassageId};
 pub use query::{Standpoint, survey};
 pub use region::Region;

@@ -85,6 +85,15 @@ impl Viewer {
         &self.memory.stats
     }
 
+    /// Goes through the orders of the last look's passages once more, holding nothing against covers: what the orders
+    /// alone cost. Gives the number of faces handed out.
+    pub fn walk(&mut self, scene: &Scene) -> u64 {
+        let passages = self.set.passages.iter();
+        passages
+            .map(|passage| scene.fragment(passage.fragment).walk(passage, &mut self.memory))
+            .sum()
+    }
+
     fn run(&mut self, scene: &Scene, view: &View, canvas: Option<&mut dyn Canvas>) {
         self.set.passages.clear();
         self.set.items.clear();

@@ -64,8 +64,10 @@ fn every_method_keeps_its_contract(name: &str, built: &BuiltIn, size: [u32; 2]) 
             let first = truth.different(&picture).next();
             let why =
                 first.map(|at| format!("{at:?} is {:?}, not {}", picture.owner(at), truth.describe(at)));
-            assert_eq!(verdict.pixels_different, 0, "{place}: {why:?}");
-            assert_eq!(verdict.missed, [], "{place}");
+            if method.contract() > Contract::Approximate {
+                assert_eq!(verdict.pixels_different, 0, "{place}: {why:?}");
+                assert_eq!(verdict.missed, [], "{place}");
+            }
             if method.contract() == Contract::Exact {
                 assert_eq!(verdict.extra, 0, "{place}");
             }

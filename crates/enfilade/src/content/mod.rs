@@ -152,6 +152,11 @@ impl Content {
             .sum()
     }
 
+    /// Faces of all items, each copy counted.
+    pub fn face_count(&self) -> u64 {
+        u64::from(self.first_faces[self.items.len()])
+    }
+
     /// What a cluster is made of.
     pub fn material_of(&self, cluster: &Cluster) -> &Material {
         &self.materials[cluster.material.0 as usize]

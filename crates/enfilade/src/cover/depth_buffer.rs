@@ -6,9 +6,9 @@
 //! Cost: clear and finish O(samples of the aperture); a face O(samples it covers).
 //! Exact: hides no box; its set is the owners that are left, and glass held against the final depth.
 
-use super::raster::{Band, Raster, Sink, Triangle};
-use super::report::Report;
-use super::samples::{Sample, Samples, look_through, nearness};
+use super::raster::{Band, Raster, Sink};
+use super::samples::{Samples, look_through};
+use super::triangle::Triangle;
 use super::{Cover, Sight};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
@@ -47,8 +47,7 @@ impl Cover for DepthBuffer {
     }
 
     fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Seen) {
-        let samples = &self.samples;
-        let depth = |x, y| nearness(samples.row(y, x, x + 1)[0]);
+        let depth = |x, y| self.samples.depth(x, y);
         look_through(depth, &mut self.raster, faces, passage, stats, seen);
     }
 
@@ -59,17 +58,11 @@ impl Cover for DepthBuffer {
         seen: &mut Seen,
         canvas: Option<&mut dyn Canvas>,
     ) {
-        let mut report = Report::new(content, canvas.map(|canvas| canvas as &mut dyn Canvas));
-        let Rect { x0, y0, x1, y1 } = self.samples.rect;
-        for y in y0..y1 {
-            report.samples(x0, self.samples.row(y, x0, x1));
-            report.end_row(y, &self.samples);
-        }
-        report.finish(seen);
+        self.samples.report(content, seen, canvas);
     }
 
     fn needs_bytes(size: [u32; 2]) -> u64 {
-        u64::from(size[0]) * u64::from(size[1]) * size_of::<Sample>() as u64
+        Samples::needs_bytes(size)
     }
 }
 

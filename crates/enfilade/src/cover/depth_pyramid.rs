@@ -6,10 +6,11 @@
 //!     plainly seen; cells are brought up to date when a test needs them, not at each depth written.
 //! Exact: an owner is kept beside each depth; a box is tested by its nearest corner, so nothing seen is dropped.
 
-use super::raster::{Band, Raster, Sink, Triangle};
+use super::raster::{Band, Raster, Sink};
 use super::report::Report;
 use super::samples::look_through;
 use super::tiles::{TILE_SHIFT, Tiles};
+use super::triangle::Triangle;
 use super::{Cover, Sight};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;

@@ -3,13 +3,19 @@
 mod depth_buffer;
 mod depth_pyramid;
 mod half_plane;
+mod mask;
+mod nothing;
+mod part;
 mod raster;
 mod report;
 mod samples;
 mod tiles;
+mod triangle;
 
 pub use depth_buffer::DepthBuffer;
 pub use depth_pyramid::DepthPyramid;
+pub use mask::Mask;
+pub use nothing::Nothing;
 
 use crate::canvas::Canvas;
 use crate::content::Content;

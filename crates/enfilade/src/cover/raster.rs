@@ -9,14 +9,15 @@
 //! that each sample belongs to exactly one of them. The same bits at every SIMD level: the compiler only widens it.
 
 use super::half_plane::HalfPlane;
+use super::part::{Part, greater, smaller};
+use super::triangle::Triangle;
 use crate::aperture::Rect;
-use crate::faces::{Faces, Of};
+use crate::faces::{Cut, Faces, Of};
 use crate::passage::Passage;
 use crate::stats::Stats;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, f64x8};
 use glam::DVec3;
-use std::cmp::Ordering;
 
 /// Rows are handed out by eights, from a multiple of eight.
 pub(super) const BAND: usize = 8;
@@ -25,6 +26,10 @@ pub(super) const BAND: usize = 8;
 pub(super) trait Sink {
     /// Is all that lies in `rect` and is no nearer than `nearest` hidden already? `false` when unsure.
     fn hides(&mut self, rect: &Rect, nearest: f32) -> bool;
+
+    /// A triangle that is not hidden comes next; its corners as (X, Y, W).
+    #[inline(always)]
+    fn begin(&mut self, _triangle: &Triangle, _corners: &[DVec3; 3]) {}
 
     /// The samples of some rows that the triangle owns.
     fn band(&mut self, band: &Band, triangle: &Triangle);
@@ -45,92 +50,24 @@ impl Band {
     }
 }
 
-/// A triangle whose samples are being handed out.
-#[derive(Clone, Copy)]
-pub(super) struct Triangle {
-    /// The number of its face.
-    pub(super) owner: u32,
-    /// Nearness at a sample is `nearness · (x + ½, y + ½, 1)`, kept within `least` and `greatest`.
-    pub(super) nearness: DVec3,
-    least: f64,
-    greatest: f64,
-}
-
-/// Nearness along one row.
-#[derive(Clone, Copy)]
-pub(super) struct Row {
-    base: f64,
-    step: f64,
-    least: f64,
-    greatest: f64,
-}
-
-impl Triangle {
-    /// Bits of the greatest nearness of any sample.
-    #[inline(always)]
-    pub(super) fn nearest(&self) -> u32 {
-        (self.greatest as f32).to_bits()
-    }
-
-    /// Nearness along row `y`.
-    #[inline(always)]
-    pub(super) fn row(&self, y: u16) -> Row {
-        Row {
-            base: self.nearness.y * (f64::from(y) + 0.5) + (self.nearness.x * 0.5 + self.nearness.z),
-            step: self.nearness.x,
-            least: self.least,
-            greatest: self.greatest,
-        }
-    }
-}
-
-impl Triangle {
-    /// Is it nearer (`Greater`) or farther (`Less`) than another at every sample of `rect`, where both are there, by
-    /// more than samples are rounded by? `None` where neither is certain.
-    #[inline(always)]
-    pub(super) fn beside(&self, other: &Triangle, rect: &Rect) -> Option<Ordering> {
-        const ROUNDING: f64 = 1.0 / (1_u64 << 20) as f64;
-        let [mut nearer, mut farther] = [true, true];
-        // Both are linear, and so is their difference: what holds at the corners holds between them.
-        for y in [rect.y0, rect.y1 - 1] {
-            let [mine, theirs] = [self.row(y), other.row(y)];
-            for x in [rect.x0, rect.x1 - 1] {
-                let x = f64::from(x);
-                let [mine, theirs] = [mine.base + mine.step * x, theirs.base + theirs.step * x];
-                nearer &= mine > theirs * (1.0 + ROUNDING);
-                farther &= mine < theirs * (1.0 - ROUNDING);
-            }
-        }
-        match (nearer, farther) {
-            (true, false) => Some(Ordering::Greater),
-            (false, true) => Some(Ordering::Less),
-            _ => None,
-        }
-    }
-}
-
-impl Row {
-    /// Nearness at column `x`, as bits: those of a positive f32 sort as it does.
-    #[inline(always)]
-    pub(super) fn bits(&self, x: i32) -> u32 {
-        let z = self.base + self.step * f64::from(x);
-        let z = if z < self.least { self.least } else { z };
-        let z = if z > self.greatest { self.greatest } else { z };
-        (z as f32).to_bits()
-    }
-}
-
 /// Corners of the batch at hand, on the screen.
 pub(super) struct Raster {
     level: Level,
+    buffers: Buffers,
+}
+
+#[derive(Default)]
+struct Buffers {
     corners: Vec<Corner>,
+    planes: Vec<HalfPlane>,
+    part: Part,
 }
 
 impl Default for Raster {
     fn default() -> Raster {
         Raster {
             level: Level::new(),
-            corners: Vec::new(),
+            buffers: Buffers::default(),
         }
     }
 }
@@ -148,23 +85,22 @@ impl Raster {
     /// Hands the samples of a batch to `sink`, face after face.
     pub(super) fn run(&mut self, faces: &Faces, passage: &Passage, sink: &mut impl Sink, stats: &mut Stats) {
         stats.batches += 1;
-        let corners = &mut self.corners;
-        dispatch!(self.level, simd => run_batch(simd, corners, faces, passage, sink, stats));
+        let buffers = &mut self.buffers;
+        dispatch!(self.level, simd => run_batch(simd, buffers, faces, passage, sink, stats));
     }
 }
 
 #[inline(always)]
 fn run_batch<S: Simd>(
     simd: S,
-    corners: &mut Vec<Corner>,
+    buffers: &mut Buffers,
     faces: &Faces,
     passage: &Passage,
     sink: &mut impl Sink,
     stats: &mut Stats,
 ) {
     let matrix = faces.screen_from_local;
-    corners.clear();
-    corners.extend(faces.positions.iter().map(|&[x, y, z]| {
+    let on_screen = |&[x, y, z]: &[f32; 3]| {
         let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
         let at = matrix.matrix3.x_axis * x
             + matrix.matrix3.y_axis * y
@@ -176,7 +112,13 @@ fn run_batch<S: Simd>(
             pixel: [at.x * nearness, at.y * nearness],
             nearness,
         }
-    }));
+    };
+    let Buffers {
+        corners,
+        planes,
+        part,
+    } = buffers;
+    corners.clear();
     let batch = Batch {
         rect: passage.aperture.rect(),
         // An opening that the eye stands in is seen through, however near it is.
@@ -198,13 +140,25 @@ fn run_batch<S: Simd>(
         },
     };
     let first = faces.first_position;
+    if faces.is_lone() {
+        let used = faces.corners.iter();
+        corners.extend(used.map(|&index| on_screen(&faces.positions[(index - first) as usize])));
+        let cuts = faces.cuts;
+        for last in 2..corners.len() {
+            let used = [&corners[0], &corners[last - 1], &corners[last]];
+            let cut = (!cuts.is_empty()).then_some(Cuts { cuts, planes });
+            batch.triangle(simd, faces.first_owner, used, part, cut, sink, stats);
+        }
+        return;
+    }
+    corners.extend(faces.positions.iter().map(on_screen));
     faces.for_each(
         #[inline(always)]
         |owner, face| {
             for last in 2..face.len() {
                 let used =
                     [face[0], face[last - 1], face[last]].map(|index| &corners[(index - first) as usize]);
-                batch.triangle(simd, owner, used, sink, stats);
+                batch.triangle(simd, owner, used, part, None, sink, stats);
             }
         },
     );
@@ -221,39 +175,50 @@ struct Batch {
 /// How much nearer than the entry plane a face may not be, relatively: what lies in the plane is not beyond it.
 const BEYOND: f64 = 1.0 + 1.0 / (1_u64 << 18) as f64;
 
+/// Planes that cut a face, and room to work with them.
+struct Cuts<'a> {
+    cuts: &'a [Cut],
+    planes: &'a mut Vec<HalfPlane>,
+}
+
 impl Batch {
+    /// A triangle, or what is left of it behind `cuts`. Most have none, and the compiler knows where.
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "what one triangle needs, never kept")]
     fn triangle<S: Simd>(
         &self,
         simd: S,
         owner: u32,
         corners: [&Corner; 3],
+        part: &mut Part,
+        cut: Option<Cuts>,
         sink: &mut impl Sink,
         stats: &mut Stats,
     ) {
         let [a, b, c] = corners.map(|corner| corner.at);
         let crosses_near = a.z <= self.near || b.z <= self.near || c.z <= self.near;
-        let (rect, least, greatest) = if crosses_near {
-            match self.part_beyond_near([a, b, c]) {
-                Some(part) => part,
-                None => return,
+        let [p, q, r] = corners.map(|corner| corner.nearness);
+        let [mut least, mut greatest] = [smaller(p, smaller(q, r)), greater(p, greater(q, r))];
+        if crosses_near {
+            let farthest = greater(a.z, greater(b.z, c.z));
+            if farthest <= self.near {
+                return;
             }
+            least = 1.0 / farthest;
+            greatest = if self.near > 0.0 {
+                1.0 / self.near
+            } else {
+                f64::from(f32::MAX)
+            };
+        }
+        let rect = if crosses_near || cut.is_some() {
+            let cuts = cut.as_ref().map_or(&[][..], |cut| cut.cuts);
+            part.rect([a, b, c], self.near, cuts, &self.rect)
         } else {
             let [p, q, r] = corners.map(|corner| corner.pixel);
-            let low = [
-                smaller(p[0], smaller(q[0], r[0])),
-                smaller(p[1], smaller(q[1], r[1])),
-            ];
-            let high = [
-                greater(p[0], greater(q[0], r[0])),
-                greater(p[1], greater(q[1], r[1])),
-            ];
-            let [p, q, r] = corners.map(|corner| corner.nearness);
-            (
-                Rect::around(low, high, &self.rect),
-                smaller(p, smaller(q, r)),
-                greater(p, greater(q, r)),
-            )
+            let low = [0, 1].map(|axis| smaller(p[axis], smaller(q[axis], r[axis])));
+            let high = [0, 1].map(|axis| greater(p[axis], greater(q[axis], r[axis])));
+            Rect::around(low, high, &self.rect)
         };
         if rect.is_empty() {
             return;
@@ -290,43 +255,19 @@ impl Batch {
             least,
             greatest,
         };
-        walk_rows(simd, &rect, &planes[..count], &triangle, sink, stats);
-    }
-
-    /// Where on the screen the part beyond the near plane can be, with its least and greatest nearness.
-    #[cold]
-    fn part_beyond_near(&self, corners: [DVec3; 3]) -> Option<(Rect, f64, f64)> {
-        let greatest_w = corners.iter().map(|corner| corner.z).fold(0.0, f64::max);
-        if greatest_w <= self.near {
-            return None;
-        }
-        if self.near == 0.0 {
-            return Some((self.rect, 1.0 / greatest_w, f64::from(f32::MAX)));
-        }
-        let [mut min, mut max] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-        let mut add = |at: DVec3| {
-            for (axis, value) in [at.x / at.z, at.y / at.z].into_iter().enumerate() {
-                min[axis] = smaller(value, min[axis]);
-                max[axis] = greater(value, max[axis]);
-            }
-        };
-        for (i, &here) in corners.iter().enumerate() {
-            let there = corners[(i + 1) % 3];
-            if here.z >= self.near {
-                add(here);
-            }
-            if (here.z < self.near) != (there.z < self.near) {
-                let at = here + (there - here) * ((self.near - here.z) / (there.z - here.z));
-                add(DVec3::new(at.x, at.y, self.near));
+        sink.begin(&triangle, &[a, b, c]);
+        match cut {
+            None => walk_rows(simd, &rect, &planes[..count], &triangle, sink, stats),
+            Some(Cuts { cuts, planes: all }) => {
+                all.clear();
+                all.extend_from_slice(&planes[..count]);
+                all.extend(
+                    cuts.iter()
+                        .map(|cut| HalfPlane::new(cut.normal - nearness * cut.distance)),
+                );
+                walk_rows(simd, &rect, all, &triangle, sink, stats);
             }
         }
-        // The cut is rounded where corners are far behind the eye: a pixel more does no harm.
-        let rect = Rect::around(
-            [min[0] - 1.0, min[1] - 1.0],
-            [max[0] + 1.0, max[1] + 1.0],
-            &self.rect,
-        );
-        Some((rect, 1.0 / greatest_w, 1.0 / self.near))
     }
 }
 
@@ -372,14 +313,4 @@ fn walk_rows<S: Simd>(
 #[inline(always)]
 fn rounded_up(nearness: f64) -> f32 {
     (nearness * (1.0 + 1.0 / (1_u64 << 20) as f64)) as f32
-}
-
-#[inline(always)]
-fn smaller(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn greater(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }

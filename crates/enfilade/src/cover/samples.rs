@@ -1,8 +1,11 @@
 //! What is stored at each sample: how near its owner is, and which face that is, in one number.
 
-use super::raster::{Band, Raster, Row, Sink, Triangle};
+use super::raster::{Band, Raster, Sink};
+use super::report::Report;
+use super::triangle::{Row, Triangle};
 use crate::aperture::Rect;
-use crate::content::ItemId;
+use crate::canvas::Canvas;
+use crate::content::{Content, ItemId};
 use crate::faces::{Faces, Of};
 use crate::passage::Passage;
 use crate::seen::Seen;
@@ -135,6 +138,27 @@ impl Samples {
         nearness(farthest)
     }
 
+    /// Reports and paints the owners that are left.
+    pub(super) fn report(&self, content: &Content, seen: &mut Seen, canvas: Option<&mut dyn Canvas>) {
+        let mut report = Report::new(content, canvas.map(|canvas| canvas as &mut dyn Canvas));
+        let Rect { x0, y0, x1, y1 } = self.rect;
+        for y in y0..y1 {
+            report.samples(x0, self.row(y, x0, x1));
+            report.end_row(y, self);
+        }
+        report.finish(seen);
+    }
+
+    /// Bits of the nearness at a sample.
+    pub(super) fn depth(&self, x: u16, y: u16) -> u32 {
+        nearness(self.row(y, x, x + 1)[0])
+    }
+
+    /// Memory in bytes for a screen of this size.
+    pub(super) fn needs_bytes(size: [u32; 2]) -> u64 {
+        u64::from(size[0]) * u64::from(size[1]) * size_of::<Sample>() as u64
+    }
+
     /// A new batch of faces begins.
     pub(super) fn begin_batch(&mut self) {
         if let Some(trace) = &mut self.trace {
@@ -163,8 +187,23 @@ impl Samples {
         }
     }
 
+    /// Lets a triangle own a run of samples, but for those outside the aperture, whatever owned them.
+    #[inline(always)]
+    pub(super) fn paint_over(&mut self, y: u16, x0: u16, x1: u16, triangle: &Triangle) {
+        let row = triangle.row(y);
+        let owner = Sample::from(lower_half(triangle.owner));
+        for (x, sample) in (i32::from(x0)..).zip(self.row_mut(y, x0, x1)) {
+            let new = Sample::from(row.bits(x)) << 32 | owner;
+            *sample = if *sample == COVERED { COVERED } else { new };
+        }
+        if self.trace.is_some() {
+            self.count(y, x0, x1, triangle.owner);
+        }
+    }
+
+    /// Counts a test of each sample of a run; those that `owner` owns came with the batch at hand.
     #[cold]
-    fn count(&mut self, y: u16, x0: u16, x1: u16, owner: u32) {
+    pub(super) fn count(&mut self, y: u16, x0: u16, x1: u16, owner: u32) {
         let start = usize::from(y) * self.width;
         if let Some(trace) = &mut self.trace {
             for i in start + usize::from(x0)..start + usize::from(x1) {

@@ -3,9 +3,10 @@
 //! A tile is empty, or one triangle owns all of it, or its samples are written out. Most tiles of a picture of walls
 //! are of the second kind: 64 samples are decided by two depths. What is written out later is the same, bit for bit.
 
-use super::raster::{BAND, Band, Triangle};
+use super::raster::{BAND, Band};
 use super::report::Report;
 use super::samples::{OPEN, Sample, Samples, lower_half, nearness};
+use super::triangle::Triangle;
 use crate::aperture::Rect;
 use crate::passage::Passage;
 use std::cmp::Ordering;

@@ -44,12 +44,13 @@ pub(super) fn hand_out_openings(content: &Content, passage: &Passage, visit: &mu
         return;
     }
     for opening in 0..content.openings().len() as u16 {
-        visit.faces(&Faces::of_opening(
-            content,
-            OpeningId(opening),
-            &passage.screen_from_fragment,
-        ));
+        visit.faces(&opening_faces(content, passage, OpeningId(opening)));
     }
+}
+
+/// An opening as a face.
+pub(super) fn opening_faces<'a>(content: &'a Content, passage: &'a Passage, opening: OpeningId) -> Faces<'a> {
+    Faces::of_opening(content, opening, &passage.screen_from_fragment)
 }
 
 fn may_be_seen(

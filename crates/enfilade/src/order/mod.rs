@@ -1,15 +1,18 @@
 //! Orders: what comes next. An order knows nothing of covers; `method` joins the two.
 
+mod depth_sort;
 mod items;
 mod octree;
 mod unordered;
 
+pub use depth_sort::{DepthSort, Mean, Min, SortKey};
 pub(crate) use items::hand_out;
 pub use octree::OctreeOrder;
 pub use unordered::Unordered;
 
 use crate::content::{Content, ItemId};
 use crate::faces::Faces;
+use crate::fragment::Built;
 use crate::passage::Passage;
 use crate::region::Region;
 
@@ -50,6 +53,14 @@ pub trait Order: Send + Sync + Sized + 'static {
 
     /// Memory in bytes.
     fn bytes(&self) -> u64;
+
+    /// What was built.
+    fn built(&self, content: &Content) -> Built {
+        Built {
+            faces: content.face_count(),
+            ..Built::default()
+        }
+    }
 
     /// Hands out all faces of the items and openings that may be seen through `passage`.
     fn visit(

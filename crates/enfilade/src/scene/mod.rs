@@ -11,7 +11,7 @@ pub use builder::{End, NestedId, SceneBuilder, SceneError};
 pub use portal::{FragmentId, Portal, PortalId};
 
 use crate::content::{Content, OpeningId};
-use crate::fragment::{Fragment, Hit, Ray};
+use crate::fragment::{Built, Fragment, Hit, Ray};
 use crate::geom::Aabb;
 use crate::method::{Method, TooLarge};
 use std::sync::Arc;
@@ -208,6 +208,17 @@ impl Scene {
     pub fn bytes(&self) -> u64 {
         let fragments = self.fragments().map(|id| self.fragment(id).bytes()).sum::<u64>();
         fragments + (size_of_val(&*self.portals) + size_of_val(&*self.portal_of)) as u64
+    }
+
+    /// What methods built, over all fragments: sums, and the depth of the deepest tree.
+    pub fn built(&self) -> Built {
+        self.fragments()
+            .map(|id| self.fragment(id).built())
+            .fold(Built::default(), |sum, built| Built {
+                faces: sum.faces + built.faces,
+                splits: sum.splits + built.splits,
+                depth: sum.depth.max(built.depth),
+            })
     }
 
     fn contents(&self) -> impl Iterator<Item = &Arc<Content>> {

@@ -1,0 +1,169 @@
+//! Mask: what is painted stays; every sample is painted once.
+//!
+//! Right where nothing comes after what it hides. A bit for each sample says whether it is open, and a count for each
+//! tile of 64×8, so that a box behind painted samples is dropped by a look at a few counts.
+//! Source: Boreskov, Using portals to create aggregate scenes (a BSP tree near to far, with an s-buffer as the mask of
+//!     what is painted).
+//! Cost: clear and finish O(samples of the aperture); a face O(its open samples) + O(its rows); a box O(tiles).
+//! Exact: nothing is decided by depth.
+
+use super::raster::{Band, Raster, Sink};
+use super::samples::{Samples, look_through};
+use super::triangle::Triangle;
+use super::{Cover, Sight};
+use crate::aperture::Rect;
+use crate::canvas::Canvas;
+use crate::content::Content;
+use crate::faces::Faces;
+use crate::order::NearToFar;
+use crate::passage::Passage;
+use crate::region::Region;
+use crate::seen::Seen;
+use crate::stats::Stats;
+
+/// What is painted stays.
+#[derive(Default)]
+pub struct Mask {
+    raster: Raster,
+    painted: Painted,
+}
+
+/// Samples, and which of them are open.
+#[derive(Default)]
+struct Painted {
+    samples: Samples,
+    /// Words of 64 samples in a row.
+    words: usize,
+    open: Vec<u64>,
+    /// Open samples of each tile: a word wide, [`TILE_ROWS`] high.
+    tiles: Vec<u16>,
+}
+
+const TILE_ROWS: usize = 8;
+
+impl Cover for Mask {
+    type CullNeeds = NearToFar;
+    type DrawNeeds = NearToFar;
+    const PRIMES: bool = false;
+
+    fn clear(&mut self, passage: &Passage, trace: bool) {
+        let Painted {
+            samples,
+            words,
+            open,
+            tiles,
+        } = &mut self.painted;
+        samples.shape(passage, trace);
+        let rows = usize::from(samples.rect.y1);
+        *words = samples.width.div_ceil(64);
+        open.clear();
+        open.resize(*words * rows, 0);
+        tiles.clear();
+        tiles.resize(*words * rows.div_ceil(TILE_ROWS), 0);
+        samples.open(passage, |y, runs| {
+            for &[x0, x1] in runs {
+                for (word, bits) in words_of(x0, x1) {
+                    open[usize::from(y) * *words + word] |= bits;
+                    tiles[usize::from(y) / TILE_ROWS * *words + word] += bits.count_ones() as u16;
+                }
+            }
+        });
+    }
+
+    fn sees(&mut self, region: &Region) -> Sight {
+        if self.painted.is_full(&region.rect) {
+            Sight::Hidden
+        } else {
+            Sight::Partly
+        }
+    }
+
+    fn add(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, _canvas: Option<&mut dyn Canvas>) {
+        self.painted.samples.begin_batch();
+        self.raster.run(faces, passage, &mut self.painted, stats);
+    }
+
+    fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Seen) {
+        let depth = |x, y| self.painted.samples.depth(x, y);
+        look_through(depth, &mut self.raster, faces, passage, stats, seen);
+    }
+
+    fn finish(
+        &mut self,
+        content: &Content,
+        _passage: &Passage,
+        seen: &mut Seen,
+        canvas: Option<&mut dyn Canvas>,
+    ) {
+        self.painted.samples.report(content, seen, canvas);
+    }
+
+    fn needs_bytes(size: [u32; 2]) -> u64 {
+        let words = u64::from(size[0].div_ceil(64)) * u64::from(size[1]);
+        Samples::needs_bytes(size) + words * size_of::<u64>() as u64
+    }
+}
+
+impl Painted {
+    /// Is every sample of `rect` painted, or outside the aperture?
+    fn is_full(&self, rect: &Rect) -> bool {
+        let [first, last] = [rect.y0, rect.y1 - 1].map(|y| usize::from(y) / TILE_ROWS);
+        words_of(rect.x0, rect.x1).all(|(word, bits)| {
+            (first..=last).all(|tile| {
+                let rows = (tile * TILE_ROWS).max(usize::from(rect.y0))
+                    ..((tile + 1) * TILE_ROWS).min(usize::from(rect.y1));
+                self.tiles[tile * self.words + word] == 0
+                    || rows
+                        .into_iter()
+                        .all(|y| self.open[y * self.words + word] & bits == 0)
+            })
+        })
+    }
+
+    /// Lets a triangle own the open samples of a run.
+    #[inline(always)]
+    fn paint(&mut self, y: u16, x0: u16, x1: u16, triangle: &Triangle) {
+        let row = usize::from(y) * self.words;
+        let tiles = usize::from(y) / TILE_ROWS * self.words;
+        for (word, bits) in words_of(x0, x1) {
+            let mut mine = self.open[row + word] & bits;
+            self.open[row + word] &= !bits;
+            self.tiles[tiles + word] -= mine.count_ones() as u16;
+            while mine != 0 {
+                let start = mine.trailing_zeros();
+                let length = (mine >> start).trailing_ones();
+                let x = word as u32 * 64 + start;
+                self.samples
+                    .paint_over(y, x as u16, (x + length) as u16, triangle);
+                mine = mine
+                    .checked_shr(start + length)
+                    .map_or(0, |rest| rest << (start + length));
+            }
+        }
+    }
+}
+
+/// The words that hold columns `x0..x1` of a row, at least one, with a bit for each of them.
+#[inline(always)]
+fn words_of(x0: u16, x1: u16) -> impl Iterator<Item = (usize, u64)> + Clone {
+    let [first, last] = [x0, x1 - 1].map(|x| usize::from(x) / 64);
+    (first..=last).map(move |word| {
+        let from = u64::MAX << (if word == first { x0 % 64 } else { 0 });
+        let to = u64::MAX >> (if word == last { 63 - (x1 - 1) % 64 } else { 0 });
+        (word, from & to)
+    })
+}
+
+impl Sink for Painted {
+    #[inline(always)]
+    fn hides(&mut self, rect: &Rect, _nearest: f32) -> bool {
+        self.is_full(rect)
+    }
+
+    #[inline(always)]
+    fn band(&mut self, band: &Band, triangle: &Triangle) {
+        for (y, [x0, x1]) in band.rows() {
+            self.paint(y, x0, x1, triangle);
+        }
+    }
+}

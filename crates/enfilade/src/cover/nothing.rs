@@ -1,0 +1,84 @@
+//! Hides nothing: what comes later is painted over what came before.
+//!
+//! Right only as far as its order is: nothing may come before what it hides. Owners are painted, not colours, so that
+//! each sample is shaded once and what is left says what was seen.
+//! Source: the painter's algorithm; Newell, Newell, Sancha, A Solution to the Hidden Surface Problem, 1972.
+//! Cost: clear and finish O(samples of the aperture); a face O(samples it covers), hidden or not.
+//! Its contract is its order's.
+
+use super::raster::{Band, Raster, Sink};
+use super::samples::{Samples, look_through};
+use super::triangle::Triangle;
+use super::{Cover, Sight};
+use crate::aperture::Rect;
+use crate::canvas::Canvas;
+use crate::content::Content;
+use crate::faces::Faces;
+use crate::order::FarToNear;
+use crate::passage::Passage;
+use crate::region::Region;
+use crate::seen::Seen;
+use crate::stats::Stats;
+
+/// Hides nothing: paints over.
+#[derive(Default)]
+pub struct Nothing {
+    raster: Raster,
+    painted: Painted,
+}
+
+#[derive(Default)]
+struct Painted(Samples);
+
+impl Cover for Nothing {
+    type CullNeeds = FarToNear;
+    type DrawNeeds = FarToNear;
+    const PRIMES: bool = false;
+
+    fn clear(&mut self, passage: &Passage, trace: bool) {
+        self.painted.0.shape(passage, trace);
+        self.painted.0.open(passage, |_, _| {});
+    }
+
+    fn sees(&mut self, _region: &Region) -> Sight {
+        Sight::Partly
+    }
+
+    fn add(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, _canvas: Option<&mut dyn Canvas>) {
+        self.painted.0.begin_batch();
+        self.raster.run(faces, passage, &mut self.painted, stats);
+    }
+
+    fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Seen) {
+        let depth = |x, y| self.painted.0.depth(x, y);
+        look_through(depth, &mut self.raster, faces, passage, stats, seen);
+    }
+
+    fn finish(
+        &mut self,
+        content: &Content,
+        _passage: &Passage,
+        seen: &mut Seen,
+        canvas: Option<&mut dyn Canvas>,
+    ) {
+        self.painted.0.report(content, seen, canvas);
+    }
+
+    fn needs_bytes(size: [u32; 2]) -> u64 {
+        Samples::needs_bytes(size)
+    }
+}
+
+impl Sink for Painted {
+    #[inline(always)]
+    fn hides(&mut self, _rect: &Rect, _nearest: f32) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn band(&mut self, band: &Band, triangle: &Triangle) {
+        for (y, [x0, x1]) in band.rows() {
+            self.0.paint_over(y, x0, x1, triangle);
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! A triangle on the screen, and how near it is along a row.
+
+use crate::aperture::Rect;
+use glam::DVec3;
+use std::cmp::Ordering;
+
+/// A triangle whose samples are being handed out.
+#[derive(Clone, Copy)]
+pub(super) struct Triangle {
+    /// The number of its face.
+    pub(super) owner: u32,
+    /// Nearness at a sample is `nearness · (x + ½, y + ½, 1)`, kept within `least` and `greatest`.
+    pub(super) nearness: DVec3,
+    pub(super) least: f64,
+    pub(super) greatest: f64,
+}
+
+/// Nearness along one row.
+#[derive(Clone, Copy)]
+pub(super) struct Row {
+    base: f64,
+    step: f64,
+    least: f64,
+    greatest: f64,
+}
+
+impl Triangle {
+    /// Bits of the greatest nearness of any sample.
+    #[inline(always)]
+    pub(super) fn nearest(&self) -> u32 {
+        (self.greatest as f32).to_bits()
+    }
+
+    /// Nearness along row `y`.
+    #[inline(always)]
+    pub(super) fn row(&self, y: u16) -> Row {
+        Row {
+            base: self.nearness.y * (f64::from(y) + 0.5) + (self.nearness.x * 0.5 + self.nearness.z),
+            step: self.nearness.x,
+            least: self.least,
+            greatest: self.greatest,
+        }
+    }
+}
+
+impl Triangle {
+    /// Is it nearer (`Greater`) or farther (`Less`) than another at every sample of `rect`, where both are there, by
+    /// more than samples are rounded by? `None` where neither is certain.
+    #[inline(always)]
+    pub(super) fn beside(&self, other: &Triangle, rect: &Rect) -> Option<Ordering> {
+        const ROUNDING: f64 = 1.0 / (1_u64 << 20) as f64;
+        let [mut nearer, mut farther] = [true, true];
+        // Both are linear, and so is their difference: what holds at the corners holds between them.
+        for y in [rect.y0, rect.y1 - 1] {
+            let [mine, theirs] = [self.row(y), other.row(y)];
+            for x in [rect.x0, rect.x1 - 1] {
+                let x = f64::from(x);
+                let [mine, theirs] = [mine.base + mine.step * x, theirs.base + theirs.step * x];
+                nearer &= mine > theirs * (1.0 + ROUNDING);
+                farther &= mine < theirs * (1.0 - ROUNDING);
+            }
+        }
+        match (nearer, farther) {
+            (true, false) => Some(Ordering::Greater),
+            (false, true) => Some(Ordering::Less),
+            _ => None,
+        }
+    }
+}
+
+impl Row {
+    /// Nearness at column `x`, as bits: those of a positive f32 sort as it does.
+    #[inline(always)]
+    pub(super) fn bits(&self, x: i32) -> u32 {
+        let z = self.base + self.step * f64::from(x);
+        let z = if z < self.least { self.least } else { z };
+        let z = if z > self.greatest { self.greatest } else { z };
+        (z as f32).to_bits()
+    }
+}

@@ -1,0 +1,233 @@
+//! Faces sorted far to near by one number each, as seen from where the eye is.
+//!
+//! Nothing is built, so content may change at will; each look sorts anew.
+//! Source: the painter's algorithm; its two keys, the nearest corner's and the mean distance, from the thesis Painter's
+//!     Algorithm and Binary Space Partitioning, section 1.1.
+//! Cost: O(faces in view) by a radix sort of flat arrays.
+//! Approximate: one number cannot order long faces beside small ones, cycles, or faces that cross: `@overlap`, `@cycle`
+//!     and `@crossing-triangles` show it. Right for things apart from each other, and faces of like size.
+
+use super::items::opening_faces;
+use super::{FarToNear, Order, Visit};
+use crate::content::{Alpha, Content, ItemId, OpeningId};
+use crate::faces::Faces;
+use crate::passage::Passage;
+use crate::region::Region;
+use glam::DAffine3;
+use std::marker::PhantomData;
+
+/// Faces sorted far to near.
+pub struct DepthSort<K>(PhantomData<fn() -> K>);
+
+/// What faces are sorted by, from the distances of their corners along the line of sight.
+pub trait SortKey: Send + Sync + 'static {
+    /// The one number of a face.
+    fn key(distances: impl ExactSizeIterator<Item = f32>) -> f32;
+}
+
+/// The distance of the nearest corner.
+pub struct Min;
+/// The mean distance of all corners.
+pub struct Mean;
+
+impl SortKey for Min {
+    #[inline(always)]
+    fn key(distances: impl ExactSizeIterator<Item = f32>) -> f32 {
+        distances.fold(f32::INFINITY, f32::min)
+    }
+}
+
+impl SortKey for Mean {
+    #[inline(always)]
+    fn key(distances: impl ExactSizeIterator<Item = f32>) -> f32 {
+        let count = distances.len() as f32;
+        distances.sum::<f32>() / count
+    }
+}
+
+/// The faces of a walk, and room to sort them.
+#[derive(Default)]
+pub struct Sorting {
+    items: Vec<(ItemId, DAffine3)>,
+    faces: Vec<Sorted>,
+    spare: Vec<Sorted>,
+    distances: Vec<f32>,
+}
+
+/// A face by its key.
+#[derive(Clone, Copy, Default)]
+struct Sorted {
+    key: u32,
+    /// The item by its place in [`Sorting::items`]; past the last, an opening.
+    item: u32,
+    face: u32,
+}
+
+impl<K: SortKey> Order for DepthSort<K> {
+    type Gives = FarToNear;
+    type Scratch = Sorting;
+
+    fn build(_content: &Content) -> DepthSort<K> {
+        DepthSort(PhantomData)
+    }
+
+    fn needs_bytes(content: &Content) -> u64 {
+        2 * content.triangle_count() * size_of::<Sorted>() as u64
+    }
+
+    fn bytes(&self) -> u64 {
+        0
+    }
+
+    fn visit(&self, content: &Content, passage: &Passage, sorting: &mut Sorting, visit: &mut impl Visit) {
+        sorting.items.clear();
+        sorting.faces.clear();
+        for item in 0..content.items().len() as u32 {
+            sorting.add::<K>(content, passage, ItemId(item), visit);
+        }
+        let openings = if passage.flat {
+            0
+        } else {
+            content.openings().len() as u16
+        };
+        for opening in 0..openings {
+            sorting.add_opening::<K>(content, passage, OpeningId(opening));
+        }
+        sorting.sort();
+        for &Sorted { item, face, .. } in &sorting.faces {
+            match sorting.items.get(item as usize) {
+                Some((item, screen_from_item)) => {
+                    visit.faces(&Faces::of_face(content, *item, face, screen_from_item, &[]));
+                }
+                None => visit.faces(&opening_faces(content, passage, OpeningId(face as u16))),
+            }
+        }
+    }
+}
+
+impl Sorting {
+    /// Adds the opaque faces of an item that may be in view; others are handed out at once, for they are painted last.
+    fn add<K: SortKey>(
+        &mut self,
+        content: &Content,
+        passage: &Passage,
+        item: ItemId,
+        visit: &mut impl Visit,
+    ) {
+        let screen_from_item = passage.screen_from(&content.item(item).transform());
+        let place = self.items.len() as u32;
+        let mesh = content.mesh_of(item);
+        let mut added = false;
+        for (number, cluster) in mesh.clusters().iter().enumerate() {
+            let region = Region::of(passage, &screen_from_item, &cluster.bounds);
+            if !region.is_some_and(|region| visit.enter(&region)) {
+                continue;
+            }
+            if content.material_of(cluster).alpha != Alpha::Opaque {
+                visit.faces(&Faces::of_cluster(
+                    content,
+                    item,
+                    number as u32,
+                    &screen_from_item,
+                ));
+                continue;
+            }
+            added = true;
+            let [x, y, z, w] = along_sight(&screen_from_item);
+            let distance = |p: &[f32; 3]| x * p[0] + y * p[1] + z * p[2] + w;
+            let used = cluster.positions.start as usize..cluster.positions.end as usize;
+            self.distances.clear();
+            self.distances.extend(mesh.positions()[used].iter().map(distance));
+            for face in cluster.faces.clone() {
+                let corners = mesh.face(face).iter();
+                let key = K::key(corners.map(|&at| self.distances[(at - cluster.positions.start) as usize]));
+                self.faces.push(Sorted {
+                    key: far_first(key),
+                    item: place,
+                    face,
+                });
+            }
+        }
+        if added {
+            self.items.push((item, screen_from_item));
+        }
+    }
+
+    fn add_opening<K: SortKey>(&mut self, content: &Content, passage: &Passage, opening: OpeningId) {
+        let [x, y, z, w] = along_sight(&passage.screen_from_fragment);
+        let corners = content.openings()[usize::from(opening.0)].outline.corners();
+        let key = K::key(corners.iter().map(|p| x * p[0] + y * p[1] + z * p[2] + w));
+        self.faces.push(Sorted {
+            key: far_first(key),
+            item: u32::MAX,
+            face: u32::from(opening.0),
+        });
+    }
+
+    /// Sorts by key, a byte at a time from the last; of equal keys the lowest face comes last, to be in front.
+    fn sort(&mut self) {
+        self.faces.reverse();
+        self.spare.resize(self.faces.len(), Sorted::default());
+        for shift in [0, 8, 16, 24] {
+            let digit = |sorted: &Sorted| (sorted.key >> shift) as usize & 0xFF;
+            let mut starts = [0_u32; 256];
+            for sorted in &self.faces {
+                starts[digit(sorted)] += 1;
+            }
+            if starts.iter().any(|&count| count as usize == self.faces.len()) {
+                continue;
+            }
+            let mut sum = 0;
+            for start in &mut starts {
+                sum += std::mem::replace(start, sum);
+            }
+            for sorted in &self.faces {
+                let place = &mut starts[digit(sorted)];
+                self.spare[*place as usize] = *sorted;
+                *place += 1;
+            }
+            std::mem::swap(&mut self.faces, &mut self.spare);
+        }
+    }
+}
+
+/// The row of a map that gives the distance along the line of sight.
+fn along_sight(screen_from_local: &DAffine3) -> [f32; 4] {
+    let DAffine3 { matrix3, translation } = screen_from_local;
+    [
+        matrix3.x_axis.z,
+        matrix3.y_axis.z,
+        matrix3.z_axis.z,
+        translation.z,
+    ]
+    .map(|value| value as f32)
+}
+
+/// A number that is the smaller the farther a face is.
+fn far_first(distance: f32) -> u32 {
+    let bits = distance.to_bits();
+    // The bits of positive numbers sort as they do, those of negative ones the other way round.
+    let ascending = if bits >> 31 == 0 { bits | 1 << 31 } else { !bits };
+    !ascending
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_farthest_comes_first_and_of_equally_far_faces_the_last() {
+        let distances = [3.0, 1e9, -2.0, 0.0, 3.0, 1e-9, -0.5, 1e9, 3.0];
+        let mut sorting = Sorting::default();
+        for (face, &distance) in distances.iter().enumerate() {
+            sorting.faces.push(Sorted {
+                key: far_first(distance),
+                item: 0,
+                face: face as u32,
+            });
+        }
+        sorting.sort();
+        let order: Vec<u32> = sorting.faces.iter().map(|sorted| sorted.face).collect();
+        assert_eq!(order, [7, 1, 8, 4, 0, 5, 3, 6, 2]);
+    }
+}

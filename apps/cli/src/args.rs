@@ -114,8 +114,7 @@ pub(crate) struct CompareArgs {
     pub(crate) json: JsonArg,
     #[command(flatten)]
     pub(crate) cameras: CameraArgs,
-    /// z-buffer, hierarchical-z, or all
-    #[arg(long, value_name = "NAME", default_value = "all", help_heading = "Methods", value_parser = values::method)]
+    #[arg(long, value_name = "NAME", help = values::methods(), default_value = "all", help_heading = "Methods", value_parser = values::method)]
     pub(crate) method: Choice,
     #[command(flatten)]
     pub(crate) how: HowArgs,
@@ -196,8 +195,7 @@ pub(crate) struct CameraArgs {
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Methods")]
 pub(crate) struct MethodArgs {
-    /// z-buffer, hierarchical-z, or all [default: each fragment's own, hierarchical-z where nothing is said]
-    #[arg(long, value_name = "NAME", value_parser = values::method)]
+    #[arg(long, value_name = "NAME", help = values::methods_or_own(), value_parser = values::method)]
     method: Option<Choice>,
     #[command(flatten)]
     pub(crate) how: HowArgs,

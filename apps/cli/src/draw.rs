@@ -42,7 +42,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
         out::warn(format_args!("{method} is skipped: {why}"));
     }
     let measured = args.json.file.is_some();
-    let passes = if measured { 2 * (1 + PASSES) } else { 1 };
+    let passes = if measured { 2 + 3 * PASSES } else { 1 };
     let progress = Progress::steps("drawing", prepared.len() * views.len() * passes);
     let (mut reports, mut said) = (Vec::new(), String::new());
     for prepared in &prepared {
@@ -65,9 +65,10 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
         }
         if measured {
             let draws = measure::draws(prepared, &views, &mut viewer, args.show, &progress);
+            let walks = measure::walks(prepared, &views, &mut viewer, &progress);
             let looks = measure::looks(prepared, &views, &mut prepared.viewer(), &progress);
             let mut report = Report::new(&opened, prepared, &views, args.cameras.size, looks);
-            report.add_draws(&draws);
+            report.add_times(&draws, &walks);
             for (view, file) in report.views.iter_mut().zip(&files) {
                 view.picture = Some(file.display().to_string());
             }

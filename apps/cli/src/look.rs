@@ -51,7 +51,7 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
 }
 
 /// Prints what is missed or painted wrongly on standard error, whether the contract allows it or not.
-fn tell_what_is_wrong(report: &Report) {
+pub(crate) fn tell_what_is_wrong(report: &Report) {
     for (number, view) in report.views.iter().enumerate() {
         let Some(check) = &view.check else { continue };
         let place = || {

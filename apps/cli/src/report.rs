@@ -25,8 +25,7 @@ pub(crate) struct Report {
     pub(crate) threads: usize,
     pub(crate) simd: &'static str,
     pub(crate) build_ms: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) faces_built: Option<u64>,
+    pub(crate) faces_built: u64,
     pub(crate) bytes: u64,
     /// Of the last pass, summed over the views.
     #[serde(serialize_with = "as_map")]
@@ -196,7 +195,7 @@ impl Report {
             threads: rayon::current_num_threads(),
             simd: enfilade::simd_level(),
             build_ms: rounded(prepared.build_ms),
-            faces_built: None,
+            faces_built: prepared.scene.built().faces,
             bytes: prepared.bytes(size),
             stats: looks.stats,
             summary: Summary {
@@ -216,10 +215,11 @@ impl Report {
         }
     }
 
-    /// Adds what drawing each view took.
-    pub(crate) fn add_draws(&mut self, draw_ms: &[f64]) {
-        for (view, &ms) in self.views.iter_mut().zip(draw_ms) {
-            view.draw_ms = Some(rounded(ms));
+    /// Adds what drawing each view took, and walking its orders alone.
+    pub(crate) fn add_times(&mut self, draw_ms: &[f64], order_ms: &[f64]) {
+        for (view, (&draw, &order)) in self.views.iter_mut().zip(draw_ms.iter().zip(order_ms)) {
+            view.draw_ms = Some(rounded(draw));
+            view.order_ms = Some(rounded(order));
         }
     }
 

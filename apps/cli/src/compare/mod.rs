@@ -14,6 +14,8 @@ use crate::Outcome;
 use crate::args::CompareArgs;
 use crate::cameras;
 use crate::check::{Found, hold};
+use crate::draw::draw;
+use crate::look::tell_what_is_wrong;
 use crate::measure::{self, PASSES};
 use crate::open::{allow_threads, open};
 use crate::out;
@@ -24,7 +26,7 @@ use crate::save::Destination;
 use crate::text::plural;
 use anyhow::{Result, bail};
 use enfilade::laws::Reference;
-use enfilade::{View, Viewer};
+use enfilade::{Scene, View, Viewer};
 use enfilade_draw::Show;
 use pictures::{Artist, ViewPictures};
 use std::fs;
@@ -34,6 +36,8 @@ use std::path::Path;
 struct Comparison<'a> {
     args: &'a CompareArgs,
     scene: SceneReport,
+    /// Before any is cut.
+    faces: u64,
     views: usize,
     /// One for each method, checked.
     reports: &'a [Report],
@@ -55,12 +59,19 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
     }
     let mut viewers: Vec<Viewer> = prepared.iter().map(Prepared::viewer).collect();
     let mut reports = Vec::new();
-    let progress = Progress::steps("measuring", prepared.len() * views.len() * (1 + 2 * PASSES));
+    // The first pictures of a run are slow, whoever draws them.
+    for (prepared, viewer) in prepared.iter().zip(&mut viewers) {
+        views
+            .first()
+            .map(|view| draw(prepared, viewer, view, Show::Image));
+    }
+    let progress = Progress::steps("measuring", prepared.len() * views.len() * (1 + 3 * PASSES));
     for (prepared, viewer) in prepared.iter().zip(&mut viewers) {
         let looks = measure::looks(prepared, &views, viewer, &progress);
         let draws = measure::draws(prepared, &views, viewer, Show::Image, &progress);
+        let walks = measure::walks(prepared, &views, viewer, &progress);
         let mut report = Report::new(&opened, prepared, &views, args.cameras.size, looks);
-        report.add_draws(&draws);
+        report.add_times(&draws, &walks);
         reports.push(report);
     }
     drop(progress);
@@ -71,6 +82,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
     let comparison = Comparison {
         args,
         scene: SceneReport::new(&opened),
+        faces: faces(&opened.scene),
         views: views.len(),
         reports: &reports,
         skipped: &skipped,
@@ -81,12 +93,20 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
     if !args.json.takes_stdout() {
         out::print(&for_people(&comparison))?;
     }
+    // What is allowed to be wrong is on the page.
+    let broken = reports.iter().filter(|report| report.breaks_its_contract());
+    broken.for_each(tell_what_is_wrong);
     let outcome = Outcome::of(&reports);
     sink.write(&Reports::All {
         methods: reports,
         skipped,
     })?;
     Ok(outcome)
+}
+
+fn faces(scene: &Scene) -> u64 {
+    let contents = scene.fragments().filter_map(|id| scene.content(id));
+    contents.map(|content| content.face_count()).sum()
 }
 
 fn destination(path: &Path) -> Result<Destination> {

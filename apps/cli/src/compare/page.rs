@@ -57,7 +57,7 @@ struct Chart {
     title: &'static str,
     about: &'static str,
     unit: Unit,
-    value: fn(&Report) -> Option<f64>,
+    value: fn(&Comparison, &Report) -> Option<f64>,
 }
 
 const CHARTS: [Chart; 6] = [
@@ -65,35 +65,35 @@ const CHARTS: [Chart; 6] = [
         title: "Draw",
         about: "ms a picture, shading included",
         unit: Unit::Milliseconds,
-        value: |report| report.median_ms(|view| view.draw_ms),
+        value: |_, report| report.median_ms(|view| view.draw_ms),
     },
     Chart {
         title: "Look",
         about: "ms for the visible set",
         unit: Unit::Milliseconds,
-        value: |report| report.median_ms(|view| Some(view.ms)),
+        value: |_, report| report.median_ms(|view| Some(view.ms)),
     },
     Chart {
         title: "Order",
         about: "ms to walk it, nothing hidden",
         unit: Unit::Milliseconds,
-        value: |report| report.median_ms(|view| view.order_ms),
+        value: |_, report| report.median_ms(|view| view.order_ms),
     },
     Chart {
         title: "Build",
         about: "ms, once",
         unit: Unit::Milliseconds,
-        value: |report| Some(report.build_ms),
+        value: |_, report| Some(report.build_ms),
     },
     Chart {
         title: "Memory",
         about: "of scene, order and buffers",
         unit: Unit::Bytes,
-        value: |report| Some(report.bytes as f64),
+        value: |_, report| Some(report.bytes as f64),
     },
     Chart {
         title: "Growth of faces",
-        about: "faces built for each of the scene",
+        about: "faces built for each there is",
         unit: Unit::Times,
         value: summary::growth,
     },
@@ -112,7 +112,7 @@ fn charts(comparison: &Comparison) -> Result<String> {
         let bars = comparison.reports.iter().filter_map(|report| {
             Some(Bar {
                 method: report.method,
-                value: value(report)?,
+                value: value(comparison, report)?,
             })
         });
         let bars: Vec<Bar> = bars.collect();

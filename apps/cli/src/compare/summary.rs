@@ -15,7 +15,18 @@ struct Column {
     hint: &'static str,
     /// On standard output, where lines are short; left out where that is empty.
     short: &'static str,
-    cell: fn(&Report) -> String,
+    cell: fn(&Comparison, &Report) -> String,
+}
+
+impl Column {
+    /// What is not on standard output is not on a narrow page either.
+    fn class(&self) -> &'static str {
+        if self.short.is_empty() {
+            " class=\"minor\""
+        } else {
+            ""
+        }
+    }
 }
 
 const COLUMNS: [Column; 11] = [
@@ -23,49 +34,51 @@ const COLUMNS: [Column; 11] = [
         name: "build ms",
         hint: "building what the method needs over the scene, once",
         short: "build ms",
-        cell: |report| ms(report.build_ms),
+        cell: |_, report| ms(report.build_ms),
     },
     Column {
         name: "faces built",
         hint: "faces after the method has cut them where it must",
         short: "",
-        cell: |report| report.faces_built.map_or_else(none, count),
+        cell: |_, report| count(report.faces_built),
     },
     Column {
         name: "growth",
         hint: "faces built for each face of the scene",
         short: "growth",
-        cell: |report| growth(report).map_or_else(none, |growth| format!("{growth:.2}×")),
+        cell: |comparison, report| {
+            growth(comparison, report).map_or_else(none, |growth| format!("{growth:.2}×"))
+        },
     },
     Column {
         name: "memory",
         hint: "the scene, what is built over it, and the buffers for this screen",
         short: "memory",
-        cell: |report| bytes(report.bytes),
+        cell: |_, report| bytes(report.bytes),
     },
     Column {
         name: "order ms",
         hint: "walking the order alone, nothing hidden",
         short: "order ms",
-        cell: |report| report.median_ms(|view| view.order_ms).map_or_else(none, ms),
+        cell: |_, report| report.median_ms(|view| view.order_ms).map_or_else(none, ms),
     },
     Column {
         name: "look ms",
         hint: "the visible set, without a picture",
         short: "look ms",
-        cell: |report| ms(report.summary.ms_median),
+        cell: |_, report| ms(report.summary.ms_median),
     },
     Column {
         name: "draw ms",
         hint: "the picture, shading included",
         short: "draw ms",
-        cell: |report| report.median_ms(|view| view.draw_ms).map_or_else(none, ms),
+        cell: |_, report| report.median_ms(|view| view.draw_ms).map_or_else(none, ms),
     },
     Column {
         name: "items",
         hint: "items in the visible set, the mean over the views",
         short: "items",
-        cell: |report| {
+        cell: |_, report| {
             let mean = report.summary.items_visible_mean;
             if report.summary.views == 1 {
                 count(mean as u64)
@@ -78,19 +91,19 @@ const COLUMNS: [Column; 11] = [
         name: "missed",
         hint: "items that certainly are seen and are not in the set, over all views",
         short: "missed",
-        cell: |report| count(report.summary.missed as u64),
+        cell: |_, report| count(report.summary.missed as u64),
     },
     Column {
         name: "pixels wrong",
         hint: "samples painted with what no possible owner allows, over all views",
         short: "wrong px",
-        cell: |report| count(report.summary.pixels_different),
+        cell: |_, report| count(report.summary.pixels_different),
     },
     Column {
         name: "contested",
         hint: "samples that more than one item may own, over all views; whoever is painted there is right",
         short: "",
-        cell: |report| {
+        cell: |_, report| {
             let checks = report.views.iter().filter_map(|view| view.check.as_ref());
             count(checks.map(|check| check.pixels_contested).sum())
         },
@@ -102,20 +115,19 @@ fn none() -> String {
 }
 
 /// Faces built for each face of the scene.
-pub(super) fn growth(report: &Report) -> Option<f64> {
-    let of = report.scene.triangles;
-    report
-        .faces_built
-        .filter(|_| of > 0)
-        .map(|built| built as f64 / of as f64)
+pub(super) fn growth(comparison: &Comparison, report: &Report) -> Option<f64> {
+    (comparison.faces > 0).then(|| report.faces_built as f64 / comparison.faces as f64)
 }
 
 /// How a method stands before the reference: a class of the style sheet, and words.
 pub(super) fn standing(report: &Report) -> (&'static str, &'static str) {
+    if report.views.is_empty() {
+        return ("allowed", "not looked at");
+    }
     match (report.is_wrong(), report.contract) {
         (false, Contract::Conservative) => ("right", "misses nothing"),
         (false, _) => ("right", "right"),
-        (true, Contract::Approximate) => ("allowed", "wrong, as it may be"),
+        (true, Contract::Approximate) => ("allowed", "wrong, as allowed"),
         (true, _) => ("broken", "breaks its contract"),
     }
 }
@@ -128,7 +140,7 @@ pub(super) fn as_text(comparison: &Comparison) -> String {
     header.push("verdict");
     let row = |report: &Report| {
         let mut row = vec![report.method.to_owned(), report.contract.to_string()];
-        row.extend(columns().map(|column| (column.cell)(report)));
+        row.extend(columns().map(|column| (column.cell)(comparison, report)));
         row.push(standing(report).1.to_owned());
         row
     };
@@ -139,14 +151,18 @@ pub(super) fn as_text(comparison: &Comparison) -> String {
 pub(super) fn as_html(comparison: &Comparison) -> String {
     let mut html = String::from(
         "<div class=\"wide\"><table class=\"summary\"><thead><tr><th scope=\"col\">method</th>\
-         <th scope=\"col\" class=\"word\">contract</th>",
+         <th scope=\"col\" class=\"word\">verdict</th><th scope=\"col\" class=\"word minor\">contract</th>",
     );
-    for Column { name, hint, .. } in &COLUMNS {
-        html += &format!("<th scope=\"col\" title=\"{hint}\">{name}</th>");
+    for column in &COLUMNS {
+        let Column { name, hint, .. } = column;
+        html += &format!(
+            "<th scope=\"col\" title=\"{hint}\"{class}>{name}</th>",
+            class = column.class()
+        );
     }
-    html += "<th scope=\"col\" class=\"word\">verdict</th></tr></thead>\n<tbody>\n";
+    html += "</tr></thead>\n<tbody>\n";
     for report in comparison.reports {
-        html += &row(report);
+        html += &row(comparison, report);
     }
     html += "</tbody></table></div>\n";
     if !comparison.skipped.is_empty() {
@@ -163,17 +179,18 @@ pub(super) fn as_html(comparison: &Comparison) -> String {
     html
 }
 
-fn row(report: &Report) -> String {
+fn row(comparison: &Comparison, report: &Report) -> String {
+    let (class, words) = standing(report);
     let mut row = format!(
-        "<tr><th scope=\"row\">{}</th><td class=\"word\">{}</td>",
+        "<tr><th scope=\"row\">{}<small class=\"narrow\">{contract}</small></th>\
+         <td class=\"word\"><span class=\"badge {class}\">{words}</span></td><td class=\"word minor\">{contract}</td>",
         method(report.method),
-        report.contract
+        contract = report.contract
     );
     for column in &COLUMNS {
-        row += &format!("<td>{}</td>", (column.cell)(report));
+        row += &format!("<td{}>{}</td>", column.class(), (column.cell)(comparison, report));
     }
-    let (class, words) = standing(report);
-    row + &format!("<td class=\"word\"><span class=\"badge {class}\">{words}</span></td></tr>\n")
+    row + "</tr>\n"
 }
 
 /// A method's name, after a square of its colour.
@@ -192,11 +209,12 @@ pub(super) fn scene_facts(comparison: &Comparison) -> Vec<(&'static str, String)
     let mut facts = vec![
         ("items", count(scene.items as u64)),
         ("triangles", count(scene.triangles)),
+        ("faces", count(comparison.faces)),
         ("fragments", count(scene.fragments as u64)),
         ("portals", count(scene.portals as u64)),
         ("screen", format!("{width} × {height}")),
         ("views", count(comparison.views as u64)),
-        ("threads allowed", rayon::current_num_threads().to_string()),
+        ("threads", rayon::current_num_threads().to_string()),
         ("SIMD", enfilade::simd_level().to_owned()),
     ];
     if comparison.args.how.flat {

@@ -44,7 +44,7 @@ pub(super) fn marked(
 }
 
 fn mixed(grey: u8, mark: u8) -> u8 {
-    ((6 * u32::from(grey) + 4 * u32::from(mark)) / 10) as u8
+    ((4 * u32::from(grey) + 6 * u32::from(mark)) / 10) as u8
 }
 
 #[cfg(test)]

@@ -21,6 +21,9 @@ pub struct Faces<'a> {
     pub(crate) corners: &'a [u32],
     /// Where each face's corners begin, counted from `starts[0]`, and the end; `None`: every three.
     pub(crate) starts: Option<&'a [u32]>,
+    /// For each corner, the face of the batch across the edge that begins there, or [`NONE`](crate::mesh::NONE); empty
+    /// where it is not known.
+    pub(crate) neighbours: &'a [u8],
     /// From the space of the positions to (X, Y, W).
     pub(crate) screen_from_local: &'a DAffine3,
     /// Does the item's place turn left hands into right ones? The front stays the front. A place that flattens does
@@ -71,6 +74,7 @@ impl<'a> Faces<'a> {
             first_position: positions.start,
             corners,
             starts,
+            neighbours: mesh.neighbours(faces.clone()),
             screen_from_local,
             mirrored: content.item(item).transform().mirrors(),
             double_sided: material.double_sided,
@@ -94,6 +98,7 @@ impl<'a> Faces<'a> {
             first_owner: content.first_face(item) + face,
             corners,
             starts,
+            neighbours: &[],
             cuts,
             ..Faces::of_cluster(content, item, number, screen_from_local)
         }
@@ -115,6 +120,7 @@ impl<'a> Faces<'a> {
             first_position: 0,
             corners,
             starts: Some(ends),
+            neighbours: &[],
             screen_from_local: screen_from_fragment,
             mirrored: false,
             double_sided: false,

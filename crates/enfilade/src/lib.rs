@@ -71,14 +71,16 @@ pub use fragment::{Built, Fragment, Hit, Ray, Surface};
 pub use geom::{Aabb, ConvexPolygon, Transform};
 pub use memory::Memory;
 pub use mesh::{Cluster, Mesh, MeshError, Part};
-pub use method::{Contract, HierarchicalZ, Method, PainterMean, PainterMin, Paired, TooLarge, ZBuffer};
+pub use method::{
+    Contract, HierarchicalZ, Method, PainterMean, PainterMin, Paired, SBuffer, TooLarge, ZBuffer,
+};
 pub use passage::{Passage, PassageId};
 pub use query::{Standpoint, survey};
 pub use region::Region;
 pub use scene::{End, FragmentId, NestedId, Portal, PortalId, Scene, SceneBuilder, SceneError};
 pub use seen::Seen;
 pub use simd::simd_level;
-pub use stats::Stats;
+pub use stats::{SpanStats, Stats};
 pub use view::{View, ViewError};
 pub use viewer::{Limits, Viewer};
 pub use visible::{VisibleItem, VisibleSet};

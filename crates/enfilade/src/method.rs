@@ -2,7 +2,7 @@
 
 use crate::canvas::Canvas;
 use crate::content::{Alpha, Content, ItemId, Opening};
-use crate::cover::{Cover, DepthBuffer, DepthPyramid, Nothing, Sight};
+use crate::cover::{Cover, DepthBuffer, DepthPyramid, Nothing, Sight, SpanBuffer};
 use crate::faces::{Faces, Of};
 use crate::fragment::{Built, Fragment, Hit, Ray, Surface};
 use crate::geom::Aabb;
@@ -34,6 +34,10 @@ pub type PainterMean = Paired<DepthSort<Mean>, Nothing>;
 /// z-buffer: any order, and at each sample the nearest face. Catmull 1974; Boreskov, Using portals.
 pub type ZBuffer = Paired<Unordered, DepthBuffer>;
 
+/// s-buffer: any order, and for each row the spans that are seen. Boreskov, Hierarchical s-buffer for scenes of high
+/// complexity, section 2.
+pub type SBuffer = Paired<Unordered, SpanBuffer>;
+
 /// Hierarchical z-buffer: an octree near to far, and a pyramid of farthest depths that hides whole nodes. Greene, Kass,
 /// Miller, SIGGRAPH 1993.
 pub type HierarchicalZ = Paired<OctreeOrder, DepthPyramid>;
@@ -48,6 +52,8 @@ pub enum Method {
     PainterMean,
     /// See [`ZBuffer`](crate::ZBuffer).
     ZBuffer,
+    /// See [`SBuffer`](crate::SBuffer).
+    SBuffer,
     /// See [`HierarchicalZ`](crate::HierarchicalZ).
     HierarchicalZ,
 }
@@ -100,10 +106,11 @@ impl TooLarge {
 
 impl Method {
     /// Every method there is.
-    pub const ALL: [Method; 4] = [
+    pub const ALL: [Method; 5] = [
         Method::PainterMin,
         Method::PainterMean,
         Method::ZBuffer,
+        Method::SBuffer,
         Method::HierarchicalZ,
     ];
 
@@ -116,6 +123,7 @@ impl Method {
             Method::PainterMin => "painter-min",
             Method::PainterMean => "painter-mean",
             Method::ZBuffer => "z-buffer",
+            Method::SBuffer => "s-buffer",
             Method::HierarchicalZ => "hierarchical-z",
         }
     }
@@ -129,7 +137,7 @@ impl Method {
     pub fn contract(self) -> Contract {
         match self {
             Method::PainterMin | Method::PainterMean => Contract::Approximate,
-            Method::ZBuffer | Method::HierarchicalZ => Contract::Exact,
+            Method::ZBuffer | Method::SBuffer | Method::HierarchicalZ => Contract::Exact,
         }
     }
 
@@ -142,6 +150,7 @@ impl Method {
             Method::PainterMin => Arc::new(PainterMin::build(self, content, limit_bytes)?),
             Method::PainterMean => Arc::new(PainterMean::build(self, content, limit_bytes)?),
             Method::ZBuffer => Arc::new(ZBuffer::build(self, content, limit_bytes)?),
+            Method::SBuffer => Arc::new(SBuffer::build(self, content, limit_bytes)?),
             Method::HierarchicalZ => Arc::new(HierarchicalZ::build(self, content, limit_bytes)?),
         })
     }
@@ -151,6 +160,7 @@ impl Method {
         match self {
             Method::PainterMin | Method::PainterMean => Nothing::needs_bytes(size),
             Method::ZBuffer => DepthBuffer::needs_bytes(size),
+            Method::SBuffer => SpanBuffer::needs_bytes(size),
             Method::HierarchicalZ => DepthPyramid::needs_bytes(size),
         }
     }
@@ -249,6 +259,7 @@ where
             }
         }
         cover.finish(&self.content, passage, seen, canvas);
+        memory.stats.samples_owned += seen.samples_owned;
         if primes {
             memory
                 .recall

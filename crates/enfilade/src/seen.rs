@@ -12,6 +12,8 @@ pub struct Seen {
     pub(crate) openings: Vec<SeenOpening>,
     pub(crate) clusters: Vec<u32>,
     pub(crate) glass: Vec<GlassSample>,
+    /// Samples that opaque faces own.
+    pub(crate) samples_owned: u64,
     /// Is every sample of glass wanted, or only which glass is seen?
     pub(crate) paints: bool,
 }
@@ -77,6 +79,7 @@ impl Seen {
         self.openings.clear();
         self.clusters.clear();
         self.glass.clear();
+        self.samples_owned = 0;
         self.paints = paints;
     }
 }

@@ -18,11 +18,35 @@ pub struct Stats {
     pub samples: u64,
     /// Items that were seen first because the last look saw them.
     pub items_primed: u64,
+    /// What s-buffers compared.
+    pub spans: SpanStats,
+    /// Samples reported as owned by a face; each is shaded once.
+    pub samples_owned: u64,
+}
+
+/// How s-buffers found out which of two faces is before the other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct SpanStats {
+    /// Spans that a face was held against.
+    pub compared: u64,
+    /// Those of them whose answer was known from an earlier row.
+    pub by_cache: u64,
+    /// Those whose answer was that of the span to the left.
+    pub by_neighbour: u64,
+    /// Those whose answer was that of a face which shares an edge.
+    pub by_adjacency: u64,
+    /// Those decided by how near the two faces come at all.
+    pub by_range: u64,
+    /// Those decided by the side of a plane on which a face lies.
+    pub by_plane: u64,
+    /// Those for which nearness was computed, because the faces may cross.
+    pub by_depth: u64,
 }
 
 impl Stats {
     /// Every counter with its name, in a fixed order.
-    pub fn each(&self) -> [(&'static str, u64); 7] {
+    pub fn each(&self) -> [(&'static str, u64); 15] {
         [
             ("boxes_tested", self.boxes_tested),
             ("boxes_hidden", self.boxes_hidden),
@@ -31,6 +55,14 @@ impl Stats {
             ("triangles_hidden", self.triangles_hidden),
             ("samples", self.samples),
             ("items_primed", self.items_primed),
+            ("spans_compared", self.spans.compared),
+            ("spans_by_cache", self.spans.by_cache),
+            ("spans_by_neighbour", self.spans.by_neighbour),
+            ("spans_by_adjacency", self.spans.by_adjacency),
+            ("spans_by_range", self.spans.by_range),
+            ("spans_by_plane", self.spans.by_plane),
+            ("spans_by_depth", self.spans.by_depth),
+            ("samples_owned", self.samples_owned),
         ]
     }
 }

@@ -9,13 +9,16 @@ mod part;
 mod raster;
 mod report;
 mod samples;
+mod span_buffer;
 mod tiles;
+mod trace;
 mod triangle;
 
 pub use depth_buffer::DepthBuffer;
 pub use depth_pyramid::DepthPyramid;
 pub use mask::Mask;
 pub use nothing::Nothing;
+pub use span_buffer::SpanBuffer;
 
 use crate::canvas::Canvas;
 use crate::content::Content;

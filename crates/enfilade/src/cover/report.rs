@@ -1,6 +1,8 @@
 //! Turns the owners of samples into what was seen, and into spans.
 
-use super::samples::{OPEN, Sample, Samples, owner_of};
+use super::samples::{OPEN, Sample, owner_of};
+use super::trace::Trace;
+use crate::aperture::Rect;
 use crate::canvas::{Canvas, Span};
 use crate::content::{Content, ItemId, Owner};
 use crate::seen::{GlassSample, Seen, SeenOpening, report_owners};
@@ -18,6 +20,7 @@ pub(super) struct Report<'a> {
     openings: Vec<SeenOpening>,
     row: Vec<(u16, u16, Owner)>,
     spans: Vec<Span>,
+    samples_owned: u64,
 }
 
 impl<'a> Report<'a> {
@@ -33,6 +36,7 @@ impl<'a> Report<'a> {
             openings: Vec::new(),
             row: Vec::new(),
             spans: Vec::new(),
+            samples_owned: 0,
         }
     }
 
@@ -84,12 +88,13 @@ impl<'a> Report<'a> {
     }
 
     /// The row at hand is complete: it is row `y`.
-    pub(super) fn end_row(&mut self, y: u16, samples: &Samples) {
+    pub(super) fn end_row(&mut self, y: u16, rect: &Rect, trace: Option<&Trace>) {
         self.end_run();
         [self.x0, self.x1] = [0, 0];
         self.spans.clear();
         for (x0, x1, owner) in self.row.drain(..) {
             let Owner::Opening(opening) = owner else {
+                self.samples_owned += u64::from(x1 - x0);
                 self.spans.push(Span {
                     x0,
                     x1,
@@ -112,15 +117,8 @@ impl<'a> Report<'a> {
         }
         if let Some(canvas) = &mut self.canvas {
             canvas.row(y, &self.spans);
-            if let Some(trace) = &samples.trace {
-                let start = usize::from(y) * samples.width;
-                let run = start + usize::from(samples.rect.x0)..start + samples.width;
-                canvas.work(
-                    y,
-                    samples.rect.x0,
-                    &trace.tested[run.clone()],
-                    &trace.batches[run],
-                );
+            if let Some(trace) = trace {
+                trace.tell(y, rect, *canvas);
             }
         }
     }
@@ -133,6 +131,7 @@ impl<'a> Report<'a> {
             self.owners
                 .push((item, self.content.mesh_of(item).cluster_of(face) as u32));
         }
+        seen.samples_owned += self.samples_owned;
         report_owners(&mut self.owners, self.content, seen);
         seen.openings.append(&mut self.openings);
     }

@@ -2,6 +2,7 @@
 
 use super::raster::{Band, Raster, Sink};
 use super::report::Report;
+use super::trace::Trace;
 use super::triangle::{Row, Triangle};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
@@ -62,14 +63,6 @@ impl Default for Samples {
     }
 }
 
-/// How often each sample was tested, and with which batch its owner came.
-#[derive(Default)]
-pub(super) struct Trace {
-    pub(super) batch: u32,
-    pub(super) tested: Vec<u16>,
-    pub(super) batches: Vec<u32>,
-}
-
 impl Samples {
     /// Makes room for the aperture's rectangle; what the samples hold is not touched.
     pub(super) fn shape(&mut self, passage: &Passage, trace: bool) {
@@ -79,11 +72,7 @@ impl Samples {
         if self.samples.len() < needed {
             self.samples.resize(needed, OPEN);
         }
-        self.trace = trace.then(|| Trace {
-            batch: 0,
-            tested: vec![0; needed],
-            batches: vec![0; needed],
-        });
+        self.trace = trace.then(|| Trace::new(&self.rect));
     }
 
     /// Opens the samples of the aperture, covers the others of its rectangle; `row` is told the open runs of each.
@@ -144,7 +133,7 @@ impl Samples {
         let Rect { x0, y0, x1, y1 } = self.rect;
         for y in y0..y1 {
             report.samples(x0, self.row(y, x0, x1));
-            report.end_row(y, self);
+            report.end_row(y, &self.rect, self.trace.as_ref());
         }
         report.finish(seen);
     }
@@ -203,13 +192,14 @@ impl Samples {
 
     /// Counts a test of each sample of a run; those that `owner` owns came with the batch at hand.
     #[cold]
-    pub(super) fn count(&mut self, y: u16, x0: u16, x1: u16, owner: u32) {
+    fn count(&mut self, y: u16, x0: u16, x1: u16, owner: u32) {
         let start = usize::from(y) * self.width;
+        let samples = &self.samples[start + usize::from(x0)..start + usize::from(x1)];
         if let Some(trace) = &mut self.trace {
-            for i in start + usize::from(x0)..start + usize::from(x1) {
-                trace.tested[i] = trace.tested[i].saturating_add(1);
-                if self.samples[i] as u32 == lower_half(owner) {
-                    trace.batches[i] = trace.batch;
+            trace.test(y, x0, x1);
+            for (x, &sample) in (x0..).zip(samples) {
+                if sample as u32 == lower_half(owner) {
+                    trace.own(y, x, x + 1, trace.batch);
                 }
             }
         }

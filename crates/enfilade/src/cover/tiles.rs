@@ -304,7 +304,7 @@ impl Tiles {
                     State::Written => report.samples(x0, self.samples.row(y, x0, x1)),
                 }
             }
-            report.end_row(y, &self.samples);
+            report.end_row(y, &self.samples.rect, self.samples.trace.as_ref());
         }
     }
 

@@ -69,12 +69,30 @@ impl Triangle {
 }
 
 impl Row {
+    /// Nearness at column `x`.
+    #[inline(always)]
+    pub(super) fn at(&self, x: u16) -> f64 {
+        self.within(self.base + self.step * f64::from(x))
+    }
+
     /// Nearness at column `x`, as bits: those of a positive f32 sort as it does.
     #[inline(always)]
     pub(super) fn bits(&self, x: i32) -> u32 {
-        let z = self.base + self.step * f64::from(x);
-        let z = if z < self.least { self.least } else { z };
-        let z = if z > self.greatest { self.greatest } else { z };
-        (z as f32).to_bits()
+        (self.within(self.base + self.step * f64::from(x)) as f32).to_bits()
+    }
+
+    /// Unlike `clamp`, nothing here can panic.
+    #[inline(always)]
+    fn within(&self, nearness: f64) -> f64 {
+        let nearness = if nearness < self.least {
+            self.least
+        } else {
+            nearness
+        };
+        if nearness > self.greatest {
+            self.greatest
+        } else {
+            nearness
+        }
     }
 }

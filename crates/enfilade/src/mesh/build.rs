@@ -1,7 +1,9 @@
 //! Checks faces, and sorts them into clusters by place and material.
 
+use super::neighbours::{NONE, neighbours, neighbours_together};
 use super::{Cluster, Mesh, Part};
 use crate::geom::{Aabb, ConvexPolygon, Copies, Octree, PolygonError};
+use std::collections::HashMap;
 use thiserror::Error;
 
 /// Why faces do not make a mesh.
@@ -142,6 +144,7 @@ pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
         positions: Vec::new(),
         corners: Vec::new(),
         starts: Vec::new(),
+        neighbours: Vec::new(),
         clusters: Vec::new(),
         tree: Octree::build(&bounds, CLUSTER_FACES, Copies::One),
         bounds: bounds.iter().fold(Aabb::EMPTY, |sum, b| sum.union(b)),
@@ -163,7 +166,14 @@ pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
                 let first_position = mesh.positions.len() as u32;
                 let first_face = mesh.clusters.last().map_or(0, |cluster| cluster.faces.end);
                 let mut held = Aabb::EMPTY;
-                for &face in run {
+                let (order, across) = in_order(run, |face| {
+                    let positions = parts[faces[face as usize].part as usize].positions;
+                    corners_of(&faces[face as usize])
+                        .iter()
+                        .map(|&index| positions[index as usize])
+                });
+                mesh.neighbours.extend(across);
+                for face in order {
                     let source = &faces[face as usize];
                     held = held.union(&bounds[face as usize]);
                     if polygons {
@@ -192,8 +202,43 @@ pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
     if polygons {
         mesh.starts.push(mesh.corners.len() as u32);
     }
+    mesh.neighbours.shrink_to_fit();
     mesh.positions.shrink_to_fit();
     mesh.corners.shrink_to_fit();
     mesh.clusters.shrink_to_fit();
     mesh
+}
+
+/// The faces of a cluster with neighbours together, and for each of their corners the face across its edge.
+fn in_order<I: Iterator<Item = [f32; 3]>>(run: &[u32], corners: impl Fn(u32) -> I) -> (Vec<u32>, Vec<u8>) {
+    // Corners in one place share a number, also where the input holds the place twice.
+    let mut places: HashMap<[u32; 3], u32> = HashMap::with_capacity(2 * run.len());
+    let mut number = |corner: [f32; 3]| {
+        let next = places.len() as u32;
+        *places
+            .entry(corner.map(|value| (value + 0.0).to_bits()))
+            .or_insert(next)
+    };
+    let numbered = run
+        .iter()
+        .map(|&face| corners(face).map(&mut number).collect())
+        .collect::<Vec<Vec<u32>>>();
+    let across = neighbours(&numbered);
+    let order = neighbours_together(&across);
+    let mut place = vec![0; order.len()];
+    for (new, &old) in order.iter().enumerate() {
+        place[old] = new as u8;
+    }
+    let renumbered = |&old: &u8| {
+        if old == NONE {
+            NONE
+        } else {
+            place[usize::from(old)]
+        }
+    };
+    let across = order
+        .iter()
+        .flat_map(|&old| across[old].iter().map(renumbered))
+        .collect();
+    (order.into_iter().map(|old| run[old]).collect(), across)
 }

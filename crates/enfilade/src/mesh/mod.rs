@@ -1,8 +1,10 @@
 //! Meshes: flat indexed arrays of faces, shared by all items that are copies of one thing.
 
 mod build;
+mod neighbours;
 
 pub use build::MeshError;
+pub(crate) use neighbours::NONE;
 
 use crate::content::MaterialId;
 use crate::geom::{Aabb, Octree, Step};
@@ -18,6 +20,8 @@ pub struct Mesh {
     corners: Vec<u32>,
     /// Where each face's corners begin, and the end of the last; empty where all faces are triangles.
     starts: Vec<u32>,
+    /// For each corner, the face of the cluster across the edge that begins there, or [`NONE`].
+    neighbours: Vec<u8>,
     clusters: Vec<Cluster>,
     tree: Octree,
     bounds: Aabb,
@@ -135,6 +139,7 @@ impl Mesh {
         (size_of_val(&*self.positions)
             + size_of_val(&*self.corners)
             + size_of_val(&*self.starts)
+            + size_of_val(&*self.neighbours)
             + size_of_val(&*self.clusters)) as u64
             + self.tree.bytes()
     }
@@ -148,6 +153,15 @@ impl Mesh {
     /// The tree over the clusters.
     pub(crate) fn tree(&self) -> &Octree {
         &self.tree
+    }
+
+    /// For each corner of a run of faces, the face across the edge that begins there, as a number within the cluster.
+    pub(crate) fn neighbours(&self, faces: Range<u32>) -> &[u8] {
+        let at = |face: u32| match self.starts.get(face as usize) {
+            Some(&start) => start as usize,
+            None => 3 * face as usize,
+        };
+        &self.neighbours[at(faces.start)..at(faces.end)]
     }
 
     /// All corners of a run of faces, and where each face begins among them (`None`: every three).

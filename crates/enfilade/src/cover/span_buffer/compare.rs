@@ -1,0 +1,240 @@
+//! Which of two faces is before the other: asked once a pair where that can be, not once a row.
+//!
+//! Two convex faces that do not cross have one order wherever they overlap on the screen. So an answer holds for all
+//! rows; each face goes in whole, so it need not be kept longer than that. An answer about a neighbour is taken over
+//! where it must be the same: the boxes around both faces are apart, so that they do not cross, and at a point that
+//! both of the other pair reach, the order is known. Faces that may cross are compared anew in each row.
+//! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 2, statements 1 to 3. Statement 3 is
+//!     false without a condition: the third face must meet the shared edge, and not touch it.
+
+use super::face::{Face, Place};
+use super::rows::{COVERED, Span};
+use crate::cover::triangle::Row;
+use crate::stats::SpanStats;
+
+/// What is known of a kept face and the last face that was held against it.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Answer {
+    /// That face's turn, from 1.
+    by: u32,
+    order: Order,
+}
+
+/// Where the newer face lies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Order {
+    Before {
+        /// Do both not touch?
+        apart: bool,
+    },
+    Behind {
+        apart: bool,
+    },
+    /// They may cross.
+    #[default]
+    Unsure,
+}
+
+/// How a newcomer lies to part of a span.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Relation {
+    Before,
+    Behind,
+    /// From column `at` on the other way round.
+    Crosses {
+        at: u16,
+        before_first: bool,
+    },
+}
+
+/// The face that is going in.
+pub(super) struct Newcomer<'a> {
+    pub(super) face: Face,
+    /// Its turn, from 1.
+    turn: u32,
+    /// The turns of its neighbours across its edges; 0: not met.
+    neighbours: [u32; 3],
+    kept: &'a mut Vec<Face>,
+    answers: &'a mut Vec<Answer>,
+    /// Its place among the kept, once it owns a sample.
+    place: Option<u32>,
+    y: u16,
+    row: Row,
+    /// The span to the left, and how the newcomer lies to it.
+    left: Option<(Span, Order)>,
+}
+
+impl<'a> Newcomer<'a> {
+    pub(super) fn new(
+        face: Face,
+        turn: u32,
+        neighbours: [u32; 3],
+        kept: &'a mut Vec<Face>,
+        answers: &'a mut Vec<Answer>,
+        place: Option<u32>,
+    ) -> Newcomer<'a> {
+        Newcomer {
+            y: 0,
+            row: face.triangle.row(0),
+            face,
+            turn,
+            neighbours,
+            kept,
+            answers,
+            place,
+            left: None,
+        }
+    }
+
+    /// Its place among the kept, if it owns a sample.
+    pub(super) fn place(&self) -> Option<u32> {
+        self.place
+    }
+
+    #[inline]
+    pub(super) fn begin_run(&mut self, y: u16) {
+        self.y = y;
+        self.row = self.face.triangle.row(y);
+        self.left = None;
+    }
+
+    /// A span of its own in the row at hand.
+    #[inline]
+    pub(super) fn span(&mut self, x0: u16, x1: u16) -> Span {
+        let place = *self.place.get_or_insert_with(|| {
+            self.kept.push(self.face);
+            self.answers.push(Answer::default());
+            self.kept.len() as u32 - 1
+        });
+        let [a, b] = [self.row.at(x0), self.row.at(x1 - 1)].map(|value| value as f32);
+        let [farthest, nearest] = if a < b { [a, b] } else { [b, a] };
+        Span {
+            x0,
+            x1,
+            face: place,
+            farthest: farthest.next_down(),
+            nearest: nearest.next_up(),
+        }
+    }
+
+    /// How it lies to columns `x0..x1` of a span.
+    #[inline]
+    pub(super) fn beside(&mut self, span: &Span, x0: u16, x1: u16, stats: &mut SpanStats) -> Relation {
+        if span.face == COVERED {
+            self.left = None;
+            return Relation::Behind;
+        }
+        stats.compared += 1;
+        let known = self.answers[span.face as usize];
+        let order = if known.by == self.turn {
+            stats.by_cache += u64::from(known.order != Order::Unsure);
+            known.order
+        } else {
+            let order = self.find_out(span, known, stats);
+            self.answers[span.face as usize] = Answer { by: self.turn, order };
+            order
+        };
+        self.left = Some((*span, order));
+        match order {
+            Order::Before { .. } => Relation::Before,
+            Order::Behind { .. } => Relation::Behind,
+            Order::Unsure => {
+                stats.by_depth += 1;
+                self.by_depth(span, x0, x1)
+            }
+        }
+    }
+
+    #[inline]
+    fn find_out(&self, span: &Span, known: Answer, stats: &mut SpanStats) -> Order {
+        let new = &self.face;
+        let old = &self.kept[span.face as usize];
+        let apart = new.is_apart_from(old);
+        if apart {
+            if let Some(order) = self.like_the_left(span, old) {
+                stats.by_neighbour += 1;
+                return order;
+            }
+            if let Some(order) = self.like_the_neighbour(old, known) {
+                stats.by_adjacency += 1;
+                return order;
+            }
+        }
+        if new.triangle.greatest < old.triangle.least {
+            stats.by_range += 1;
+            return Order::Behind { apart: true };
+        }
+        if new.triangle.least > old.triangle.greatest {
+            stats.by_range += 1;
+            return Order::Before { apart: true };
+        }
+        let order = match new.place(old) {
+            Place::Before { apart: clear } => Order::Before { apart: apart | clear },
+            Place::Behind { apart: clear } => Order::Behind { apart: apart | clear },
+            Place::Level if new.triangle.owner < old.triangle.owner => Order::Before { apart: false },
+            Place::Level => Order::Behind { apart: false },
+            Place::Unsure => Order::Unsure,
+        };
+        stats.by_plane += u64::from(order != Order::Unsure);
+        order
+    }
+
+    /// The span to the left ends where this one begins, also in space, and the newcomer lies across both: it passes
+    /// their common end on the same side.
+    #[inline]
+    fn like_the_left(&self, span: &Span, old: &Face) -> Option<Order> {
+        let (left, order) = self.left?;
+        let clear = matches!(
+            order,
+            Order::Before { apart: true } | Order::Behind { apart: true }
+        );
+        (clear && left.x1 == span.x0 && self.kept[left.face as usize].adjoins(old)).then_some(order)
+    }
+
+    /// A neighbour of the newcomer was the last to be held against the old face, and the edge between both passes it:
+    /// the newcomer passes it on the same side.
+    #[inline]
+    fn like_the_neighbour(&self, old: &Face, known: Answer) -> Option<Order> {
+        let clear = matches!(
+            known.order,
+            Order::Before { apart: true } | Order::Behind { apart: true }
+        );
+        if !clear || known.by == 0 {
+            return None;
+        }
+        let edge = self.neighbours.iter().position(|&turn| turn == known.by)?;
+        old.is_met_by_edge(&self.face, edge).then_some(known.order)
+    }
+
+    /// Compares nearness at both ends; where they disagree, finds the column at which it turns.
+    #[inline]
+    fn by_depth(&self, span: &Span, x0: u16, x1: u16) -> Relation {
+        let old = &self.kept[span.face as usize].triangle;
+        let theirs = old.row(self.y);
+        let before = |x: u16| {
+            let [mine, theirs] = [self.row.at(x), theirs.at(x)];
+            mine > theirs || (mine == theirs && self.face.triangle.owner < old.owner)
+        };
+        let [mut same, mut other] = [x0, x1 - 1];
+        let before_first = before(same);
+        if before(other) == before_first {
+            return if before_first {
+                Relation::Before
+            } else {
+                Relation::Behind
+            };
+        }
+        while other - same > 1 {
+            let middle = same + (other - same) / 2;
+            if before(middle) == before_first {
+                same = middle;
+            } else {
+                other = middle;
+            }
+        }
+        Relation::Crosses {
+            at: other,
+            before_first,
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! A face as the spans know it: where it is, and on which side of it another lies.
+
+use super::super::triangle::Triangle;
+use glam::DVec3;
+
+/// A triangle in the space of (X, Y, W), in which the eye is at the origin.
+#[derive(Clone, Copy)]
+pub(super) struct Face {
+    pub(super) triangle: Triangle,
+    corners: [DVec3; 3],
+    normal: DVec3,
+    /// Its sign says on which side of the plane the eye is.
+    determinant: f64,
+    /// The box around the corners, rounded outwards.
+    low: [f32; 3],
+    high: [f32; 3],
+    /// The batch it came with, and its number there; 255 where it has none.
+    pub(super) batch: u32,
+    pub(super) number: u8,
+    /// The faces of the batch across its edges.
+    pub(super) neighbours: [u8; 3],
+}
+
+/// Where something lies, as seen from the eye.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Place {
+    /// Nowhere behind the other; `apart`: nor does it touch it.
+    Before { apart: bool },
+    /// Nowhere before the other.
+    Behind { apart: bool },
+    /// In one plane with it.
+    Level,
+    /// Perhaps before it here and behind it there.
+    Unsure,
+}
+
+/// Corners come from a product of f64: this, relative to the sums of what is added, is more than rounding can do.
+const ROUNDING: f64 = 1.0 / (1_u64 << 46) as f64;
+/// Farther from a plane than this many times the rounding, a face does not touch it.
+const APART: f64 = 1024.0;
+
+impl Face {
+    pub(super) fn new(triangle: Triangle, corners: [DVec3; 3], batch: u32) -> Face {
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(c - a);
+        let [low, high] = [a.min(b).min(c), a.max(b).max(c)];
+        Face {
+            triangle,
+            corners,
+            normal,
+            determinant: normal.dot(a),
+            low: low.to_array().map(|value| (value as f32).next_down()),
+            high: high.to_array().map(|value| (value as f32).next_up()),
+            batch,
+            number: u8::MAX,
+            neighbours: [u8::MAX; 3],
+        }
+    }
+
+    /// Are the boxes around both apart? Then they meet nowhere, and one of them is before the other wherever they
+    /// overlap on the screen.
+    #[inline]
+    pub(super) fn is_apart_from(&self, other: &Face) -> bool {
+        (0..3).any(|axis| self.low[axis] > other.high[axis] || other.low[axis] > self.high[axis])
+    }
+
+    /// Do both share an edge, or belong to one polygon?
+    #[inline]
+    pub(super) fn adjoins(&self, other: &Face) -> bool {
+        self.batch == other.batch
+            && (self.triangle.owner == other.triangle.owner
+                || (other.number != u8::MAX && self.neighbours.contains(&other.number)))
+    }
+
+    /// Where it lies with respect to another, told from which side of each other's plane their corners are.
+    pub(super) fn place(&self, other: &Face) -> Place {
+        match self.beside_plane_of(other) {
+            Place::Unsure => match other.beside_plane_of(self) {
+                Place::Before { apart } => Place::Behind { apart },
+                Place::Behind { apart } => Place::Before { apart },
+                other => other,
+            },
+            sure => sure,
+        }
+    }
+
+    /// Where the corners lie with respect to the other's plane.
+    #[inline]
+    fn beside_plane_of(&self, other: &Face) -> Place {
+        let origin = other.corners[0];
+        let size = origin.abs();
+        let toward_eye = if other.determinant < 0.0 { 1.0 } else { -1.0 };
+        let [mut before, mut behind, mut apart] = [true; 3];
+        for corner in self.corners {
+            let side = toward_eye * other.normal.dot(corner - origin);
+            let rounding = ROUNDING * other.normal.abs().dot(corner.abs() + size);
+            before &= side >= -rounding;
+            behind &= side <= rounding;
+            apart &= side.abs() > APART * rounding;
+        }
+        match (before, behind) {
+            (true, false) => Place::Before { apart },
+            (false, true) => Place::Behind { apart },
+            (true, true) => Place::Level,
+            (false, false) => Place::Unsure,
+        }
+    }
+
+    /// Does the middle of edge `edge` of another face lie on the screen within this one, and not on its outline?
+    pub(super) fn is_met_by_edge(&self, other: &Face, edge: usize) -> bool {
+        let middle = other.corners[edge] + other.corners[(edge + 1) % 3];
+        if middle.z <= 0.0 {
+            return false;
+        }
+        let [a, b, c] = self.corners;
+        let sides = [(a, b), (b, c), (c, a)].map(|(from, to)| {
+            let plane = from.cross(to);
+            let side = plane.dot(middle);
+            let rounding = ROUNDING * plane.abs().dot(middle.abs());
+            if side > rounding {
+                1
+            } else if side < -rounding {
+                -1
+            } else {
+                0
+            }
+        });
+        sides == [1; 3] || sides == [-1; 3]
+    }
+}

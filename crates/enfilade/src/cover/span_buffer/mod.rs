@@ -1,0 +1,223 @@
+//! s-buffer: for each row the spans that are seen, and nothing of what is hidden.
+//!
+//! A face goes in row by row and pushes out what it hides; shading comes last, once for each sample. Who hides whom is
+//! mostly not computed but known: from the row above, from the span to the left, from the face next to it.
+//! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, sections 1 and 2.
+//! Cost: a face O(rows · (log spans of a row + spans it meets)); finish O(spans). Memory grows with the edges that are
+//!     seen, not with the resolution.
+//! Exact: faces that cross are split where they cross; nothing is rounded to cells.
+
+mod compare;
+mod face;
+mod rows;
+
+use super::raster::{Band, Raster, Sink};
+use super::report::Report;
+use super::samples::{look_through, lower_half};
+use super::trace::Trace;
+use super::triangle::Triangle;
+use super::{Cover, Sight};
+use crate::aperture::Rect;
+use crate::canvas::Canvas;
+use crate::content::Content;
+use crate::faces::Faces;
+use crate::mesh::NONE;
+use crate::order::Unsorted;
+use crate::passage::Passage;
+use crate::region::Region;
+use crate::seen::Seen;
+use crate::stats::{SpanStats, Stats};
+use compare::{Answer, Newcomer};
+use face::Face;
+use glam::DVec3;
+use rows::{COVERED, Rows, mark_owners};
+
+/// Rows of spans that do not overlap; each sample is painted once.
+///
+/// Memory grows with the edges that are seen, not with the resolution.
+#[derive(Default)]
+pub struct SpanBuffer {
+    raster: Raster,
+    rows: Rows,
+    /// Faces that owned a sample when they came; those that own none any more are dropped now and then.
+    kept: Vec<Face>,
+    answers: Vec<Answer>,
+    /// Faces that owned a sample after the last dropping.
+    owners: usize,
+    /// Faces that went in, and batches.
+    turn: u32,
+    batch: u32,
+    /// The turns of the faces of the batch at hand, by their number there.
+    turns: Vec<u32>,
+    trace: Option<Trace>,
+}
+
+/// Faces kept beyond twice those that own a sample, before the others are dropped.
+const ROOM: usize = 1 << 16;
+
+impl Cover for SpanBuffer {
+    type CullNeeds = Unsorted;
+    type DrawNeeds = Unsorted;
+    const PRIMES: bool = true;
+
+    fn clear(&mut self, passage: &Passage, trace: bool) {
+        self.rows.clear(passage);
+        self.kept.clear();
+        self.answers.clear();
+        [self.turn, self.batch] = [0, 0];
+        self.owners = 0;
+        self.trace = trace.then(|| Trace::new(&self.rows.rect));
+    }
+
+    fn sees(&mut self, region: &Region) -> Sight {
+        if self.rows.sees(&region.rect, region.nearest) {
+            Sight::Partly
+        } else {
+            Sight::Hidden
+        }
+    }
+
+    fn add(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, _canvas: Option<&mut dyn Canvas>) {
+        if self.kept.len() > 2 * self.owners + ROOM {
+            self.drop_hidden();
+        }
+        self.batch += 1;
+        self.turns.clear();
+        self.turns.resize(faces.count(), 0);
+        let mut raster = std::mem::take(&mut self.raster);
+        let mut insertion = Insertion {
+            buffer: self,
+            faces,
+            now: None,
+            counts: stats.spans,
+        };
+        raster.run(faces, passage, &mut insertion, stats);
+        stats.spans = insertion.counts;
+        self.raster = raster;
+    }
+
+    fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Seen) {
+        let (rows, kept) = (&self.rows, &self.kept);
+        let depth = |x: u16, y: u16| match rows.rows[usize::from(y)].at(x).map(|span| span.face) {
+            None => 0,
+            Some(COVERED) => u32::MAX,
+            Some(face) => kept[face as usize].triangle.row(y).bits(i32::from(x)),
+        };
+        look_through(depth, &mut self.raster, faces, passage, stats, seen);
+    }
+
+    fn finish(
+        &mut self,
+        content: &Content,
+        _passage: &Passage,
+        seen: &mut Seen,
+        canvas: Option<&mut dyn Canvas>,
+    ) {
+        let mut report = Report::new(content, canvas.map(|canvas| canvas as &mut dyn Canvas));
+        let rect = self.rows.rect;
+        for y in rect.y0..rect.y1 {
+            let spans = self.rows.rows[usize::from(y)].spans.iter();
+            for span in spans.filter(|span| span.face != COVERED) {
+                let face = &self.kept[span.face as usize];
+                report.run(span.x0, span.x1, lower_half(face.triangle.owner));
+                if let Some(trace) = &mut self.trace {
+                    trace.own(y, span.x0, span.x1, face.batch);
+                }
+            }
+            report.end_row(y, &rect, self.trace.as_ref());
+        }
+        report.finish(seen);
+    }
+
+    fn needs_bytes(size: [u32; 2]) -> u64 {
+        // A face of a pixel here and there: in practice far fewer.
+        const BYTES_PER_SAMPLE: u64 = 48;
+        u64::from(size[0]) * u64::from(size[1]) * BYTES_PER_SAMPLE
+    }
+}
+
+impl SpanBuffer {
+    /// Drops the faces that own no sample any more.
+    fn drop_hidden(&mut self) {
+        let owns = mark_owners(&self.rows, &self.kept);
+        let mut places = Vec::with_capacity(owns.len());
+        let mut left = 0;
+        for &owns in &owns {
+            places.push(left);
+            left += u32::from(owns);
+        }
+        let mut owner = owns.iter();
+        self.kept.retain(|_| owner.next().is_some_and(|&owns| owns));
+        let mut owner = owns.iter();
+        self.answers.retain(|_| owner.next().is_some_and(|&owns| owns));
+        for row in &mut self.rows.rows[usize::from(self.rows.rect.y0)..usize::from(self.rows.rect.y1)] {
+            for span in row.spans.iter_mut().filter(|span| span.face != COVERED) {
+                span.face = places[span.face as usize];
+            }
+        }
+        self.owners = self.kept.len();
+    }
+}
+
+/// A batch going in.
+struct Insertion<'a> {
+    buffer: &'a mut SpanBuffer,
+    faces: &'a Faces<'a>,
+    /// The face at hand, the turns of its neighbours, and its place among the kept once it owns a sample.
+    now: Option<(Face, [u32; 3], Option<u32>)>,
+    counts: SpanStats,
+}
+
+impl Sink for Insertion<'_> {
+    #[inline]
+    fn hides(&mut self, rect: &Rect, nearest: f32) -> bool {
+        !self.buffer.rows.sees(rect, nearest)
+    }
+
+    fn begin(&mut self, triangle: &Triangle, corners: &[DVec3; 3]) {
+        let SpanBuffer {
+            turn, turns, batch, ..
+        } = self.buffer;
+        *turn += 1;
+        let mut face = Face::new(*triangle, *corners, *batch);
+        let number = (triangle.owner - self.faces.first_owner) as usize;
+        turns[number] = *turn;
+        let mut neighbours = [0; 3];
+        // Only where all faces are triangles are a face's corners those of its one triangle.
+        if self.faces.starts.is_none() && !self.faces.neighbours.is_empty() {
+            face.number = number as u8;
+            face.neighbours = std::array::from_fn(|edge| self.faces.neighbours[3 * number + edge]);
+            neighbours = face.neighbours.map(|other| {
+                if other == NONE {
+                    0
+                } else {
+                    turns[usize::from(other)]
+                }
+            });
+        }
+        self.now = Some((face, neighbours, None));
+    }
+
+    #[inline]
+    fn band(&mut self, band: &Band, _triangle: &Triangle) {
+        let Some((face, neighbours, place)) = &mut self.now else {
+            return;
+        };
+        let SpanBuffer {
+            rows,
+            kept,
+            answers,
+            turn,
+            trace,
+            ..
+        } = self.buffer;
+        let mut new = Newcomer::new(*face, *turn, *neighbours, kept, answers, *place);
+        for (y, run) in band.rows() {
+            rows.insert(y, run, &mut new, &mut self.counts);
+            if let Some(trace) = trace {
+                trace.test(y, run[0], run[1]);
+            }
+        }
+        *place = new.place();
+    }
+}

@@ -1,0 +1,239 @@
+//! Rows of spans, and how a run of samples goes in.
+
+use super::compare::{Newcomer, Relation};
+use super::face::Face;
+use crate::aperture::Rect;
+use crate::passage::Passage;
+use crate::stats::SpanStats;
+
+/// Samples of one row that one face owns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Span {
+    pub(super) x0: u16,
+    pub(super) x1: u16,
+    /// The face, by its place among those kept; [`COVERED`] outside the aperture.
+    pub(super) face: u32,
+    /// How far and how near it comes at the most.
+    pub(super) farthest: f32,
+    pub(super) nearest: f32,
+}
+
+/// Outside the aperture: nearer than anything.
+pub(super) const COVERED: u32 = u32::MAX;
+
+/// The spans of one row, left to right.
+#[derive(Default)]
+pub(super) struct Row {
+    pub(super) spans: Vec<Span>,
+    /// The farthest nearness of any sample within the aperture's rectangle: 0 where one is open.
+    farthest: f32,
+    /// May `farthest` have grown?
+    stale: bool,
+}
+
+/// All rows of a passage's rectangle.
+#[derive(Default)]
+pub(super) struct Rows {
+    pub(super) rect: Rect,
+    pub(super) rows: Vec<Row>,
+    /// What takes the place of the spans that a run meets.
+    made: Vec<Span>,
+    runs: Vec<[u16; 2]>,
+}
+
+impl Rows {
+    /// Starts over: only the aperture is open.
+    pub(super) fn clear(&mut self, passage: &Passage) {
+        self.rect = passage.aperture.rect();
+        let Rect { x0, y0, x1, y1 } = self.rect;
+        if self.rows.len() < usize::from(y1) {
+            self.rows.resize_with(usize::from(y1), Row::default);
+        }
+        for y in y0..y1 {
+            let row = &mut self.rows[usize::from(y)];
+            row.spans.clear();
+            row.farthest = 0.0;
+            row.stale = false;
+            passage.aperture.open_in_row(y, &mut self.runs);
+            // What lies before, between and after the open runs.
+            self.runs.push([x1, x1]);
+            let mut from = x0;
+            for &[open, end] in &self.runs {
+                if from < open {
+                    row.spans.push(Span {
+                        x0: from,
+                        x1: open,
+                        face: COVERED,
+                        farthest: f32::INFINITY,
+                        nearest: f32::INFINITY,
+                    });
+                }
+                from = end;
+            }
+        }
+    }
+
+    /// Can anything no nearer than `nearest` be seen in `rect`?
+    pub(super) fn sees(&mut self, rect: &Rect, nearest: f32) -> bool {
+        // The middle first: where something is seen at all, it mostly is there.
+        let middle = (rect.y0 + rect.y1) / 2;
+        let all = &self.rect;
+        let mut sees = |y: u16| self.rows[usize::from(y)].sees(rect, nearest, all);
+        sees(middle) || (rect.y0..rect.y1).any(sees)
+    }
+
+    /// Lets a face own those samples of a run at which it is nearest.
+    #[inline]
+    pub(super) fn insert(&mut self, y: u16, run: [u16; 2], new: &mut Newcomer, stats: &mut SpanStats) {
+        let [x0, x1] = run;
+        let row = &mut self.rows[usize::from(y)];
+        let made = &mut self.made;
+        let first = row.spans.partition_point(|span| span.x1 <= x0);
+        made.clear();
+        new.begin_run(y);
+        let (mut x, mut next, mut changed) = (x0, first, false);
+        while x < x1 {
+            let Some(&span) = row.spans.get(next).filter(|span| span.x0 < x1) else {
+                push(made, new.span(x, x1));
+                changed = true;
+                break;
+            };
+            if span.x0 > x {
+                push(made, new.span(x, span.x0));
+                x = span.x0;
+                changed = true;
+            } else if span.x0 < x {
+                made.push(Span { x1: x, ..span });
+            }
+            let end = span.x1.min(x1);
+            match new.beside(&span, x, end, stats) {
+                Relation::Before => {
+                    push(made, new.span(x, end));
+                    changed = true;
+                }
+                Relation::Behind => push(
+                    made,
+                    Span {
+                        x0: x,
+                        x1: end,
+                        ..span
+                    },
+                ),
+                Relation::Crosses { at, before_first } => {
+                    changed = true;
+                    let theirs = |x0, x1| Span { x0, x1, ..span };
+                    if before_first {
+                        push(made, new.span(x, at));
+                        push(made, theirs(at, end));
+                    } else {
+                        push(made, theirs(x, at));
+                        push(made, new.span(at, end));
+                    }
+                }
+            }
+            if span.x1 > x1 {
+                push(made, Span { x0: x1, ..span });
+            }
+            x = end;
+            next += 1;
+        }
+        if changed {
+            row.stale = true;
+            row.replace(first, next, made);
+        }
+    }
+}
+
+/// Adds a span, or what it adds to the last of the same face.
+#[inline]
+fn push(made: &mut Vec<Span>, span: Span) {
+    match made.last_mut() {
+        Some(last) if last.face == span.face && last.x1 == span.x0 => {
+            last.x1 = span.x1;
+            last.farthest = last.farthest.min(span.farthest);
+            last.nearest = last.nearest.max(span.nearest);
+        }
+        _ => made.push(span),
+    }
+}
+
+impl Row {
+    /// Puts spans in the place of others.
+    #[inline]
+    fn replace(&mut self, first: usize, after: usize, made: &[Span]) {
+        let (old, new) = (after - first, made.len());
+        if new <= old {
+            self.spans[first..first + new].copy_from_slice(made);
+            if new < old {
+                self.spans.drain(first + new..after);
+            }
+        } else {
+            self.spans[first..after].copy_from_slice(&made[..old]);
+            let rest = self.spans.len() - after;
+            self.spans.extend_from_slice(&made[old..]);
+            // What was added stands at the end: turn it in before the spans that follow.
+            self.spans[after..].rotate_left(rest);
+        }
+    }
+
+    #[inline]
+    fn sees(&mut self, rect: &Rect, nearest: f32, all: &Rect) -> bool {
+        if nearest < self.farthest {
+            return false;
+        }
+        if self.stale && rect.x1 - rect.x0 > (all.x1 - all.x0) / 4 {
+            self.stale = false;
+            self.farthest = self.farthest_in(all.x0, all.x1);
+            if nearest < self.farthest {
+                return false;
+            }
+        }
+        let mut x = rect.x0;
+        let first = self.spans.partition_point(|span| span.x1 <= rect.x0);
+        for span in &self.spans[first..] {
+            if span.x0 > x || span.farthest <= nearest {
+                return true;
+            }
+            x = span.x1;
+            if x >= rect.x1 {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The farthest nearness in columns `x0..x1`, which all spans lie in.
+    fn farthest_in(&self, x0: u16, x1: u16) -> f32 {
+        let mut x = x0;
+        let mut farthest = f32::INFINITY;
+        for span in &self.spans {
+            if span.x0 > x {
+                return 0.0;
+            }
+            farthest = farthest.min(span.farthest);
+            x = span.x1;
+        }
+        if x < x1 { 0.0 } else { farthest }
+    }
+
+    /// The span that holds column `x`.
+    pub(super) fn at(&self, x: u16) -> Option<&Span> {
+        let place = self.spans.partition_point(|span| span.x1 <= x);
+        self.spans.get(place).filter(|span| span.x0 <= x)
+    }
+}
+
+/// Which faces own a sample: marks them, so that the others may be dropped.
+pub(super) fn mark_owners(rows: &Rows, faces: &[Face]) -> Vec<bool> {
+    let mut owns = vec![false; faces.len()];
+    for y in rows.rect.y0..rows.rect.y1 {
+        for span in rows.rows[usize::from(y)]
+            .spans
+            .iter()
+            .filter(|span| span.face != COVERED)
+        {
+            owns[span.face as usize] = true;
+        }
+    }
+    owns
+}

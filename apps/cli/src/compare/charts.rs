@@ -2,7 +2,6 @@
 
 use crate::text::{bytes, count};
 use anyhow::{Result, anyhow};
-use enfilade::Method;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -43,7 +42,8 @@ pub(super) fn bars(bars: &[Bar], unit: Unit) -> Result<(String, bool)> {
     let logarithmic = most > WIDE_RANGE * least;
     let mut svg = String::new();
     if logarithmic {
-        let from = 10_f64.powf(least.log10().floor());
+        // Less than the shortest bar, so that it can be seen.
+        let from = 10_f64.powf((0.7 * least).log10().floor());
         // Beyond the longest bar there must be room for its number.
         let to = most * (most / from).powf(0.32);
         draw(&mut svg, bars, unit, (from..to).log_scale(), from)?;
@@ -111,18 +111,32 @@ fn text(size: u32, color: &RGBColor) -> TextStyle<'static> {
     ("sans-serif", size).into_font().color(color)
 }
 
-/// The colour of a method, the same in every chart and table; grey where it is not one method.
+/// The colour of a method, the same in every chart, table and page; grey where it is not one method.
 pub(super) fn color(method: &str) -> [u8; 3] {
-    const COLORS: [u32; 16] = [
-        0x3B6FD4, 0x169B8A, 0xE3A008, 0xC96A22, 0x8454D6, 0xC152A8, 0x4F9D2D, 0x2BA3D8, 0x94624A, 0x64748B,
-        0xA93F63, 0x7C8C1C, 0x0F6E84, 0xD48FB9, 0x5A4FCF, 0xA08A5B,
-    ];
-    let number = Method::by_name(method).and_then(|method| Method::ALL.iter().position(|&m| m == method));
-    let [_, color @ ..] = number
-        .map_or(0x8A919C, |number| COLORS[number % COLORS.len()])
-        .to_be_bytes();
+    let known = COLORS.iter().find(|(name, _)| *name == method);
+    let [_, color @ ..] = known.map_or(0x8A_919C, |(_, color)| *color).to_be_bytes();
     color
 }
+
+/// By name, so that methods keep their colours when there are more.
+const COLORS: [(&str, u32); 16] = [
+    ("painter-min", 0xE3_A008),
+    ("painter-mean", 0xC9_6A22),
+    ("bsp", 0x84_54D6),
+    ("bsp-front", 0xC1_52A8),
+    ("z-buffer", 0x3B_6FD4),
+    ("s-buffer", 0x4F_9D2D),
+    ("hierarchical-z", 0x16_9B8A),
+    ("hierarchical-s", 0x9A_B52E),
+    ("masked", 0x2B_A3D8),
+    ("svbsp", 0xA9_3F63),
+    ("mobsp", 0xD4_8FB9),
+    ("floating-horizon", 0x94_624A),
+    ("cell", 0x0F_6E84),
+    ("pvs", 0x5A_4FCF),
+    ("auto", 0xA0_8A5B),
+    ("own", 0x8A_919C),
+];
 
 /// A bar's number, with as many places as mean something, and its unit.
 fn label(value: f64, unit: Unit) -> String {
@@ -166,6 +180,7 @@ fn significant(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use enfilade::Method;
 
     fn chart(values: &[f64], unit: Unit) -> (String, bool) {
         let methods = ["z-buffer", "hierarchical-z", "own"];

@@ -18,6 +18,8 @@ pub(super) struct ViewPictures {
     pub(super) size: [u32; 2],
     /// Samples of the reference's own picture that the reference does not allow.
     pub(super) wrong: u64,
+    /// Contested samples that are marked, each once.
+    pub(super) marked: usize,
     pub(super) methods: Vec<MethodPictures>,
 }
 
@@ -74,19 +76,21 @@ impl<'a> Artist<'a> {
         let step = step(view.size);
         let image = shrunk(&draw(baseline, &mut viewer, view, Show::Image), step);
         let items = shrunk(&draw(baseline, &mut viewer, view, Show::Items), step);
+        let contested = neighbours.contested(truth);
         Ok(Sitting {
             view,
             truth,
             step,
             dimmed: dimmed(&image),
-            contested: neighbours.contested(truth),
             pictures: ViewPictures {
                 image: data_uri(&image)?,
                 items: data_uri(&items)?,
                 size: [image.width(), image.height()],
                 wrong: truth.different(neighbours.owners()).count() as u64,
+                marked: contested.len(),
                 methods: Vec::new(),
             },
+            contested,
             artist: self,
         })
     }

@@ -44,11 +44,16 @@ fn place(view: &ViewReport) -> String {
 /// What is really seen, and what the marks of the pictures below mean.
 fn truth(view: &ViewReport, pictures: &ViewPictures) -> String {
     let facts = view.check.as_ref().map_or(String::new(), |check| {
-        list(&[
+        let mut facts = vec![
             ("surely visible", count(check.reference_visible as u64)),
             ("in the frustum", count(view.items_in_frustum as u64)),
             ("contested pixels", count(check.pixels_contested)),
-        ])
+        ];
+        // Items that lie in one plane are contested, too, but not beside each other.
+        if (pictures.marked as u64) < check.pixels_contested {
+            facts.push(("of them marked", count(pictures.marked as u64)));
+        }
+        list(&facts)
     });
     let owners = if pictures.wrong == 0 {
         "Drawn by a z-buffer, each of whose pixels is one that the reference allows.".to_owned()

@@ -71,7 +71,7 @@ impl Marks {
     }
 }
 
-/// The items that the last look saw, by chain of portals. What a look does not visit again is forgotten, so that
+/// The clusters of items that the last look saw, by chain of portals. What a look does not visit again is forgotten, so that
 /// this stays as small as what one look sees.
 #[derive(Default)]
 pub(crate) struct Recall {
@@ -83,7 +83,8 @@ pub(crate) struct Recall {
 struct Remembered {
     eye: DVec3,
     back: DVec3,
-    items: Vec<ItemId>,
+    /// In order, each once.
+    clusters: Vec<(ItemId, u32)>,
 }
 
 impl Recall {
@@ -94,7 +95,7 @@ impl Recall {
 
     /// What the last look saw through the same portals, if the eye has hardly moved since: from elsewhere most of it
     /// is hidden, and seeing it first would cost more than it hides. `size` is that of the fragment.
-    pub(crate) fn seen_last(&mut self, passage: &Passage, size: f32) -> Vec<ItemId> {
+    pub(crate) fn seen_last(&mut self, passage: &Passage, size: f32) -> Vec<(ItemId, u32)> {
         const STEP: f64 = 0.02;
         const TURN: f64 = 0.8;
         let (eye, back) = passage.stance();
@@ -104,12 +105,12 @@ impl Recall {
         self.last
             .remove(&passage.chain)
             .filter(near)
-            .map_or_else(Vec::new, |last| last.items)
+            .map_or_else(Vec::new, |last| last.clusters)
     }
 
-    pub(crate) fn remember(&mut self, passage: &Passage, items: Vec<ItemId>) {
+    pub(crate) fn remember(&mut self, passage: &Passage, clusters: Vec<(ItemId, u32)>) {
         let (eye, back) = passage.stance();
-        self.now.insert(passage.chain, Remembered { eye, back, items });
+        self.now.insert(passage.chain, Remembered { eye, back, clusters });
     }
 
     pub(crate) fn forget(&mut self) {

@@ -7,7 +7,7 @@ use crate::faces::{Faces, Of};
 use crate::fragment::{Built, Fragment, Hit, Ray, Surface};
 use crate::geom::Aabb;
 use crate::memory::{Marks, Memory};
-use crate::order::{DepthSort, Gives, Mean, Min, OctreeOrder, Order, Unordered, Visit, hand_out};
+use crate::order::{DepthSort, Gives, Mean, Min, OctreeOrder, Order, Unordered, Visit};
 use crate::passage::Passage;
 use crate::region::Region;
 use crate::seen::Seen;
@@ -239,15 +239,10 @@ where
             marks: &mut memory.marks,
             stats: &mut memory.stats,
             waiting: &mut waiting.0,
+            primed: &last,
             canvas: reborrow(&mut canvas),
         };
-        walk.stats.items_primed += last.len() as u64;
-        for item in last
-            .into_iter()
-            .filter(|item| (item.0 as usize) < self.content.items().len())
-        {
-            hand_out(&self.content, passage, item, &mut walk);
-        }
+        walk.prime(&self.content);
         self.order.visit(&self.content, passage, &mut scratch, &mut walk);
         for (item, cluster) in waiting.0.drain(..) {
             let screen_from_item = passage.screen_from(&self.content.item(item).transform());
@@ -261,9 +256,7 @@ where
         cover.finish(&self.content, passage, seen, canvas);
         memory.stats.samples_owned += seen.samples_owned;
         if primes {
-            memory
-                .recall
-                .remember(passage, seen.items.iter().map(|seen| seen.item).collect());
+            memory.recall.remember(passage, seen.clusters_of_items());
         }
         memory.put_back(cover);
         memory.put_back(waiting);
@@ -310,7 +303,41 @@ struct Walk<'a, C> {
     marks: &'a mut Marks,
     stats: &'a mut Stats,
     waiting: &'a mut Vec<(ItemId, u32)>,
+    /// What goes in before the walk, in order.
+    primed: &'a [(ItemId, u32)],
     canvas: Option<&'a mut dyn Canvas>,
+}
+
+impl<C: Cover> Walk<'_, C> {
+    /// Lets the cover see first what the last look saw; what has left the picture since is left out.
+    fn prime(&mut self, content: &Content) {
+        let mut in_view: Vec<_> = self
+            .primed
+            .iter()
+            .filter_map(|&(item, cluster)| {
+                let screen_from_item = self.passage.screen_from(&content.item(item).transform());
+                let bounds = &content.mesh_of(item).clusters()[cluster as usize].bounds;
+                let region = Region::of(self.passage, &screen_from_item, bounds)?;
+                Some((region.nearest, item, cluster))
+            })
+            .collect();
+        in_view.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (_, item, cluster) in in_view {
+            let screen_from_item = self.passage.screen_from(&content.item(item).transform());
+            self.take(&Faces::of_cluster(content, item, cluster, &screen_from_item));
+        }
+        self.stats.clusters_primed += self.primed.len() as u64;
+    }
+
+    fn take(&mut self, faces: &Faces) {
+        match (faces.alpha, faces.of) {
+            (Alpha::Mask | Alpha::Blend, Of::Item(item, cluster)) => self.waiting.push((item, cluster)),
+            _ => {
+                self.cover
+                    .add(faces, self.passage, self.stats, reborrow(&mut self.canvas));
+            }
+        }
+    }
 }
 
 impl<C: Cover> Visit for Walk<'_, C> {
@@ -326,12 +353,9 @@ impl<C: Cover> Visit for Walk<'_, C> {
     }
 
     fn faces(&mut self, faces: &Faces) {
-        match (faces.alpha, faces.of) {
-            (Alpha::Mask | Alpha::Blend, Of::Item(item, cluster)) => self.waiting.push((item, cluster)),
-            _ => {
-                self.cover
-                    .add(faces, self.passage, self.stats, reborrow(&mut self.canvas));
-            }
+        let primed = matches!(faces.of, Of::Item(item, cluster) if self.primed.binary_search(&(item, cluster)).is_ok());
+        if !primed {
+            self.take(faces);
         }
     }
 }

@@ -74,6 +74,21 @@ impl Seen {
         }
     }
 
+    /// The clusters of the reported items, in order, each once; of items reported whole, all that are known: the only
+    /// one.
+    pub(crate) fn clusters_of_items(&self) -> Vec<(ItemId, u32)> {
+        let mut all = Vec::with_capacity(self.items.len().max(self.clusters.len()));
+        for seen in &self.items {
+            let clusters = &self.clusters[seen.clusters[0] as usize..seen.clusters[1] as usize];
+            all.extend(
+                if clusters.is_empty() { &[0] } else { clusters }
+                    .iter()
+                    .map(|&cluster| (seen.item, cluster)),
+            );
+        }
+        all
+    }
+
     pub(crate) fn clear(&mut self, paints: bool) {
         self.items.clear();
         self.openings.clear();

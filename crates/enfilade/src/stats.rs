@@ -16,8 +16,8 @@ pub struct Stats {
     pub triangles_hidden: u64,
     /// Samples that the other triangles cover, each triangle's counted.
     pub samples: u64,
-    /// Items that were seen first because the last look saw them.
-    pub items_primed: u64,
+    /// Clusters that were seen first because the last look saw them.
+    pub clusters_primed: u64,
     /// What s-buffers compared.
     pub spans: SpanStats,
     /// Samples reported as owned by a face; each is shaded once.
@@ -54,7 +54,7 @@ impl Stats {
             ("triangles", self.triangles),
             ("triangles_hidden", self.triangles_hidden),
             ("samples", self.samples),
-            ("items_primed", self.items_primed),
+            ("clusters_primed", self.clusters_primed),
             ("spans_compared", self.spans.compared),
             ("spans_by_cache", self.spans.by_cache),
             ("spans_by_neighbour", self.spans.by_neighbour),

@@ -8,7 +8,7 @@ use crate::passage::{Passage, eye_in};
 use crate::region::Region;
 
 /// Hands out what may be seen of one item, unless that was done already.
-pub(crate) fn hand_out(content: &Content, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
+pub(super) fn hand_out(content: &Content, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
     let placed = content.item(item);
     let mesh = content.mesh_of(item);
     let clusters = mesh.clusters();

@@ -6,7 +6,6 @@ mod octree;
 mod unordered;
 
 pub use depth_sort::{DepthSort, Mean, Min, SortKey};
-pub(crate) use items::hand_out;
 pub use octree::OctreeOrder;
 pub use unordered::Unordered;
 

@@ -124,7 +124,7 @@ fn card(report: &Report, view: &ViewReport, number: usize, drawn: &MethodPicture
     let alt = |what: &str| format!("{what} by {}, view {}", report.method, number + 1);
     format!(
         "<div class=\"card {class}\"><div class=\"words\"><h3>{}</h3><p><span class=\"badge {class}\">{verdict}</span>\
-         </p>{}{missed}{incomplete}</div>\n{}{}{}</div>\n",
+         </p>{}{incomplete}</div>\n{}{}{}{missed}</div>\n",
         method(report.method),
         list(&facts),
         figure("picture", &alt("Picture"), &drawn.image, size),

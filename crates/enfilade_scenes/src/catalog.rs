@@ -1,6 +1,6 @@
 //! The list of all scenes.
 
-use crate::{Camera, laws, palace};
+use crate::{Camera, laws, palace, thesis};
 use enfilade::Scene;
 
 /// A scene, and places to look at it from; the first is the default.
@@ -66,8 +66,8 @@ impl Named {
     }
 }
 
-/// All scenes, the default first, then those of the laws.
-pub const SCENES: [Named; 21] = [
+/// All scenes: the default, those of the laws, and the figures of the thesis.
+pub const SCENES: [Named; 36] = [
     Named {
         name: "enfilade",
         about: "a palace: twelve rooms in line, a gallery, a court, cabinets, a doll's house",
@@ -201,6 +201,96 @@ pub const SCENES: [Named; 21] = [
         &[Group::Doors, Group::Glass, Group::OneSided, Group::Intersections],
         || crate::random_scene(2),
     ),
+    law(
+        "tetrahedron",
+        "four faces: minimal z paints the base over them, mean z does not",
+        &[],
+        thesis::tetrahedron,
+    ),
+    law(
+        "parallel-triangles",
+        "three triangles, one before the other: both painters are right",
+        &[],
+        thesis::parallel_triangles,
+    ),
+    law(
+        "parallel-rectangles",
+        "three rectangles, one before the other: every method is right",
+        &[],
+        thesis::parallel_rectangles,
+    ),
+    law(
+        "crossing-triangles",
+        "two triangles through each other: no order paints them",
+        &[Group::Intersections],
+        thesis::crossing_triangles,
+    ),
+    law(
+        "cycle",
+        "three bars, each before the next: no order paints them",
+        &[Group::Cycles],
+        thesis::cycle,
+    ),
+    law(
+        "overlap",
+        "a sail before a long wall: minimal z is wrong, and mean z too once the eye has moved",
+        &[],
+        thesis::overlap,
+    ),
+    law(
+        "triangle-through-cube",
+        "a triangle through a cube: painters are wrong, trees must cut",
+        &[Group::Intersections],
+        thesis::triangle_through_cube,
+    ),
+    law(
+        "wrong-winding",
+        "the tetrahedron with corners in no order: wrong for trees that trust it",
+        &[],
+        thesis::wrong_winding,
+    ),
+    law(
+        "cylinders-8",
+        "8 rectangles, a lid and a bottom: both painters are right",
+        &[],
+        || thesis::cylinder(8),
+    ),
+    law(
+        "cylinders-16",
+        "16 rectangles, a lid and a bottom: both painters are right",
+        &[],
+        || thesis::cylinder(16),
+    ),
+    law(
+        "cylinders-32",
+        "32 rectangles, a lid and a bottom: both painters are right",
+        &[],
+        || thesis::cylinder(32),
+    ),
+    law(
+        "cones-8",
+        "8 triangles and a base: both painters are right where the base is seen",
+        &[],
+        || thesis::cone(8),
+    ),
+    law(
+        "cones-16",
+        "16 triangles and a base: both painters are right where the base is seen",
+        &[],
+        || thesis::cone(16),
+    ),
+    law(
+        "cones-32",
+        "32 triangles and a base: both painters are right where the base is seen",
+        &[],
+        || thesis::cone(32),
+    ),
+    law(
+        "four-cylinders",
+        "four tubes of sixty rectangles: what painters and trees are timed on",
+        &[],
+        thesis::four_cylinders,
+    ),
 ];
 
 /// The names of all scenes, as in [`SCENES`].
@@ -237,4 +327,9 @@ pub fn built_in(name: &str) -> Option<BuiltIn> {
 pub fn law_scenes() -> impl Iterator<Item = &'static Named> {
     const LAWS: &[Named] = SCENES.split_at(1).1;
     LAWS.iter()
+}
+
+/// The figures of the thesis, on which the painters are compared: from the tetrahedron on.
+pub fn figures() -> impl Iterator<Item = &'static Named> {
+    SCENES.iter().skip_while(|named| named.name != "tetrahedron")
 }

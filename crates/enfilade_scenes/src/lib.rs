@@ -1,4 +1,5 @@
-//! The scenes that come with Enfilade: a palace made by code, and the small worlds that its laws are tested on.
+//! The scenes that come with Enfilade: a palace made by code, the small worlds that its laws are tested on, and the
+//! figures of a thesis that compares painters with BSP trees.
 //!
 //! ```
 //! let palace = enfilade_scenes::built_in("enfilade").expect("it is built in");
@@ -18,7 +19,8 @@ mod palace;
 mod random;
 mod random_scene;
 mod shape;
+mod thesis;
 
 pub use camera::Camera;
-pub use catalog::{BuiltIn, Group, NAMES, Named, SCENES, built_in, law_scenes};
+pub use catalog::{BuiltIn, Group, NAMES, Named, SCENES, built_in, figures, law_scenes};
 pub use random_scene::random_scene;

@@ -78,6 +78,11 @@ impl Transform {
             .into()
     }
 
+    /// Where a point goes, unrounded.
+    pub(crate) fn point_f64(&self, point: [f32; 3]) -> [f64; 3] {
+        self.0.transform_point3(DVec3::from(point.map(f64::from))).into()
+    }
+
     /// The least box of f32 that holds the place a point goes to: boxes must not lose to rounding what they hold.
     pub(crate) fn point_box(&self, point: [f32; 3]) -> Aabb {
         let exact: [f64; 3] = self.0.transform_point3(DVec3::from(point.map(f64::from))).into();

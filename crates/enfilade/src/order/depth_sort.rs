@@ -7,12 +7,11 @@
 //! Approximate: one number cannot order long faces beside small ones, cycles, or faces that cross: `@overlap`, `@cycle`
 //!     and `@crossing-triangles` show it. Right for things apart from each other, and faces of like size.
 
-use super::items::opening_faces;
+use super::items::{hand_out_see_through, may_be_seen, opening_faces};
 use super::{FarToNear, Order, Visit};
 use crate::content::{Alpha, Content, ItemId, OpeningId};
 use crate::faces::Faces;
 use crate::passage::Passage;
-use crate::region::Region;
 use glam::DAffine3;
 use std::marker::PhantomData;
 
@@ -83,6 +82,7 @@ impl<K: SortKey> Order for DepthSort<K> {
         sorting.items.clear();
         sorting.faces.clear();
         for item in 0..content.items().len() as u32 {
+            hand_out_see_through(content, passage, ItemId(item), visit);
             sorting.add::<K>(content, passage, ItemId(item), visit);
         }
         let openings = if passage.flat {
@@ -106,7 +106,7 @@ impl<K: SortKey> Order for DepthSort<K> {
 }
 
 impl Sorting {
-    /// Adds the opaque faces of an item that may be in view; others are handed out at once, for they are painted last.
+    /// Adds the opaque faces of an item that may be in view.
     fn add<K: SortKey>(
         &mut self,
         content: &Content,
@@ -118,18 +118,9 @@ impl Sorting {
         let place = self.items.len() as u32;
         let mesh = content.mesh_of(item);
         let mut added = false;
-        for (number, cluster) in mesh.clusters().iter().enumerate() {
-            let region = Region::of(passage, &screen_from_item, &cluster.bounds);
-            if !region.is_some_and(|region| visit.enter(&region)) {
-                continue;
-            }
-            if content.material_of(cluster).alpha != Alpha::Opaque {
-                visit.faces(&Faces::of_cluster(
-                    content,
-                    item,
-                    number as u32,
-                    &screen_from_item,
-                ));
+        for cluster in mesh.clusters() {
+            let hides = content.material_of(cluster).alpha == Alpha::Opaque;
+            if !hides || !may_be_seen(passage, &screen_from_item, &cluster.bounds, visit) {
                 continue;
             }
             added = true;

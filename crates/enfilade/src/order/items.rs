@@ -1,7 +1,7 @@
 //! The lower of two levels: the clusters of one item, near to far.
 
 use super::Visit;
-use crate::content::{Content, ItemId, OpeningId};
+use crate::content::{Alpha, Content, ItemId, OpeningId};
 use crate::faces::Faces;
 use crate::geom::Step;
 use crate::passage::{Passage, eye_in};
@@ -38,6 +38,28 @@ pub(super) fn hand_out(content: &Content, passage: &Passage, item: ItemId, visit
     });
 }
 
+/// Hands out what may be seen of an item's faces that do not hide: for orders that sort only those that do.
+pub(super) fn hand_out_see_through(
+    content: &Content,
+    passage: &Passage,
+    item: ItemId,
+    visit: &mut impl Visit,
+) {
+    let screen_from_item = passage.screen_from(&content.item(item).transform());
+    for (number, cluster) in content.mesh_of(item).clusters().iter().enumerate() {
+        if content.material_of(cluster).alpha != Alpha::Opaque
+            && may_be_seen(passage, &screen_from_item, &cluster.bounds, visit)
+        {
+            visit.faces(&Faces::of_cluster(
+                content,
+                item,
+                number as u32,
+                &screen_from_item,
+            ));
+        }
+    }
+}
+
 /// Hands out all openings, unless they are plain holes.
 pub(super) fn hand_out_openings(content: &Content, passage: &Passage, visit: &mut impl Visit) {
     if passage.flat {
@@ -53,7 +75,7 @@ pub(super) fn opening_faces<'a>(content: &'a Content, passage: &'a Passage, open
     Faces::of_opening(content, opening, &passage.screen_from_fragment)
 }
 
-fn may_be_seen(
+pub(super) fn may_be_seen(
     passage: &Passage,
     screen_from_local: &glam::DAffine3,
     bounds: &crate::geom::Aabb,

@@ -1,0 +1,94 @@
+//! The figures by which a thesis compares the painter's algorithm with BSP trees, by picture and by time.
+//!
+//! A painter sorts polygons by one number, a key, and paints them from far to near. Two keys are compared: the
+//! minimal z (W of the polygon's nearest corner) and the mean z (mean of W over its corners), W being the distance
+//! along the line of sight. Every polygon is an item of its own (but for those of the four cylinders), so that a
+//! picture of the items shows what an order did wrong. All are seen from both sides: with back-face culling the
+//! tetrahedron could not go wrong.
+//!
+//! Source: the thesis "Painter's algorithm and binary space partitioning" (in Russian), sections 2.2, 2.3 and 3. It
+//! gives no coordinates: these are chosen so that what it says of each figure holds whichever of two equal keys comes
+//! first.
+
+mod round;
+mod sheets;
+mod solids;
+
+pub(crate) use round::{cone, cylinder, four_cylinders};
+pub(crate) use sheets::{crossing_triangles, cycle, overlap, parallel_rectangles, parallel_triangles};
+pub(crate) use solids::{tetrahedron, triangle_through_cube, wrong_winding};
+
+use crate::shape::Shape;
+use crate::{BuiltIn, Camera};
+use enfilade::{ContentBuilder, Material, MaterialId, Method, SceneBuilder, Transform};
+use glam::Vec3;
+
+const RED: MaterialId = MaterialId(0);
+const ORANGE: MaterialId = MaterialId(1);
+const YELLOW: MaterialId = MaterialId(2);
+const GREEN: MaterialId = MaterialId(3);
+const TEAL: MaterialId = MaterialId(4);
+const BLUE: MaterialId = MaterialId(5);
+const VIOLET: MaterialId = MaterialId(6);
+const ROSE: MaterialId = MaterialId(7);
+const IVORY: MaterialId = MaterialId(8);
+
+/// Round the wheel of hues, then [`IVORY`]; linear.
+const COLORS: [[f32; 3]; 9] = [
+    [0.70, 0.05, 0.05],
+    [0.82, 0.27, 0.03],
+    [0.82, 0.60, 0.06],
+    [0.16, 0.47, 0.08],
+    [0.02, 0.42, 0.40],
+    [0.05, 0.18, 0.66],
+    [0.27, 0.09, 0.52],
+    [0.76, 0.17, 0.36],
+    [0.80, 0.77, 0.68],
+];
+
+/// A figure being drawn.
+struct Figure {
+    content: ContentBuilder,
+    place: Transform,
+}
+
+impl Figure {
+    fn new() -> Figure {
+        Figure::tilted(0.0)
+    }
+
+    /// A figure whose top leans towards the eye: seen from above, before a sky that is not.
+    fn tilted(degrees: f64) -> Figure {
+        let materials = COLORS.map(|color| Material {
+            double_sided: true,
+            ..Material::opaque(color)
+        });
+        Figure {
+            content: ContentBuilder::new(materials),
+            place: Transform::rotation([1.0, 0.0, 0.0], degrees.to_radians()),
+        }
+    }
+
+    /// Adds a flat convex polygon as an item of its own.
+    fn polygon(&mut self, name: &str, color: MaterialId, corners: &[Vec3]) {
+        let mut shape = Shape::new();
+        shape.face(color, corners);
+        self.thing(name, &shape);
+    }
+
+    /// Adds all faces of a shape as one item.
+    fn thing(&mut self, name: &str, shape: &Shape) {
+        let mesh = self.content.mesh(shape.mesh());
+        self.content.item(name, mesh, self.place);
+    }
+
+    fn seen_from(self, cameras: Vec<Camera>) -> BuiltIn {
+        let mut scene = SceneBuilder::new();
+        let content = self.content.build().expect("figures are drawn soundly");
+        scene.add("figure", content, Method::HierarchicalZ);
+        BuiltIn {
+            scene: scene.build().expect("one fragment needs no joining"),
+            cameras,
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Solids with few faces: the tetrahedron, its disorderly twin, and a cube that a triangle goes through.
+
+use super::{BLUE, Figure, GREEN, IVORY, ORANGE, RED, ROSE, TEAL, VIOLET, YELLOW};
+use crate::{BuiltIn, Camera};
+use enfilade::MaterialId;
+use glam::{Vec3, vec3};
+
+/// Near, left and right corner of the base, and the tip.
+///
+/// In W, as the camera sees them, near < tip < left and right. So the three faces at the near corner have equal
+/// minimal z.
+const CORNERS: [Vec3; 4] = [
+    vec3(0.27, -0.7, 1.22),
+    vec3(-1.19, -0.7, -0.37),
+    vec3(0.92, -0.7, -0.85),
+    vec3(0.0, 1.0, 0.0),
+];
+
+/// What is hidden (the base) stands between what is seen: wherever equals begin, they do not end right.
+const FACES: [(&str, MaterialId); 4] = [("right", BLUE), ("base", YELLOW), ("back", GREEN), ("left", RED)];
+
+/// A tetrahedron. Painter by mean z is right, by minimal z wrong.
+///
+/// The left and the right face are seen, red and blue. By minimal z the base is as near as they are, for it has the
+/// near corner too: it is painted over one of them, and yellow shows.
+pub(crate) fn tetrahedron() -> BuiltIn {
+    tetrahedron_of([[0, 2, 3], [1, 2, 0], [2, 1, 3], [1, 0, 3]])
+}
+
+/// The same tetrahedron, with corners in no order: two faces look outwards, two inwards.
+///
+/// Painters do not ask which way a face looks: mean z is right here too. The thesis shows a picture by its BSP tree
+/// that is wrong, because fronts were taken from the order of corners. A tree that holds the eye and the polygons
+/// against the same planes must be right, whichever way those look.
+pub(crate) fn wrong_winding() -> BuiltIn {
+    tetrahedron_of([[0, 2, 3], [2, 1, 0], [1, 2, 3], [3, 1, 0]])
+}
+
+fn tetrahedron_of(faces: [[usize; 3]; 4]) -> BuiltIn {
+    let mut figure = Figure::tilted(30.0);
+    for ((name, color), corners) in FACES.into_iter().zip(faces) {
+        figure.polygon(name, color, &corners.map(|corner| CORNERS[corner]));
+    }
+    figure.seen_from(vec![
+        Camera::new("front", [-0.1, -0.4, 3.7], [-0.1, -0.05, 0.0]).lens(42.0),
+    ])
+}
+
+/// A triangle through a cube. Painters are wrong.
+///
+/// The triangle comes out of faces of the cube that are seen: before such a face on one side of the line in which
+/// they meet, behind it on the other. It is painted whole, over the cube or under it; a tree has to cut, and its
+/// picture must not show where.
+pub(crate) fn triangle_through_cube() -> BuiltIn {
+    let mut figure = Figure::new();
+    let corner = |bits: usize| {
+        let side = |bit: usize| if bits & bit == 0 { -0.8 } else { 0.8 };
+        vec3(side(1), side(2), side(4))
+    };
+    for (name, color, corners) in [
+        ("left", VIOLET, [0, 4, 6, 2]),
+        ("right", BLUE, [1, 3, 7, 5]),
+        ("bottom", GREEN, [0, 1, 5, 4]),
+        ("top", IVORY, [2, 6, 7, 3]),
+        ("back", ROSE, [0, 2, 3, 1]),
+        ("front", TEAL, [4, 5, 7, 6]),
+    ] {
+        figure.polygon(name, color, &corners.map(corner));
+    }
+    figure.polygon(
+        "triangle",
+        ORANGE,
+        &[vec3(-2.2, -0.6, 0.9), vec3(1.9, -0.3, 0.9), vec3(0.1, 1.7, -0.9)],
+    );
+    figure.seen_from(vec![
+        Camera::new("corner", [2.1, 1.6, 3.6], [0.0, 0.1, 0.0]).lens(45.0),
+    ])
+}

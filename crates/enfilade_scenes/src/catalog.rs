@@ -67,7 +67,7 @@ impl Named {
 }
 
 /// All scenes: the default, those of the laws, and the figures of the thesis.
-pub const SCENES: [Named; 36] = [
+pub const SCENES: [Named; 38] = [
     Named {
         name: "enfilade",
         about: "a palace: twelve rooms in line, a gallery, a court, cabinets, a doll's house",
@@ -182,6 +182,18 @@ pub const SCENES: [Named; 36] = [
         "faces with four to eleven corners",
         &[Group::Intersections],
         laws::polygons,
+    ),
+    law(
+        "wings",
+        "two faces with one edge, and a beam before one and behind the other",
+        &[],
+        laws::wings,
+    ),
+    law(
+        "seams",
+        "boards through a floor along its seams",
+        &[Group::Intersections],
+        laws::seams,
     ),
     law(
         "eye-in-things",

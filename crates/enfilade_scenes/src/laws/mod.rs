@@ -1,11 +1,13 @@
 //! Small worlds that the laws hold every method against. Each tells a story that a picture of it can be checked by.
 
+mod neighbours;
 mod openings;
 mod rooms;
 mod sizes;
 pub(crate) mod stage;
 mod surfaces;
 
+pub(crate) use neighbours::{seams, wings};
 pub(crate) use openings::{cabinet, facing_mirrors, free_doorway, mirror};
 pub(crate) use rooms::{eye_in_things, pillar, slits, two_rooms};
 pub(crate) use sizes::{big_mesh, crowd, far_away, huge, tiny};

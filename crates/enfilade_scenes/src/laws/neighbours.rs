@@ -7,19 +7,15 @@ use glam::vec3;
 
 /// Two wings that share a short edge, and a beam above it: one wing passes behind the beam, the other before.
 ///
-/// The beam does not meet the edge, so from how it lies to one wing nothing follows for the other. Source: the
+/// The beam does not meet the edge, so from how it lies to one wing nothing follows for the other; it leans, so that its
+/// plane has all of the first wing behind it. Source: the
 /// counter-example to statement 3 of Boreskov, Hierarchical s-buffer for scenes of high complexity.
 pub(crate) fn wings() -> BuiltIn {
     let mut stage = Stage::new();
-    stage.thing(
-        "beam",
-        &sheet(
-            BLUE_SHEET,
-            vec3(-10.0, 8.0, -0.5),
-            vec3(20.0, 0.0, 0.0),
-            vec3(0.0, 1.0, 0.0),
-        ),
-    );
+    let at = |x: f32, y: f32| vec3(x, y, 1.5 - 0.25 * y);
+    let mut beam = Shape::new();
+    beam.triangle(BLUE_SHEET, [at(-14.0, 7.5), at(14.0, 7.5), at(0.0, 10.0)]);
+    stage.thing("beam", &beam);
     let [low, high] = [vec3(0.0, 0.0, 0.0), vec3(0.0, 2.0, 0.0)];
     let mut wings = Shape::new();
     wings.triangle(RED_SHEET, [low, high, vec3(-10.0, 10.0, -10.0)]);

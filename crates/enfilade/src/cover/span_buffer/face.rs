@@ -1,6 +1,6 @@
 //! A face as the spans know it: where it is, and on which side of it another lies.
 
-use super::super::triangle::Triangle;
+use crate::cover::triangle::Triangle;
 use glam::DVec3;
 
 /// A triangle in the space of (X, Y, W), in which the eye is at the origin.

@@ -2,7 +2,7 @@
 
 use crate::prepare::Prepared;
 use crate::progress::Progress;
-use enfilade::laws::{OwnerPicture, Reference, Verdict};
+use enfilade::laws::{OwnerPicture, Reference, Truth, Verdict};
 use enfilade::{FragmentId, ItemId, View, Viewer};
 
 /// What was found at a view.
@@ -30,15 +30,25 @@ pub(crate) fn check(prepared: &[Prepared], viewers: &mut [Viewer], views: &[View
     for view in views {
         let truth = reference.see(&first.scene, view, &viewers[0].limits());
         for ((prepared, viewer), found) in prepared.iter().zip(&mut *viewers).zip(&mut found) {
-            let looked = truth.check(viewer.look(&prepared.scene, view), None);
-            let mut picture = OwnerPicture::new(view.size);
-            viewer.draw(&prepared.scene, view, &mut picture);
-            let drawn = truth.check(viewer.visible(), Some(&picture));
-            found.push(both(looked, drawn));
+            found.push(hold(&truth, prepared, viewer, view).0);
         }
         progress.step();
     }
     found
+}
+
+/// Looks at a view and draws it, and holds both against the truth; the owners that were painted are given back.
+pub(crate) fn hold(
+    truth: &Truth,
+    prepared: &Prepared,
+    viewer: &mut Viewer,
+    view: &View,
+) -> (Found, OwnerPicture) {
+    let looked = truth.check(viewer.look(&prepared.scene, view), None);
+    let mut picture = OwnerPicture::new(view.size);
+    viewer.draw(&prepared.scene, view, &mut picture);
+    let drawn = truth.check(viewer.visible(), Some(&picture));
+    (both(looked, drawn), picture)
 }
 
 fn both(looked: Verdict, drawn: Verdict) -> Found {

@@ -8,7 +8,7 @@ use crate::open::{allow_threads, open};
 use crate::out;
 use crate::prepare::{Prepared, prepare};
 use crate::progress::Progress;
-use crate::report::{Report, Reports, Sink, Skipped, rounded};
+use crate::report::{Report, Reports, Sink, Skipped};
 use crate::save::Destination;
 use crate::text::{count, ms, plural};
 use crate::values::Choice;
@@ -33,20 +33,20 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
     // Names made from this one lie in the same folder.
     Destination::new(&args.output)?;
     let sink = Sink::new(&args.json)?;
-    allow_threads(&args.methods.limits)?;
-    let all = args.methods.choice() == Choice::All;
-    let opened = open(&args.scene.scene, args.methods.choice(), &args.methods.limits)?;
+    allow_threads(&args.methods.how.limits)?;
+    let choice = args.methods.choice();
+    let opened = open(&args.scene.scene, choice, &args.methods.how.limits)?;
     let views = cameras::views(&args.cameras, &opened)?;
-    let (prepared, skipped) = prepare(&opened, &args.methods, views.first())?;
+    let (prepared, skipped) = prepare(&opened, choice, &args.methods.how, views.first())?;
     for Skipped { method, why } in &skipped {
         out::warn(format_args!("{method} is skipped: {why}"));
     }
     let measured = args.json.file.is_some();
-    let passes = if measured { 2 * (1 + PASSES) } else { 1 };
+    let passes = if measured { 2 + 3 * PASSES } else { 1 };
     let progress = Progress::steps("drawing", prepared.len() * views.len() * passes);
     let (mut reports, mut said) = (Vec::new(), String::new());
     for prepared in &prepared {
-        let base = if all {
+        let base = if choice == Choice::All {
             with_word(&args.output, prepared.method)
         } else {
             args.output.clone()
@@ -64,13 +64,12 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
             progress.step();
         }
         if measured {
-            let times = measure::timed(&views, &progress, |_, view| {
-                draw(prepared, &mut viewer, view, args.show);
-            });
+            let draws = measure::draws(prepared, &views, &mut viewer, args.show, &progress);
+            let walks = measure::walks(prepared, &views, &mut viewer, &progress);
             let looks = measure::looks(prepared, &views, &mut prepared.viewer(), &progress);
             let mut report = Report::new(&opened, prepared, &views, args.cameras.size, looks);
-            for ((view, ms), file) in report.views.iter_mut().zip(times).zip(&files) {
-                view.draw_ms = Some(rounded(ms));
+            report.add_times(&draws, &walks);
+            for (view, file) in report.views.iter_mut().zip(&files) {
                 view.picture = Some(file.display().to_string());
             }
             reports.push(report);
@@ -80,7 +79,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
     if !args.json.takes_stdout() {
         out::print(&said)?;
     }
-    sink.write(&Reports::new(all, reports, skipped))?;
+    sink.write(&Reports::new(choice == Choice::All, reports, skipped))?;
     Ok(Outcome::Done)
 }
 

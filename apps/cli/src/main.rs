@@ -4,6 +4,7 @@
 mod args;
 mod cameras;
 mod check;
+mod compare;
 mod draw;
 mod info;
 mod look;
@@ -22,6 +23,7 @@ mod welcome;
 use args::{Args, Verb};
 use clap::Parser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
+use report::Report;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -34,6 +36,17 @@ enum Outcome {
     CheckFailed,
 }
 
+impl Outcome {
+    /// Of reports that have been checked, or that nobody asked to check.
+    fn of(reports: &[Report]) -> Outcome {
+        if reports.iter().any(Report::breaks_its_contract) {
+            Outcome::CheckFailed
+        } else {
+            Outcome::Done
+        }
+    }
+}
+
 fn main() -> ExitCode {
     let args = match Args::try_parse() {
         Ok(args) => args,
@@ -43,6 +56,7 @@ fn main() -> ExitCode {
         None => welcome::run(),
         Some(Verb::Draw(args)) => draw::run(&args),
         Some(Verb::Look(args)) => look::run(&args),
+        Some(Verb::Compare(args)) => compare::run(&args),
         Some(Verb::Info(args)) => info::run(&args),
     };
     match outcome {

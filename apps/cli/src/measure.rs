@@ -2,9 +2,11 @@
 //!
 //! So what a method remembers at a view is always the view before it.
 
+use crate::draw::draw;
 use crate::prepare::Prepared;
 use crate::progress::Progress;
 use enfilade::{FragmentId, ItemId, Scene, View, Viewer, VisibleSet};
+use enfilade_draw::Show;
 use std::time::Instant;
 
 /// Passes that count.
@@ -52,14 +54,50 @@ pub(crate) fn looks(prepared: &Prepared, views: &[View], viewer: &mut Viewer, pr
     Looks { each, stats }
 }
 
+/// Draws all views, shading included, and gives each one's milliseconds; the viewer has been over them once before.
+pub(crate) fn draws(
+    prepared: &Prepared,
+    views: &[View],
+    viewer: &mut Viewer,
+    show: Show,
+    progress: &Progress,
+) -> Vec<f64> {
+    timed(views, progress, |_, view| {
+        draw(prepared, viewer, view, show);
+    })
+}
+
+/// Walks the orders of each view's passages alone, and gives each one's milliseconds.
+pub(crate) fn walks(
+    prepared: &Prepared,
+    views: &[View],
+    viewer: &mut Viewer,
+    progress: &Progress,
+) -> Vec<f64> {
+    medians(views, progress, |_, view| {
+        viewer.look(&prepared.scene, view);
+        took(|| {
+            viewer.walk(&prepared.scene);
+        })
+    })
+}
+
 /// Runs the passes that count, and gives each view's median in milliseconds.
 pub(crate) fn timed(views: &[View], progress: &Progress, mut run: impl FnMut(usize, &View)) -> Vec<f64> {
+    medians(views, progress, |pass, view| took(|| run(pass, view)))
+}
+
+fn took(run: impl FnOnce()) -> f64 {
+    let start = Instant::now();
+    run();
+    start.elapsed().as_secs_f64() * 1e3
+}
+
+fn medians(views: &[View], progress: &Progress, mut run: impl FnMut(usize, &View) -> f64) -> Vec<f64> {
     let mut times = vec![[0.0; PASSES]; views.len()];
     for pass in 0..PASSES {
         for (view, times) in views.iter().zip(&mut times) {
-            let start = Instant::now();
-            run(pass, view);
-            times[pass] = start.elapsed().as_secs_f64() * 1e3;
+            times[pass] = run(pass, view);
             progress.step();
         }
     }

@@ -1,6 +1,6 @@
 //! The methods that are asked for, each built over the scene and within its memory.
 
-use crate::args::MethodArgs;
+use crate::args::HowArgs;
 use crate::open::Opened;
 use crate::report::Skipped;
 use crate::values::Choice;
@@ -52,13 +52,14 @@ impl Prepared {
 /// A method that would need too much memory, unless all were asked for: then it is skipped.
 pub(crate) fn prepare(
     opened: &Opened,
-    args: &MethodArgs,
+    choice: Choice,
+    how: &HowArgs,
     view: Option<&View>,
 ) -> Result<(Vec<Prepared>, Vec<Skipped>)> {
-    let build = |choice| build(&opened.scene, choice, args, view);
-    if args.choice() != Choice::All {
+    let build = |choice| build(&opened.scene, choice, how, view);
+    if choice != Choice::All {
         let remedy = "raise --memory, or choose a smaller --size or another --method";
-        let built = build(args.choice()).map_err(|why| anyhow!("{}: {why}; {remedy}", opened.file))?;
+        let built = build(choice).map_err(|why| anyhow!("{}: {why}; {remedy}", opened.file))?;
         return Ok((vec![built], Vec::new()));
     }
     let (mut prepared, mut skipped) = (Vec::new(), Vec::new());
@@ -74,13 +75,8 @@ pub(crate) fn prepare(
     Ok((prepared, skipped))
 }
 
-fn build(
-    scene: &Scene,
-    choice: Choice,
-    args: &MethodArgs,
-    view: Option<&View>,
-) -> Result<Prepared, TooLarge> {
-    let limit = args.limits.memory.unwrap_or(Method::DEFAULT_LIMIT);
+fn build(scene: &Scene, choice: Choice, how: &HowArgs, view: Option<&View>) -> Result<Prepared, TooLarge> {
+    let limit = how.limits.memory.unwrap_or(Method::DEFAULT_LIMIT);
     let start = Instant::now();
     let built = match choice {
         Choice::One(method) => scene.with_method(method, limit)?,
@@ -110,9 +106,19 @@ fn build(
             .map(|method| method.contract())
             .min()
             .unwrap_or(Contract::Exact),
-        scene: if args.flat { built.without_portals() } else { built },
+        scene: if how.flat { built.without_portals() } else { built },
         build_ms,
-        coherence: !args.no_coherence,
+        coherence: !how.no_coherence,
+    })
+}
+
+/// The same scene, by a method that builds next to nothing, to be drawn by it.
+pub(crate) fn drawn_by(prepared: &Prepared, method: Method) -> Result<Prepared, TooLarge> {
+    Ok(Prepared {
+        method: method.name(),
+        contract: method.contract(),
+        scene: prepared.scene.with_method(method, u64::MAX)?,
+        ..*prepared
     })
 }
 

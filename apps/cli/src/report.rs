@@ -9,8 +9,9 @@ use crate::out;
 use crate::prepare::Prepared;
 use crate::save::Destination;
 use anyhow::{Context, Result};
-use enfilade::{Scene, View};
+use enfilade::{Contract, Scene, View};
 use serde::{Serialize, Serializer};
+use std::fmt::Display;
 use std::fs;
 
 /// One method over all views.
@@ -18,11 +19,13 @@ use std::fs;
 pub(crate) struct Report {
     pub(crate) scene: SceneReport,
     pub(crate) method: &'static str,
-    pub(crate) contract: String,
+    #[serde(serialize_with = "as_text")]
+    pub(crate) contract: Contract,
     pub(crate) size: [u32; 2],
     pub(crate) threads: usize,
     pub(crate) simd: &'static str,
     pub(crate) build_ms: f64,
+    pub(crate) faces_built: u64,
     pub(crate) bytes: u64,
     /// Of the last pass, summed over the views.
     #[serde(serialize_with = "as_map")]
@@ -55,6 +58,8 @@ pub(crate) struct ViewReport {
     pub(crate) ms: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) draw_ms: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) order_ms: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) picture: Option<String>,
     pub(crate) complete: bool,
@@ -185,11 +190,12 @@ impl Report {
         Report {
             scene: SceneReport::new(opened),
             method: prepared.method,
-            contract: prepared.contract.to_string(),
+            contract: prepared.contract,
             size,
             threads: rayon::current_num_threads(),
             simd: enfilade::simd_level(),
             build_ms: rounded(prepared.build_ms),
+            faces_built: prepared.scene.built().faces,
             bytes: prepared.bytes(size),
             stats: looks.stats,
             summary: Summary {
@@ -207,6 +213,30 @@ impl Report {
                 .map(|(view, look)| ViewReport::new(view, look, &names))
                 .collect(),
         }
+    }
+
+    /// Adds what drawing each view took, and walking its orders alone.
+    pub(crate) fn add_times(&mut self, draw_ms: &[f64], order_ms: &[f64]) {
+        for (view, (&draw, &order)) in self.views.iter_mut().zip(draw_ms.iter().zip(order_ms)) {
+            view.draw_ms = Some(rounded(draw));
+            view.order_ms = Some(rounded(order));
+        }
+    }
+
+    /// The median over the views of a time; `None` where it was not taken.
+    pub(crate) fn median_ms(&self, of: impl Fn(&ViewReport) -> Option<f64>) -> Option<f64> {
+        let times: Vec<f64> = self.views.iter().filter_map(of).collect();
+        (!times.is_empty()).then(|| median(&times))
+    }
+
+    /// Is anything missed, or painted that no possible owner allows? Only a check can tell.
+    pub(crate) fn is_wrong(&self) -> bool {
+        self.summary.missed > 0 || self.summary.pixels_different > 0
+    }
+
+    /// Is it wrong, though it promised not to be?
+    pub(crate) fn breaks_its_contract(&self) -> bool {
+        self.contract != Contract::Approximate && self.is_wrong()
     }
 
     /// Adds what the reference says of each view.
@@ -240,6 +270,7 @@ impl ViewReport {
             triangles_visible: look.triangles_visible,
             ms: rounded(look.ms),
             draw_ms: None,
+            order_ms: None,
             picture: None,
             complete: look.complete,
             visible: look.visible.iter().map(|&item| names.of(item)).collect(),
@@ -251,6 +282,10 @@ impl ViewReport {
 /// To four places: a lens of 60 degrees reads as 60, and times to the tenth of a microsecond.
 pub(crate) fn rounded(value: f64) -> f64 {
     (value * 1e4).round() / 1e4
+}
+
+fn as_text<S: Serializer>(value: &impl Display, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(value)
 }
 
 fn as_map<S: Serializer>(counters: &[(&'static str, u64)], serializer: S) -> Result<S::Ok, S::Error> {

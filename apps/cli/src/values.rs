@@ -24,6 +24,22 @@ pub(crate) fn method(text: &str) -> Result<Choice, String> {
         .ok_or_else(|| among(text, names()))
 }
 
+/// What a method may be called, for the help.
+pub(crate) fn methods() -> String {
+    format!(
+        "{} or all",
+        Method::ALL.map(|method| format!("{method},")).join(" ")
+    )
+}
+
+/// The same where there need not be one.
+pub(crate) fn methods_or_own() -> String {
+    format!(
+        "{} [default: each fragment's own, hierarchical-z where nothing is said]",
+        methods()
+    )
+}
+
 pub(crate) fn show(text: &str) -> Result<Show, String> {
     Show::by_name(text).ok_or_else(|| among(text, Show::ALL.iter().map(|show| show.name())))
 }
@@ -174,7 +190,7 @@ mod tests {
             says(bytes(text).map(drop), "such as 2GB");
         }
         says(method("z-bufer").map(drop), "did you mean z-buffer?");
-        says(method("quux").map(drop), "There are: z-buffer");
+        says(method("quux").map(drop), "There are: ");
         says(check("16").map(drop), "strict");
     }
 }

@@ -50,7 +50,7 @@ fn what_is_mistyped_is_met_with_the_nearest() {
     refused(
         &folder,
         "look --method qqq",
-        &["There are: z-buffer, hierarchical-z"],
+        &["There are: ", "z-buffer", "hierarchical-z"],
     );
     refused(&folder, "draw -o a.png --show imgae", &["did you mean image?"]);
     refused(&folder, "look @enfilad", &["did you mean @enfilade?"]);

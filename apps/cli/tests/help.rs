@@ -2,6 +2,7 @@
 
 mod support;
 
+use enfilade::Method;
 use support::Folder;
 
 /// The examples of a verb's help.
@@ -51,6 +52,11 @@ fn the_examples_of_look_run() {
 }
 
 #[test]
+fn the_examples_of_compare_run() {
+    examples_run("compare");
+}
+
+#[test]
 fn the_examples_of_info_run() {
     examples_run("info");
 }
@@ -60,13 +66,11 @@ fn without_a_verb_there_is_a_picture_a_table_of_all_methods_and_what_to_try_next
     let folder = Folder::new();
     let run = folder.run("");
     assert_eq!(run.code, Some(0), "{}", run.stderr);
-    for word in [
-        "z-buffer",
-        "hierarchical-z",
-        "enfilade.png",
-        "Try next",
-        "enfilade look",
-    ] {
+    let methods = Method::ALL.map(Method::name);
+    for word in methods
+        .iter()
+        .chain(&["enfilade.png", "Try next", "enfilade look"])
+    {
         assert!(run.stdout.contains(word), "{}", run.stdout);
     }
     let picture = std::fs::read(folder.path("enfilade.png")).expect("a picture");

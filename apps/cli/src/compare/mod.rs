@@ -1,0 +1,172 @@
+//! `compare`: all methods on one scene, side by side on one page.
+
+mod charts;
+mod contested;
+mod difference;
+mod embed;
+mod html;
+mod page;
+mod pictures;
+mod summary;
+mod views;
+
+use crate::Outcome;
+use crate::args::CompareArgs;
+use crate::cameras;
+use crate::check::{Found, hold};
+use crate::draw::draw;
+use crate::look::tell_what_is_wrong;
+use crate::measure::{self, PASSES};
+use crate::open::{allow_threads, open};
+use crate::out;
+use crate::prepare::{Prepared, prepare};
+use crate::progress::Progress;
+use crate::report::{Report, Reports, SceneReport, Sink, Skipped};
+use crate::save::Destination;
+use crate::text::plural;
+use anyhow::{Result, bail};
+use enfilade::laws::Reference;
+use enfilade::{Scene, View, Viewer};
+use enfilade_draw::Show;
+use pictures::{Artist, ViewPictures};
+use std::fs;
+use std::path::Path;
+
+/// All that the page shows.
+struct Comparison<'a> {
+    args: &'a CompareArgs,
+    scene: SceneReport,
+    /// Before any is cut.
+    faces: u64,
+    views: usize,
+    /// One for each method, checked.
+    reports: &'a [Report],
+    skipped: &'a [Skipped],
+    /// Of the first views.
+    pictures: Vec<ViewPictures>,
+}
+
+/// Runs `compare`.
+pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
+    let page = destination(&args.output)?;
+    let sink = Sink::new(&args.json)?;
+    allow_threads(&args.how.limits)?;
+    let opened = open(&args.scene.scene, args.method, &args.how.limits)?;
+    let views = cameras::views(&args.cameras, &opened)?;
+    let (prepared, skipped) = prepare(&opened, args.method, &args.how, views.first())?;
+    for Skipped { method, why } in &skipped {
+        out::warn(format_args!("{method} is skipped: {why}"));
+    }
+    let mut viewers: Vec<Viewer> = prepared.iter().map(Prepared::viewer).collect();
+    let mut reports = Vec::new();
+    // The first pictures of a run are slow, whoever draws them.
+    for (prepared, viewer) in prepared.iter().zip(&mut viewers) {
+        views
+            .first()
+            .map(|view| draw(prepared, viewer, view, Show::Image));
+    }
+    let progress = Progress::steps("measuring", prepared.len() * views.len() * (1 + 3 * PASSES));
+    for (prepared, viewer) in prepared.iter().zip(&mut viewers) {
+        let looks = measure::looks(prepared, &views, viewer, &progress);
+        let draws = measure::draws(prepared, &views, viewer, Show::Image, &progress);
+        let walks = measure::walks(prepared, &views, viewer, &progress);
+        let mut report = Report::new(&opened, prepared, &views, args.cameras.size, looks);
+        report.add_times(&draws, &walks);
+        reports.push(report);
+    }
+    drop(progress);
+    let (found, pictures) = check_and_draw(&prepared, &mut viewers, &views, args.pictures)?;
+    for ((report, found), prepared) in reports.iter_mut().zip(&found).zip(&prepared) {
+        report.add_checks(found, &prepared.scene);
+    }
+    let comparison = Comparison {
+        args,
+        scene: SceneReport::new(&opened),
+        faces: faces(&opened.scene),
+        views: views.len(),
+        reports: &reports,
+        skipped: &skipped,
+        pictures,
+    };
+    let text = page::page(&comparison)?;
+    page.write(|path| fs::write(path, &text))?;
+    if !args.json.takes_stdout() {
+        out::print(&for_people(&comparison))?;
+    }
+    // What is allowed to be wrong is on the page.
+    let broken = reports.iter().filter(|report| report.breaks_its_contract());
+    broken.for_each(tell_what_is_wrong);
+    let outcome = Outcome::of(&reports);
+    sink.write(&Reports::All {
+        methods: reports,
+        skipped,
+    })?;
+    Ok(outcome)
+}
+
+fn faces(scene: &Scene) -> u64 {
+    let contents = scene.fragments().filter_map(|id| scene.content(id));
+    contents.map(|content| content.face_count()).sum()
+}
+
+fn destination(path: &Path) -> Result<Destination> {
+    if !path
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("html"))
+    {
+        bail!(
+            "cannot write {}: the report is a page, so its name must end in .html",
+            path.display()
+        );
+    }
+    Destination::new(path)
+}
+
+/// Holds every method against the reference at every view, and draws the first ones.
+///
+/// `viewers` are those that were timed, so that what they remember is put to the test too.
+fn check_and_draw(
+    prepared: &[Prepared],
+    viewers: &mut [Viewer],
+    views: &[View],
+    pictures: usize,
+) -> Result<(Vec<Vec<Found>>, Vec<ViewPictures>)> {
+    let mut found: Vec<Vec<Found>> = prepared.iter().map(|_| Vec::new()).collect();
+    let mut drawn = Vec::new();
+    let Some(first) = prepared.first().filter(|_| !views.is_empty()) else {
+        return Ok((found, drawn));
+    };
+    let building = Progress::spinner("building the reference");
+    let reference = Reference::new(&first.scene);
+    drop(building);
+    let mut artist = Artist::new(prepared, views)?;
+    let progress = Progress::steps("checking and drawing", views.len() * prepared.len());
+    for (number, view) in views.iter().enumerate() {
+        let truth = reference.see(&first.scene, view, &viewers[0].limits());
+        let mut sitting = match number < pictures {
+            true => Some(artist.sit(view, &truth)?),
+            false => None,
+        };
+        for (method, (prepared, viewer)) in prepared.iter().zip(&mut *viewers).enumerate() {
+            let (verdict, owners) = hold(&truth, prepared, viewer, view);
+            found[method].push(verdict);
+            if let Some(sitting) = &mut sitting {
+                sitting.draw(method, viewer, &owners)?;
+            }
+            progress.step();
+        }
+        drawn.extend(sitting.map(|sitting| sitting.into_pictures()));
+    }
+    Ok((found, drawn))
+}
+
+/// The summary, and where the page is.
+fn for_people(comparison: &Comparison) -> String {
+    let methods = plural(comparison.reports.len(), "method");
+    format!(
+        "{}\n{}: {methods}, {}\n",
+        summary::as_text(comparison),
+        comparison.args.output.display(),
+        plural(comparison.views, "view"),
+    )
+}

@@ -1,0 +1,239 @@
+//! What each method costs and whether it is right, a row for each.
+
+use super::Comparison;
+use super::charts::color;
+use super::html::escaped;
+use crate::report::Report;
+use crate::text::{bytes, count, ms, plural, table};
+use enfilade::Contract;
+
+/// A column of the table.
+struct Column {
+    /// On the page.
+    name: &'static str,
+    /// What it means, where the name does not say.
+    hint: &'static str,
+    /// On standard output, where lines are short; left out where that is empty.
+    short: &'static str,
+    cell: fn(&Comparison, &Report) -> String,
+}
+
+impl Column {
+    /// What is not on standard output is not on a narrow page either.
+    fn class(&self) -> &'static str {
+        if self.short.is_empty() {
+            " class=\"minor\""
+        } else {
+            ""
+        }
+    }
+}
+
+const COLUMNS: [Column; 11] = [
+    Column {
+        name: "build ms",
+        hint: "building what the method needs over the scene, once",
+        short: "build ms",
+        cell: |_, report| ms(report.build_ms),
+    },
+    Column {
+        name: "faces built",
+        hint: "faces after the method has cut them where it must",
+        short: "",
+        cell: |_, report| count(report.faces_built),
+    },
+    Column {
+        name: "growth",
+        hint: "faces built for each face of the scene",
+        short: "growth",
+        cell: |comparison, report| {
+            growth(comparison, report).map_or_else(none, |growth| format!("{growth:.2}×"))
+        },
+    },
+    Column {
+        name: "memory",
+        hint: "the scene, what is built over it, and the buffers for this screen",
+        short: "memory",
+        cell: |_, report| bytes(report.bytes),
+    },
+    Column {
+        name: "order ms",
+        hint: "walking the order alone, nothing hidden",
+        short: "order ms",
+        cell: |_, report| report.median_ms(|view| view.order_ms).map_or_else(none, ms),
+    },
+    Column {
+        name: "look ms",
+        hint: "the visible set, without a picture",
+        short: "look ms",
+        cell: |_, report| ms(report.summary.ms_median),
+    },
+    Column {
+        name: "draw ms",
+        hint: "the picture, shading included",
+        short: "draw ms",
+        cell: |_, report| report.median_ms(|view| view.draw_ms).map_or_else(none, ms),
+    },
+    Column {
+        name: "items",
+        hint: "items in the visible set, the mean over the views",
+        short: "items",
+        cell: |_, report| {
+            let mean = report.summary.items_visible_mean;
+            if report.summary.views == 1 {
+                count(mean as u64)
+            } else {
+                format!("{mean:.1}")
+            }
+        },
+    },
+    Column {
+        name: "missed",
+        hint: "items that certainly are seen and are not in the set, over all views",
+        short: "missed",
+        cell: |_, report| count(report.summary.missed as u64),
+    },
+    Column {
+        name: "pixels wrong",
+        hint: "samples painted with what no possible owner allows, over all views",
+        short: "wrong px",
+        cell: |_, report| count(report.summary.pixels_different),
+    },
+    Column {
+        name: "contested",
+        hint: "samples that more than one item may own, over all views; whoever is painted there is right",
+        short: "",
+        cell: |_, report| {
+            let checks = report.views.iter().filter_map(|view| view.check.as_ref());
+            count(checks.map(|check| check.pixels_contested).sum())
+        },
+    },
+];
+
+fn none() -> String {
+    "–".to_owned()
+}
+
+/// Faces built for each face of the scene.
+pub(super) fn growth(comparison: &Comparison, report: &Report) -> Option<f64> {
+    (comparison.faces > 0).then(|| report.faces_built as f64 / comparison.faces as f64)
+}
+
+/// How a method stands before the reference: a class of the style sheet, and words.
+pub(super) fn standing(report: &Report) -> (&'static str, &'static str) {
+    if report.views.is_empty() {
+        return ("allowed", "not looked at");
+    }
+    match (report.is_wrong(), report.contract) {
+        (false, Contract::Conservative) => ("right", "misses nothing"),
+        (false, _) => ("right", "right"),
+        (true, Contract::Approximate) => ("allowed", "wrong, as allowed"),
+        (true, _) => ("broken", "breaks its contract"),
+    }
+}
+
+/// The table for standard output.
+pub(super) fn as_text(comparison: &Comparison) -> String {
+    let columns = || COLUMNS.iter().filter(|column| !column.short.is_empty());
+    let mut header = vec!["method", "contract"];
+    header.extend(columns().map(|column| column.short));
+    header.push("verdict");
+    let row = |report: &Report| {
+        let mut row = vec![report.method.to_owned(), report.contract.to_string()];
+        row.extend(columns().map(|column| (column.cell)(comparison, report)));
+        row.push(standing(report).1.to_owned());
+        row
+    };
+    table(&header, &comparison.reports.iter().map(row).collect::<Vec<_>>())
+}
+
+/// The table for the page, and what is skipped.
+pub(super) fn as_html(comparison: &Comparison) -> String {
+    let mut html = String::from(
+        "<div class=\"wide\"><table class=\"summary\"><thead><tr><th scope=\"col\">method</th>\
+         <th scope=\"col\" class=\"word\">verdict</th><th scope=\"col\" class=\"word minor\">contract</th>",
+    );
+    for column in &COLUMNS {
+        let Column { name, hint, .. } = column;
+        html += &format!(
+            "<th scope=\"col\" title=\"{hint}\"{class}>{name}</th>",
+            class = column.class()
+        );
+    }
+    html += "</tr></thead>\n<tbody>\n";
+    for report in comparison.reports {
+        html += &row(comparison, report);
+    }
+    html += "</tbody></table></div>\n";
+    if !comparison.skipped.is_empty() {
+        html += "<ul class=\"skipped\">\n";
+        for skipped in comparison.skipped {
+            html += &format!(
+                "<li><b>{}</b> is skipped: {}</li>\n",
+                escaped(skipped.method),
+                escaped(&skipped.why)
+            );
+        }
+        html += "</ul>\n";
+    }
+    html
+}
+
+fn row(comparison: &Comparison, report: &Report) -> String {
+    let (class, words) = standing(report);
+    let mut row = format!(
+        "<tr><th scope=\"row\">{}<small class=\"narrow\">{contract}</small></th>\
+         <td class=\"word\"><span class=\"badge {class}\">{words}</span></td><td class=\"word minor\">{contract}</td>",
+        method(report.method),
+        contract = report.contract
+    );
+    for column in &COLUMNS {
+        row += &format!("<td{}>{}</td>", column.class(), (column.cell)(comparison, report));
+    }
+    row + "</tr>\n"
+}
+
+/// A method's name, after a square of its colour.
+pub(super) fn method(name: &str) -> String {
+    let [r, g, b] = color(name);
+    format!(
+        "<span class=\"swatch\" style=\"background:#{r:02x}{g:02x}{b:02x}\"></span>{}",
+        escaped(name)
+    )
+}
+
+/// The scene in words: `1,200 items`, and so on.
+pub(super) fn scene_facts(comparison: &Comparison) -> Vec<(&'static str, String)> {
+    let scene = &comparison.scene;
+    let [width, height] = comparison.args.cameras.size;
+    let mut facts = vec![
+        ("items", count(scene.items as u64)),
+        ("triangles", count(scene.triangles)),
+        ("faces", count(comparison.faces)),
+        ("fragments", count(scene.fragments as u64)),
+        ("portals", count(scene.portals as u64)),
+        ("screen", format!("{width} × {height}")),
+        ("views", count(comparison.views as u64)),
+        ("threads", rayon::current_num_threads().to_string()),
+        ("SIMD", enfilade::simd_level().to_owned()),
+    ];
+    if comparison.args.how.flat {
+        facts.push(("openings", "plain holes".to_owned()));
+    }
+    if comparison.args.how.no_coherence {
+        facts.push(("last view", "forgotten".to_owned()));
+    }
+    facts
+}
+
+/// `2 missed, 1,234 pixels wrong`, or nothing to say.
+pub(super) fn what_is_wrong(missed: usize, pixels: u64) -> Option<String> {
+    let mut said = Vec::new();
+    if missed > 0 {
+        said.push(format!("{} missed", count(missed as u64)));
+    }
+    if pixels > 0 {
+        said.push(format!("{} wrong", plural(pixels as usize, "pixel")));
+    }
+    (!said.is_empty()).then(|| said.join(", "))
+}

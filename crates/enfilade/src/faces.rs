@@ -129,6 +129,11 @@ impl<'a> Faces<'a> {
         }
     }
 
+    /// The same faces, but only what `cuts` leave of them.
+    pub(crate) fn cut(self, cuts: &'a [Cut]) -> Faces<'a> {
+        Faces { cuts, ..self }
+    }
+
     /// How many faces there are.
     pub(crate) fn count(&self) -> usize {
         self.starts

@@ -72,7 +72,8 @@ pub use geom::{Aabb, ConvexPolygon, Transform};
 pub use memory::Memory;
 pub use mesh::{Cluster, Mesh, MeshError, Part};
 pub use method::{
-    Contract, HierarchicalZ, Method, PainterMean, PainterMin, Paired, SBuffer, TooLarge, ZBuffer,
+    BspFront, BspPainter, Contract, HierarchicalZ, Method, PainterMean, PainterMin, Paired, SBuffer,
+    TooLarge, ZBuffer,
 };
 pub use passage::{Passage, PassageId};
 pub use query::{Standpoint, survey};

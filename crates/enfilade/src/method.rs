@@ -2,12 +2,14 @@
 
 use crate::canvas::Canvas;
 use crate::content::{Alpha, Content, ItemId, Opening};
-use crate::cover::{Cover, DepthBuffer, DepthPyramid, Nothing, Sight, SpanBuffer};
+use crate::cover::{Cover, DepthBuffer, DepthPyramid, Mask, Nothing, Sight, SpanBuffer};
 use crate::faces::{Faces, Of};
 use crate::fragment::{Built, Fragment, Hit, Ray, Surface};
 use crate::geom::Aabb;
 use crate::memory::{Marks, Memory};
-use crate::order::{DepthSort, Gives, Mean, Min, OctreeOrder, Order, Unordered, Visit};
+use crate::order::{
+    Bsp, DepthSort, FarToNear, Gives, Mean, Min, NearToFar, OctreeOrder, Order, Unordered, Visit,
+};
 use crate::passage::Passage;
 use crate::region::Region;
 use crate::seen::Seen;
@@ -31,6 +33,13 @@ pub type PainterMin = Paired<DepthSort<Min>, Nothing>;
 /// camera), in cycles (`@cycle`) and where faces cross (`@crossing-triangles`).
 pub type PainterMean = Paired<DepthSort<Mean>, Nothing>;
 
+/// BSP tree, far to near: every face is painted. Fuchs, Kedem, Naylor, SIGGRAPH 1980; thesis Painter's Algorithm and
+/// Binary Space Partitioning, 1.2.
+pub type BspPainter = Paired<Bsp<FarToNear>, Nothing>;
+
+/// BSP tree, near to far: every sample is painted once. Boreskov, Using portals.
+pub type BspFront = Paired<Bsp<NearToFar>, Mask>;
+
 /// z-buffer: any order, and at each sample the nearest face. Catmull 1974; Boreskov, Using portals.
 pub type ZBuffer = Paired<Unordered, DepthBuffer>;
 
@@ -50,6 +59,10 @@ pub enum Method {
     PainterMin,
     /// See [`PainterMean`](crate::PainterMean).
     PainterMean,
+    /// See [`BspPainter`](crate::BspPainter).
+    Bsp,
+    /// See [`BspFront`](crate::BspFront).
+    BspFront,
     /// See [`ZBuffer`](crate::ZBuffer).
     ZBuffer,
     /// See [`SBuffer`](crate::SBuffer).
@@ -106,9 +119,11 @@ impl TooLarge {
 
 impl Method {
     /// Every method there is.
-    pub const ALL: [Method; 5] = [
+    pub const ALL: [Method; 7] = [
         Method::PainterMin,
         Method::PainterMean,
+        Method::Bsp,
+        Method::BspFront,
         Method::ZBuffer,
         Method::SBuffer,
         Method::HierarchicalZ,
@@ -122,6 +137,8 @@ impl Method {
         match self {
             Method::PainterMin => "painter-min",
             Method::PainterMean => "painter-mean",
+            Method::Bsp => "bsp",
+            Method::BspFront => "bsp-front",
             Method::ZBuffer => "z-buffer",
             Method::SBuffer => "s-buffer",
             Method::HierarchicalZ => "hierarchical-z",
@@ -137,7 +154,9 @@ impl Method {
     pub fn contract(self) -> Contract {
         match self {
             Method::PainterMin | Method::PainterMean => Contract::Approximate,
-            Method::ZBuffer | Method::SBuffer | Method::HierarchicalZ => Contract::Exact,
+            Method::Bsp | Method::BspFront | Method::ZBuffer | Method::SBuffer | Method::HierarchicalZ => {
+                Contract::Exact
+            }
         }
     }
 
@@ -149,6 +168,8 @@ impl Method {
         Ok(match self {
             Method::PainterMin => Arc::new(PainterMin::build(self, content, limit_bytes)?),
             Method::PainterMean => Arc::new(PainterMean::build(self, content, limit_bytes)?),
+            Method::Bsp => Arc::new(BspPainter::build(self, content, limit_bytes)?),
+            Method::BspFront => Arc::new(BspFront::build(self, content, limit_bytes)?),
             Method::ZBuffer => Arc::new(ZBuffer::build(self, content, limit_bytes)?),
             Method::SBuffer => Arc::new(SBuffer::build(self, content, limit_bytes)?),
             Method::HierarchicalZ => Arc::new(HierarchicalZ::build(self, content, limit_bytes)?),
@@ -158,7 +179,8 @@ impl Method {
     /// Memory of its buffers for a screen of this size, in bytes.
     pub fn screen_bytes(self, size: [u32; 2]) -> u64 {
         match self {
-            Method::PainterMin | Method::PainterMean => Nothing::needs_bytes(size),
+            Method::BspFront => Mask::needs_bytes(size),
+            Method::PainterMin | Method::PainterMean | Method::Bsp => Nothing::needs_bytes(size),
             Method::ZBuffer => DepthBuffer::needs_bytes(size),
             Method::SBuffer => SpanBuffer::needs_bytes(size),
             Method::HierarchicalZ => DepthPyramid::needs_bytes(size),
@@ -248,7 +270,7 @@ where
             let screen_from_item = passage.screen_from(&self.content.item(item).transform());
             let bounds = self.content.mesh_of(item).clusters()[cluster as usize].bounds;
             let region = Region::of(passage, &screen_from_item, &bounds);
-            if region.is_some_and(|region| cover.sees(&region) != Sight::Hidden) {
+            if region.is_some_and(|region| !C::KEEPS_DEPTHS || cover.sees(&region) != Sight::Hidden) {
                 let faces = Faces::of_cluster(&self.content, item, cluster, &screen_from_item);
                 cover.look_through(&faces, passage, &mut memory.stats, seen);
             }

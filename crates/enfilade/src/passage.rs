@@ -151,9 +151,10 @@ impl Passage {
     }
 }
 
-/// The name of a chain of portals that is one longer.
+/// The name of a chain of portals that is one longer; never that of the chain itself.
 pub(crate) fn next_chain(chain: u64, portal: PortalId) -> u64 {
-    (chain ^ u64::from(portal.0))
+    // The complement, for portal 0 must change the name of fragment 0.
+    (chain ^ !u64::from(portal.0))
         .wrapping_mul(0x9E37_79B9_7F4A_7C15)
         .rotate_left(29)
 }
@@ -168,5 +169,27 @@ fn compose(screen_from_eye: &DMat3, eye_from_fragment: &DAffine3) -> DAffine3 {
     DAffine3 {
         matrix3: *screen_from_eye * eye_from_fragment.matrix3,
         translation: *screen_from_eye * eye_from_fragment.translation,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn two_ways_through_portals_never_share_a_name() {
+        let mut names = HashSet::new();
+        let mut ways: Vec<u64> = (0..30).collect();
+        for _ in 0..3 {
+            for &way in &ways {
+                assert!(names.insert(way), "{way} is the name of two ways");
+            }
+            ways = ways
+                .iter()
+                .flat_map(|&way| (0..30).map(move |portal| next_chain(way, PortalId(portal))))
+                .collect();
+        }
+        assert!(names.len() > 25_000);
     }
 }

@@ -45,6 +45,7 @@ impl Cover for Mask {
     type CullNeeds = NearToFar;
     type DrawNeeds = NearToFar;
     const PRIMES: bool = false;
+    const KEEPS_DEPTHS: bool = false;
 
     fn clear(&mut self, passage: &Passage, trace: bool) {
         let Painted {

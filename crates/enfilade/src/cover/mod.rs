@@ -47,6 +47,9 @@ pub trait Cover: Default + Send + 'static {
     type DrawNeeds;
     /// Does it gain by seeing first what the last look saw? Only a cover that needs no order can.
     const PRIMES: bool;
+    /// Does [`Cover::sees`] still hold boxes against what hides when all of that is in? A cover that only knows what is
+    /// left to paint would call all glass hidden.
+    const KEEPS_DEPTHS: bool = true;
 
     /// Starts over: only the passage's aperture is open, everything else counts as covered. `trace`: count the work
     /// for [`Canvas::work`].

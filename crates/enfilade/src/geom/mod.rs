@@ -1,6 +1,7 @@
 //! Boxes, planes, transforms and convex polygons: plain geometry that knows nothing else of Enfilade.
 
 mod aabb;
+pub mod bsp;
 mod octree;
 mod polygon;
 mod transform;

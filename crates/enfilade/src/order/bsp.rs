@@ -13,7 +13,7 @@ use super::{FarToNear, NearToFar, Order, Visit};
 use crate::content::{Alpha, Content, ItemId, OpeningId, Owner};
 use crate::faces::{Cut, Faces};
 use crate::fragment::Built;
-use crate::geom::{BspOptions, BspStep, BspTree, Piece, Polygons};
+use crate::geom::bsp::{BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
 use crate::passage::Passage;
 use crate::region::Region;
 use glam::{DAffine3, DMat3, DVec3};
@@ -47,7 +47,7 @@ impl Direction for NearToFar {
 /// What a walk needs.
 #[derive(Default)]
 pub struct BspScratch {
-    stack: crate::geom::BspStack,
+    stack: Vec<BspLink>,
     screen_from_items: Vec<DAffine3>,
     cuts: Vec<Cut>,
 }
@@ -71,16 +71,26 @@ impl<D: Direction> Bsp<D> {
                     continue;
                 }
                 for face in cluster.faces.clone() {
-                    let corners = mesh.face(face).iter().map(|&index| mesh.positions()[index as usize]);
-                    polygons.push(corners.map(|corner| fragment_from_item.point_f64(corner)));
+                    let corners = mesh
+                        .face(face)
+                        .iter()
+                        .map(|&index| mesh.positions()[index as usize]);
+                    add(
+                        &mut polygons,
+                        corners.map(|corner| fragment_from_item.point_f64(corner)),
+                    );
                     numbers.push(content.first_face(item) + face);
                 }
             }
         }
         for (opening, hole) in content.openings().iter().enumerate() {
-            polygons.push(hole.outline.corners().iter().map(|corner| corner.map(f64::from)));
+            add(
+                &mut polygons,
+                hole.outline.corners().iter().map(|corner| corner.map(f64::from)),
+            );
             numbers.push(content.opening_number(OpeningId(opening as u16)));
         }
+        polygons.starts.push(polygons.corners.len() as u32);
         Bsp {
             tree: BspTree::build(&polygons, options),
             numbers,
@@ -112,6 +122,21 @@ impl<D: Direction> Bsp<D> {
             Owner::Opening(opening) => visit.faces(&opening_faces(content, passage, opening).cut(cuts)),
         }
     }
+}
+
+/// Adds a polygon. Its corners came as f32, so half the spacing of f32 is how far they may be from where they were
+/// meant.
+fn add(polygons: &mut Polygons, corners: impl Iterator<Item = [f64; 3]>) {
+    let first = polygons.corners.len();
+    polygons.starts.push(first as u32);
+    polygons.corners.extend(corners);
+    let greatest = polygons.corners[first..]
+        .iter()
+        .flatten()
+        .fold(0.0_f64, |sum, value| sum.max(value.abs()));
+    polygons
+        .slack
+        .push((greatest * 0.5 * f64::from(f32::EPSILON)) as f32);
 }
 
 /// What holds for all of a walk.
@@ -167,7 +192,12 @@ impl<D: Direction> Order for Bsp<D> {
             cuts,
         } = scratch;
         screen_from_items.clear();
-        screen_from_items.extend(content.items().iter().map(|item| passage.screen_from(&item.transform())));
+        screen_from_items.extend(
+            content
+                .items()
+                .iter()
+                .map(|item| passage.screen_from(&item.transform())),
+        );
         for &item in &self.see_through {
             hand_out_see_through(content, passage, item, visit);
         }
@@ -178,18 +208,24 @@ impl<D: Direction> Order for Bsp<D> {
             normals: passage.screen_from_fragment.matrix3.inverse().transpose(),
         };
         let mut last = None;
-        self.tree.walk(passage.eye(), D::NEAR_FIRST, stack, &mut |step| match step {
-            BspStep::Node(bounds) => Region::of(passage, &passage.screen_from_fragment, bounds)
-                .is_some_and(|region| visit.enter(&region)),
-            BspStep::Coplanar(pieces) => {
-                // Of faces in one plane the lowest is seen: it comes first near to far, and last far to near.
-                if D::NEAR_FIRST {
-                    pieces.iter().for_each(|piece| self.hand_out(piece, &walk, cuts, &mut last, visit));
-                } else {
-                    pieces.iter().rev().for_each(|piece| self.hand_out(piece, &walk, cuts, &mut last, visit));
+        self.tree
+            .walk(passage.eye(), D::NEAR_FIRST, stack, &mut |step| match step {
+                BspStep::Node(bounds) => Region::of(passage, &passage.screen_from_fragment, bounds)
+                    .is_some_and(|region| visit.enter(&region)),
+                BspStep::Coplanar(pieces) => {
+                    // Of faces in one plane the lowest is seen: it comes first near to far, and last far to near.
+                    if D::NEAR_FIRST {
+                        pieces
+                            .iter()
+                            .for_each(|piece| self.hand_out(piece, &walk, cuts, &mut last, visit));
+                    } else {
+                        pieces
+                            .iter()
+                            .rev()
+                            .for_each(|piece| self.hand_out(piece, &walk, cuts, &mut last, visit));
+                    }
+                    true
                 }
-                true
-            }
-        });
+            });
     }
 }

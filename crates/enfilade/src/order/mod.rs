@@ -1,10 +1,12 @@
 //! Orders: what comes next. An order knows nothing of covers; `method` joins the two.
 
+mod bsp;
 mod depth_sort;
 mod items;
 mod octree;
 mod unordered;
 
+pub use bsp::{Bsp, Direction};
 pub use depth_sort::{DepthSort, Mean, Min, SortKey};
 pub use octree::OctreeOrder;
 pub use unordered::Unordered;

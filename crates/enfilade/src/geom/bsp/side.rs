@@ -1,0 +1,177 @@
+//! Planes of polygons, and on which side of one a polygon lies.
+//!
+//! The plane is the one that is stored, rounded as it is: building, cutting and walking ask the same numbers, so they
+//! cannot disagree far away, where the plane of a sliver has left the sliver's neighbours. What is within `ROUNDING`
+//! of it counts as on it: by then the sign of a height in f64 is certain, as its error is at most 8 · 2⁻⁵³ of the
+//! greatest coordinate (three products, three sums, a normal of length 1), corners that were made by a cut are as
+//! near to their plane, and the splitter's own corners too. So no exact arithmetic is needed.
+//! Cost: O(corners).
+
+use super::cross::{cross, edge};
+use glam::DVec3;
+
+/// What counts as on a plane, as a part of the greatest coordinate: 32 units in the last place, some four times what
+/// rounding can do.
+pub(super) const ROUNDING: f64 = 32.0 / (1_u64 << 53) as f64;
+
+/// The points p with normal·p = offset. The normal has length 1, up to rounding.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Plane {
+    pub(super) normal: DVec3,
+    pub(super) offset: f64,
+}
+
+/// A plane that may become that of a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Splitter {
+    pub(super) plane: Plane,
+    /// What is no farther off counts as on it.
+    pub(super) band: f64,
+    /// How far the polygon's corners may be from where they were meant; as much is added to the band, but no more
+    /// than the other polygon's.
+    pub(super) slack: f32,
+    /// The polygon it is the plane of; none if it is across an axis.
+    pub(super) polygon: Option<u32>,
+}
+
+/// Where a polygon lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    Front,
+    Back,
+    On,
+    /// It has corners on both sides.
+    Both,
+}
+
+impl Plane {
+    /// Where `axis` (0 x, 1 y, 2 z) is `at`.
+    pub(super) fn across(axis: usize, at: f64) -> Plane {
+        Plane {
+            normal: DVec3::AXES[axis],
+            offset: at,
+        }
+    }
+
+    /// How far a point is in front.
+    #[inline(always)]
+    pub(super) fn height(&self, point: DVec3) -> f64 {
+        self.normal.dot(point) - self.offset
+    }
+}
+
+impl Splitter {
+    /// The plane of a polygon; none if that is so thin that rounding (`band`) may have turned it anyhow.
+    pub(super) fn of(polygon: u32, corners: &[DVec3], band: f64, slack: f32) -> Option<Splitter> {
+        let first = corners[0];
+        let [mut area, mut sum] = [DVec3::ZERO; 2];
+        let mut longest = 0.0_f64;
+        for pair in corners[1..].windows(2) {
+            let edges = [edge(first, pair[0]), edge(first, pair[1])];
+            area += cross(edges[0], edges[1]);
+            longest = longest.max(edges[0].0.length()).max(edges[1].0.length());
+        }
+        for &corner in corners {
+            sum += corner - first;
+        }
+        let length = area.length();
+        let thick = length > 4.0 * band * longest && length.is_finite();
+        thick.then(|| {
+            let normal = area / length;
+            let plane = Plane {
+                normal,
+                offset: normal.dot(first + sum / corners.len() as f64),
+            };
+            // Four corners in f32 are never quite in one plane: what is as near to it as they are is in it too.
+            let off = corners.iter().map(|&corner| plane.height(corner).abs());
+            Splitter {
+                plane,
+                band: off.fold(band, f64::max),
+                slack,
+                polygon: Some(polygon),
+            }
+        })
+    }
+
+    /// How far off a polygon with this slack may be and counts as on it.
+    #[inline(always)]
+    pub(super) fn band_for(&self, slack: f32) -> f64 {
+        self.band + f64::from(self.slack.min(slack))
+    }
+
+    /// Where a polygon lies, given the band for it.
+    #[inline(always)]
+    pub(super) fn side(&self, corners: &[DVec3], band: f64) -> Side {
+        let [mut low, mut high] = [0.0_f64; 2];
+        for &corner in corners {
+            let height = self.plane.height(corner);
+            low = low.min(height);
+            high = high.max(height);
+        }
+        match (low < -band, high > band) {
+            (false, false) => Side::On,
+            (false, true) => Side::Front,
+            (true, false) => Side::Back,
+            (true, true) => Side::Both,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(corners: [[f64; 3]; 3]) -> Option<Splitter> {
+        let corners = corners.map(DVec3::from);
+        let largest = corners.iter().fold(0.0, |m: f64, c| m.max(c.abs().max_element()));
+        Splitter::of(0, &corners, ROUNDING * largest, 0.0)
+    }
+
+    #[test]
+    fn what_has_no_area_has_no_plane() {
+        assert_eq!(of([[1.0; 3]; 3]), None);
+        assert_eq!(of([[0.0; 3], [1.0; 3], [3.0; 3]]), None);
+        assert_eq!(of([[0.0; 3]; 3]), None);
+        // A needle of 1 : 10¹⁵ may point anywhere.
+        assert_eq!(of([[0.0; 3], [1.0, 0.0, 0.0], [0.5, 1e-15, 0.0]]), None);
+        assert!(of([[0.0; 3], [1.0, 0.0, 0.0], [0.5, 1e-9, 0.0]]).is_some());
+    }
+
+    #[test]
+    fn the_corners_of_a_needle_are_on_its_plane() {
+        for scale in [1e-5, 1.0, 1e7] {
+            let corners = [[0.3, 0.7, 0.1], [1.3, -0.2, 0.4], [0.8, 0.25 + 1e-9, 0.25]];
+            let corners = corners.map(|c| c.map(|v| v * scale));
+            let splitter = of(corners).expect("wide enough");
+            assert_eq!(
+                splitter.band,
+                ROUNDING * 1.3 * scale,
+                "no corner is farther off than that"
+            );
+        }
+    }
+
+    #[test]
+    fn a_polygon_is_before_behind_in_or_across_a_plane() {
+        let floor = of([[0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]).expect("a floor");
+        let cases = [
+            ([0.0, 1e-300, 0.0], Side::On),
+            ([0.0, 1.0, 2.0], Side::Front),
+            ([0.0, 0.0, -2.0], Side::Back),
+            ([-1.0, 0.0, 2.0], Side::Both),
+        ];
+        for (heights, side) in cases {
+            let corners = heights.map(|y| DVec3::new(y, y, 3.0));
+            assert_eq!(floor.side(&corners, floor.band), side, "{heights:?}");
+        }
+    }
+
+    #[test]
+    fn the_lesser_slack_of_two_polygons_counts() {
+        let mut wall = of([[0.0; 3], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]).expect("a wall");
+        wall.slack = 0.5;
+        let poster = [[0.25, 0.0, 0.0], [0.25, 1.0, 0.0], [0.25, 0.0, 1.0]].map(DVec3::from);
+        assert_eq!(wall.side(&poster, wall.band_for(0.5)), Side::On);
+        assert_eq!(wall.side(&poster, wall.band_for(0.0)), Side::Front);
+    }
+}

@@ -229,8 +229,10 @@ where
         if needs_bytes > limit {
             return Err(TooLarge::new(method, needs_bytes, limit));
         }
+        // What turns out to be more than estimated is twice the limit, as far as is known.
+        let order = O::build(&content, limit).ok_or(TooLarge::new(method, 2 * limit, limit))?;
         Ok(Paired {
-            order: O::build(&content),
+            order,
             content,
             cover: PhantomData,
         })

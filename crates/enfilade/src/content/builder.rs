@@ -4,7 +4,7 @@ use super::names::Names;
 use super::{Content, Item, ItemId, Material, MeshId, Opening, OpeningId};
 use crate::geom::{Aabb, ConvexPolygon, Transform};
 use crate::mesh::Mesh;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, Weak};
 use thiserror::Error;
 
 /// Gathers the things of a fragment; [`ContentBuilder::build`] checks them.
@@ -127,6 +127,7 @@ impl ContentBuilder {
             outline_ends,
             first_faces,
             bounds,
+            shared: Mutex::new(Weak::<()>::new()),
         })
     }
 }

@@ -8,7 +8,8 @@ pub use builder::{ContentBuilder, ContentError};
 use crate::geom::{Aabb, ConvexPolygon, Transform};
 use crate::mesh::{Cluster, Mesh};
 use names::Names;
-use std::sync::Arc;
+use std::any::Any;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// An item of a fragment, by its place in [`Content::items`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -101,6 +102,7 @@ pub struct Content {
     /// The number of each item's first face among all faces of the content, then the number of all.
     first_faces: Vec<u32>,
     bounds: Aabb,
+    shared: Mutex<Weak<dyn Any + Send + Sync>>,
 }
 
 impl Content {
@@ -166,6 +168,19 @@ impl Content {
     pub fn bytes(&self) -> u64 {
         self.meshes.iter().map(|mesh| mesh.bytes()).sum::<u64>()
             + (size_of_val(&*self.items) + size_of_val(&*self.first_faces) + self.names.bytes()) as u64
+    }
+
+    /// What was built over it, by one who needs the same, and still is in use; else builds it.
+    pub(crate) fn share<T: Any + Send + Sync>(&self, build: impl FnOnce() -> T) -> Arc<T> {
+        // A panic while building leaves nothing half done here.
+        let mut shared = self.shared.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(found) = shared.upgrade().and_then(|any| any.downcast().ok()) {
+            return found;
+        }
+        let built = Arc::new(build());
+        let any: Arc<dyn Any + Send + Sync> = built.clone();
+        *shared = Arc::downgrade(&any);
+        built
     }
 
     /// The number of an item's first face among all faces of the content.

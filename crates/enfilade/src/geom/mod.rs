@@ -1,12 +1,13 @@
-//! Boxes, planes, transforms and convex polygons: plain geometry that knows nothing else of Enfilade.
+//! Boxes, transforms, convex polygons, and trees over them: plain geometry that knows nothing else of Enfilade.
 
 mod aabb;
-pub mod bsp;
+mod bsp;
 mod octree;
 mod polygon;
 mod transform;
 
 pub use aabb::Aabb;
+pub use bsp::{BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
 pub use octree::{Copies, Octree, Step};
 pub use polygon::{ConvexPolygon, PolygonError};
 pub use transform::Transform;

@@ -13,21 +13,27 @@ use super::{FarToNear, NearToFar, Order, Visit};
 use crate::content::{Alpha, Content, ItemId, OpeningId, Owner};
 use crate::faces::{Cut, Faces};
 use crate::fragment::Built;
-use crate::geom::bsp::{BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
+use crate::geom::{BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
 use crate::passage::Passage;
 use crate::region::Region;
 use glam::{DAffine3, DMat3, DVec3};
 use std::marker::PhantomData;
+use std::sync::Arc;
 
 /// A tree of planes over the opaque faces and the openings of a content; walked in the direction `D`, [`FarToNear`] or
 /// [`NearToFar`].
 pub struct Bsp<D> {
+    sorted: Arc<Sorted>,
+    direction: PhantomData<fn() -> D>,
+}
+
+/// What both directions share.
+struct Sorted {
     tree: BspTree,
     /// The face or opening that each polygon of the tree is, by its number in the content.
     numbers: Vec<u32>,
     /// Items with faces that do not hide.
     see_through: Vec<ItemId>,
-    direction: PhantomData<fn() -> D>,
 }
 
 /// Which way a tree is walked.
@@ -58,6 +64,43 @@ const BYTES_PER_FACE: u64 = 400;
 impl<D: Direction> Bsp<D> {
     /// Builds the tree with weights and numbers of candidates of one's own.
     pub fn with_options(content: &Content, options: &BspOptions) -> Bsp<D> {
+        Bsp::over(Arc::new(Sorted::build(content, options)))
+    }
+
+    fn over(sorted: Arc<Sorted>) -> Bsp<D> {
+        Bsp {
+            sorted,
+            direction: PhantomData,
+        }
+    }
+
+    /// Hands out what its cuts leave of a face or an opening.
+    fn hand_out(
+        &self,
+        piece: &Piece,
+        walk: &Walk,
+        cuts: &mut Vec<Cut>,
+        last: &mut Option<Owner>,
+        visit: &mut impl Visit,
+    ) {
+        let Walk { content, passage, .. } = *walk;
+        cuts.clear();
+        cuts.extend(self.sorted.tree.cuts(piece).map(|plane| walk.on_screen(plane)));
+        let owner = content.owner(self.sorted.numbers[piece.polygon as usize], *last);
+        *last = Some(owner);
+        match owner {
+            Owner::Face(item, face) => {
+                let screen_from_item = &walk.screen_from_items[item.0 as usize];
+                visit.faces(&Faces::of_face(content, item, face, screen_from_item, cuts));
+            }
+            Owner::Opening(_) if passage.flat => {}
+            Owner::Opening(opening) => visit.faces(&opening_faces(content, passage, opening).cut(cuts)),
+        }
+    }
+}
+
+impl Sorted {
+    fn build(content: &Content, options: &BspOptions) -> Sorted {
         let mut polygons = Polygons::default();
         let (mut numbers, mut see_through) = (Vec::new(), Vec::new());
         for item in (0..content.items().len() as u32).map(ItemId) {
@@ -91,35 +134,10 @@ impl<D: Direction> Bsp<D> {
             numbers.push(content.opening_number(OpeningId(opening as u16)));
         }
         polygons.starts.push(polygons.corners.len() as u32);
-        Bsp {
+        Sorted {
             tree: BspTree::build(&polygons, options),
             numbers,
             see_through,
-            direction: PhantomData,
-        }
-    }
-
-    /// Hands out what its cuts leave of a face or an opening.
-    fn hand_out(
-        &self,
-        piece: &Piece,
-        walk: &Walk,
-        cuts: &mut Vec<Cut>,
-        last: &mut Option<Owner>,
-        visit: &mut impl Visit,
-    ) {
-        let Walk { content, passage, .. } = *walk;
-        cuts.clear();
-        cuts.extend(self.tree.cuts(piece).map(|plane| walk.on_screen(plane)));
-        let owner = content.owner(self.numbers[piece.polygon as usize], *last);
-        *last = Some(owner);
-        match owner {
-            Owner::Face(item, face) => {
-                let screen_from_item = &walk.screen_from_items[item.0 as usize];
-                visit.faces(&Faces::of_face(content, item, face, screen_from_item, cuts));
-            }
-            Owner::Opening(_) if passage.flat => {}
-            Owner::Opening(opening) => visit.faces(&opening_faces(content, passage, opening).cut(cuts)),
         }
     }
 }
@@ -164,8 +182,13 @@ impl<D: Direction> Order for Bsp<D> {
     type Gives = D;
     type Scratch = BspScratch;
 
-    fn build(content: &Content) -> Bsp<D> {
-        Bsp::with_options(content, &BspOptions::default())
+    fn build(content: &Content, limit_bytes: u64) -> Option<Bsp<D>> {
+        let options = BspOptions {
+            limit_bytes,
+            ..BspOptions::default()
+        };
+        let sorted = content.share(|| Sorted::build(content, &options));
+        sorted.tree.is_complete().then(|| Bsp::over(sorted))
     }
 
     fn needs_bytes(content: &Content) -> u64 {
@@ -173,15 +196,16 @@ impl<D: Direction> Order for Bsp<D> {
     }
 
     fn bytes(&self) -> u64 {
-        self.tree.bytes() + (size_of_val(&*self.numbers) + size_of_val(&*self.see_through)) as u64
+        self.sorted.tree.bytes()
+            + (size_of_val(&*self.sorted.numbers) + size_of_val(&*self.sorted.see_through)) as u64
     }
 
     fn built(&self, content: &Content) -> Built {
-        let whole = content.face_count() + content.openings().len() as u64 - self.numbers.len() as u64;
+        let whole = content.face_count() + content.openings().len() as u64 - self.sorted.numbers.len() as u64;
         Built {
-            faces: self.tree.pieces() + whole,
-            splits: self.tree.splits(),
-            depth: self.tree.depth(),
+            faces: self.sorted.tree.pieces() + whole,
+            splits: self.sorted.tree.splits(),
+            depth: self.sorted.tree.depth(),
         }
     }
 
@@ -198,7 +222,7 @@ impl<D: Direction> Order for Bsp<D> {
                 .iter()
                 .map(|item| passage.screen_from(&item.transform())),
         );
-        for &item in &self.see_through {
+        for &item in &self.sorted.see_through {
             hand_out_see_through(content, passage, item, visit);
         }
         let walk = Walk {
@@ -208,7 +232,8 @@ impl<D: Direction> Order for Bsp<D> {
             normals: passage.screen_from_fragment.matrix3.inverse().transpose(),
         };
         let mut last = None;
-        self.tree
+        self.sorted
+            .tree
             .walk(passage.eye(), D::NEAR_FIRST, stack, &mut |step| match step {
                 BspStep::Node(bounds) => Region::of(passage, &passage.screen_from_fragment, bounds)
                     .is_some_and(|region| visit.enter(&region)),

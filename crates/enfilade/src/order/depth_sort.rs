@@ -66,8 +66,8 @@ impl<K: SortKey> Order for DepthSort<K> {
     type Gives = FarToNear;
     type Scratch = Sorting;
 
-    fn build(_content: &Content) -> DepthSort<K> {
-        DepthSort(PhantomData)
+    fn build(_content: &Content, _limit_bytes: u64) -> Option<DepthSort<K>> {
+        Some(DepthSort(PhantomData))
     }
 
     fn needs_bytes(content: &Content) -> u64 {

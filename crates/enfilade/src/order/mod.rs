@@ -46,8 +46,8 @@ pub trait Order: Send + Sync + Sized + 'static {
     /// What a walk needs; kept from one to the next.
     type Scratch: Default + Send + 'static;
 
-    /// Prepares the order of a content.
-    fn build(content: &Content) -> Self;
+    /// Prepares the order of a content. `None` where it turns out that more than `limit_bytes` are needed.
+    fn build(content: &Content, limit_bytes: u64) -> Option<Self>;
 
     /// At most how many bytes [`Order::build`] will take, by an estimate made without building.
     fn needs_bytes(content: &Content) -> u64;

@@ -82,11 +82,11 @@ impl Order for OctreeOrder {
     type Gives = NodesNearToFar;
     type Scratch = Queue;
 
-    fn build(content: &Content) -> OctreeOrder {
+    fn build(content: &Content, _limit_bytes: u64) -> Option<OctreeOrder> {
         let bounds: Vec<Aabb> = content.items().iter().map(|item| item.bounds).collect();
-        OctreeOrder {
+        Some(OctreeOrder {
             tree: Octree::build(&bounds, FEW_ITEMS, Copies::OnePerCell),
-        }
+        })
     }
 
     fn needs_bytes(content: &Content) -> u64 {

@@ -17,8 +17,8 @@ impl Order for Unordered {
     type Gives = Unsorted;
     type Scratch = ();
 
-    fn build(_content: &Content) -> Unordered {
-        Unordered
+    fn build(_content: &Content, _limit_bytes: u64) -> Option<Unordered> {
+        Some(Unordered)
     }
 
     fn needs_bytes(_content: &Content) -> u64 {

@@ -57,10 +57,13 @@ impl Chooser {
         let axes = members.len() >= FEWEST_FOR_AXES && options.axis_splits.is_finite();
         self.sample.clear();
         self.sweep.clear();
-        for place in spread(members.len(), size) {
-            let corners = arena.corners(&members[place]);
-            self.sample
-                .push(corners, born.slack[members[place].polygon as usize]);
+        for member in spread(members.len(), size).map(|place| &members[place]) {
+            // What has no area is never cut, so it has no say.
+            let Some(splitter) = &born.splitters[member.polygon as usize] else {
+                continue;
+            };
+            let corners = arena.corners(member);
+            self.sample.push(corners, splitter.slack);
             if axes {
                 self.sweep.push(corners);
             }
@@ -80,7 +83,7 @@ impl Chooser {
                 polygon: None,
             })
         };
-        // None of the few candidates may have had an area.
+        // Of a few candidates, none may have an area.
         let of_any = || {
             let mut all = members.iter();
             all.find_map(|member| born.splitters[member.polygon as usize])

@@ -61,11 +61,6 @@ impl Sample {
         self.len = 0;
     }
 
-    /// How many polygons there are.
-    pub(super) fn len(&self) -> usize {
-        self.len
-    }
-
     pub(super) fn push(&mut self, corners: &[DVec3], slack: f32) {
         let lane = self.len % 8;
         if lane == 0 {
@@ -151,23 +146,25 @@ mod tests {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             f64::from(state >> 29) - 3.5
         };
-        let polygons: Vec<Vec<DVec3>> = (0..29)
-            .map(|i| {
-                (0..3 + i % 4)
-                    .map(|_| DVec3::new(next(), next(), next()))
-                    .collect()
-            })
-            .collect();
+        let mut polygon = |i: usize| -> Vec<DVec3> {
+            let level = next();
+            let corner = |_| DVec3::new(next(), next(), if i.is_multiple_of(3) { level } else { next() });
+            (0..3 + i % 4).map(corner).collect()
+        };
+        let polygons: Vec<Vec<DVec3>> = (0..29).map(&mut polygon).collect();
         let mut sample = Sample::default();
         for (i, corners) in polygons.iter().enumerate() {
             sample.push(corners, (i % 2) as f32);
         }
         let mut seen = Tally::default();
-        for _ in 0..50 {
-            let plane = Plane {
+        for round in 0..50 {
+            let mut plane = Plane {
                 normal: DVec3::new(next(), next(), next()).normalize(),
                 offset: next(),
             };
+            if round % 2 == 0 {
+                plane.normal = DVec3::AXES[round / 2 % 3];
+            }
             let splitter = Splitter {
                 plane,
                 band: 0.125,

@@ -1,0 +1,186 @@
+//! Awkward faces: every method keeps its contract on them, in bounded memory.
+
+use enfilade::laws::{OwnerPicture, Reference};
+use enfilade::{
+    Content, ContentBuilder, Contract, Limits, Material, MaterialId, Mesh, Method, Scene, SceneBuilder,
+    Transform, View, Viewer,
+};
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+/// A triangle of an awkward kind, in a space of ±1.
+#[derive(Clone, Debug)]
+struct Awkward {
+    corners: [[f32; 3]; 3],
+    /// How often it is there, each time as another item.
+    copies: u8,
+}
+
+fn point() -> impl Strategy<Value = [f32; 3]> {
+    // Coarse numbers, so that faces touch, share planes and cross in one line; and fine ones.
+    let coarse = (-4_i8..=4).prop_map(|value| f32::from(value) * 0.25);
+    let value = prop_oneof![3 => coarse, 1 => -1.0_f32..1.0];
+    prop::array::uniform3(value)
+}
+
+fn awkward() -> impl Strategy<Value = Awkward> {
+    let any = (point(), point(), point()).prop_map(|(a, b, c)| [a, b, c]);
+    let sliver = (point(), point(), -1e-6_f32..1e-6).prop_map(|(a, b, off)| {
+        let mut middle: [f32; 3] = std::array::from_fn(|axis| 0.5 * (a[axis] + b[axis]));
+        middle[1] += off;
+        [a, b, middle]
+    });
+    let needle = (point(), point()).prop_map(|(a, b)| [a, b, b.map(f32::next_up)]);
+    let flat = (point(), point()).prop_map(|(a, b)| [a, b, a]);
+    let in_one_plane =
+        (point(), point(), point()).prop_map(|(a, b, c)| [a, b, c].map(|[x, y, _]| [x, y, 0.25]));
+    let corners = prop_oneof![4 => any, 2 => sliver, 1 => needle, 1 => flat, 4 => in_one_plane];
+    (corners, 1_u8..4).prop_map(|(corners, copies)| Awkward { corners, copies })
+}
+
+fn content(faces: &[Awkward], scale: f32) -> Content {
+    let mut content = ContentBuilder::new([Material {
+        double_sided: true,
+        ..Material::opaque([0.5; 3])
+    }]);
+    for face in faces {
+        let corners = face.corners.map(|corner| corner.map(|value| value * scale));
+        let mesh =
+            content.mesh(Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)).expect("finite corners"));
+        for _ in 0..face.copies {
+            content.item("face", mesh, Transform::IDENTITY);
+        }
+    }
+    content.build().expect("sound items")
+}
+
+fn scene(content: Content) -> Scene {
+    let mut scene = SceneBuilder::new();
+    scene.add("world", content, Method::ZBuffer);
+    scene.build().expect("one fragment")
+}
+
+/// Holds every method to its contract; gives how many items the reference sees for certain.
+fn every_method_keeps_its_contract(scene: &Scene, view: &View) -> usize {
+    let truth = Reference::new(scene).see(scene, view, &Limits::default());
+    for method in Method::ALL {
+        let seen = scene
+            .with_method(method, Method::DEFAULT_LIMIT)
+            .expect("few faces");
+        let mut viewer = Viewer::new();
+        let mut picture = OwnerPicture::new(view.size);
+        viewer.draw(&seen, view, &mut picture);
+        let verdict = truth.check(viewer.visible(), Some(&picture));
+        if method.contract() > Contract::Approximate {
+            let first = truth.different(&picture).next();
+            let why =
+                first.map(|at| format!("{at:?} is {:?}, not {}", picture.owner(at), truth.describe(at)));
+            assert_eq!(verdict.pixels_different, 0, "{method}: {why:?}");
+            assert_eq!(verdict.missed, [], "{method}");
+        }
+        // A tree may cut n faces into n² pieces, if every one crosses every other; never into more.
+        let faces = scene.built().faces;
+        assert!(
+            seen.built().faces <= faces * faces.max(2),
+            "{method} made {:?} of {faces}",
+            seen.built()
+        );
+    }
+    truth.visible().len()
+}
+
+/// The same scenes every time, unless `PROPTEST_CASES` asks for more and others.
+fn by_chance() -> ProptestConfig {
+    let default = ProptestConfig {
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    };
+    match std::env::var_os("PROPTEST_CASES") {
+        Some(_) => default,
+        None => ProptestConfig {
+            cases: 64,
+            rng_seed: RngSeed::Fixed(3),
+            ..default
+        },
+    }
+}
+
+proptest! {
+    #![proptest_config(by_chance())]
+
+    #[test]
+    fn slivers_needles_and_copies_are_seen_as_they_are_however_large_or_small(
+        faces in prop::collection::vec(awkward(), 1..24),
+        power in prop::sample::select(vec![-5, 0, 7]),
+        eye in point(),
+    ) {
+        let scale = 10_f32.powi(power);
+        let scene = scene(content(&faces, scale));
+        let mut view = View::new(eye.map(|value| 3.0 * scale * (value + 0.01)), [0.1 * scale; 3], [48, 36]);
+        view.near = 0.01 * scale;
+        every_method_keeps_its_contract(&scene, &view);
+    }
+}
+
+#[test]
+fn a_hundred_thousand_faces_in_one_plane_are_one_node_of_a_tree() {
+    // Ten sheets in the same place, each of 100 × 50 squares: whatever is in front, the lowest item owns.
+    let (columns, rows) = (100_u32, 50_u32);
+    let positions: Vec<[f32; 3]> = (0..(columns + 1) * (rows + 1))
+        .map(|i| {
+            [
+                (i % (columns + 1)) as f32 * 0.25,
+                (i / (columns + 1)) as f32 * 0.25,
+                0.0,
+            ]
+        })
+        .collect();
+    let mut corners = Vec::new();
+    for y in 0..rows {
+        for x in 0..columns {
+            let [low, high] = [y * (columns + 1) + x, (y + 1) * (columns + 1) + x];
+            corners.extend([low, low + 1, high + 1, low, high + 1, high]);
+        }
+    }
+    let mut content = ContentBuilder::new([Material::opaque([0.5; 3])]);
+    let sheet = content.mesh(Mesh::triangles(&positions, &corners, MaterialId(0)).expect("a sheet"));
+    for _ in 0..10 {
+        content.item("sheet", sheet, Transform::IDENTITY);
+    }
+    let scene = scene(content.build().expect("ten sheets"));
+    let view = View::new([12.5, 6.25, 12.0], [12.5, 6.25, 0.0], [96, 54]);
+    for method in Method::ALL {
+        let seen = scene
+            .with_method(method, Method::DEFAULT_LIMIT)
+            .expect("they fit");
+        let built = seen.built();
+        assert_eq!((built.faces, built.splits), (100_000, 0), "{method}");
+        assert!(built.depth <= 1, "{method}: {}", built.depth);
+        let mut viewer = Viewer::new();
+        let set = viewer.look(&seen, &view);
+        assert_eq!(set.items().len(), 1, "{method}: only the lowest of ten is seen");
+        assert_eq!(set.items()[0].item.0, 0, "{method}");
+    }
+}
+
+#[test]
+fn a_thousand_copies_of_one_face_look_like_one() {
+    let face = Awkward {
+        corners: [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.3], [0.0, 1.0, -0.2]],
+        copies: 250,
+    };
+    let scene = scene(content(&[face.clone(), face.clone(), face.clone(), face], 1.0));
+    let view = View::new([0.2, 0.1, 3.0], [0.0; 3], [64, 48]);
+    assert_eq!(
+        every_method_keeps_its_contract(&scene, &view),
+        0,
+        "all is contested between copies"
+    );
+    for method in Method::ALL {
+        let seen = scene
+            .with_method(method, Method::DEFAULT_LIMIT)
+            .expect("few faces");
+        assert_eq!(seen.built().faces, 1000, "{method} cut what lies in one plane");
+        assert_eq!(Viewer::new().look(&seen, &view).items().len(), 1, "{method}");
+    }
+}

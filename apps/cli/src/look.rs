@@ -9,11 +9,11 @@ use crate::open::{allow_threads, open};
 use crate::out;
 use crate::prepare::prepare;
 use crate::progress::Progress;
-use crate::report::{Report, Reports, SceneReport, Sink, Skipped};
+use crate::report::{Report, Reports, SceneReport, Sink, Skipped, Summary};
 use crate::text::{bytes, count, ms, plural, point, table};
 use crate::values::Choice;
 use anyhow::Result;
-use enfilade::Viewer;
+use enfilade::{Contract, Viewer};
 use std::fmt::Write;
 
 /// Runs `look`.
@@ -50,8 +50,24 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
     Ok(Outcome::of(reports.each()))
 }
 
-/// Prints what is missed or painted wrongly on standard error, whether the contract allows it or not.
+/// Prints what is missed or painted wrongly on standard error; of a method that may be wrong, only how much that is.
 pub(crate) fn tell_what_is_wrong(report: &Report) {
+    let Summary {
+        missed,
+        pixels_different,
+        ..
+    } = &report.summary;
+    if report.contract == Contract::Approximate {
+        if *missed > 0 || *pixels_different > 0 {
+            out::note(format_args!(
+                "check: {} is approximate: {} missed and {} painted that no possible owner allows (--json names them)",
+                report.method,
+                plural(*missed, "item"),
+                plural(*pixels_different as usize, "pixel")
+            ));
+        }
+        return;
+    }
     for (number, view) in report.views.iter().enumerate() {
         let Some(check) = &view.check else { continue };
         let place = || {

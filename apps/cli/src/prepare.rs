@@ -2,6 +2,7 @@
 
 use crate::args::HowArgs;
 use crate::open::Opened;
+use crate::progress::Progress;
 use crate::report::Skipped;
 use crate::values::Choice;
 use anyhow::{Result, anyhow};
@@ -56,7 +57,19 @@ pub(crate) fn prepare(
     how: &HowArgs,
     view: Option<&View>,
 ) -> Result<(Vec<Prepared>, Vec<Skipped>)> {
-    let build = |choice| build(&opened.scene, choice, how, view);
+    let progress = Progress::steps(
+        "building",
+        if choice == Choice::All {
+            Method::ALL.len()
+        } else {
+            1
+        },
+    );
+    let build = |choice| {
+        let built = build(&opened.scene, choice, how, view);
+        progress.step();
+        built
+    };
     if choice != Choice::All {
         let remedy = "raise --memory, or choose a smaller --size or another --method";
         let built = build(choice).map_err(|why| anyhow!("{}: {why}; {remedy}", opened.file))?;

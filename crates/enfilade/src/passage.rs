@@ -153,10 +153,10 @@ impl Passage {
 
 /// The name of a chain of portals that is one longer; never that of the chain itself.
 pub(crate) fn next_chain(chain: u64, portal: PortalId) -> u64 {
+    // Mixed before the portal comes in: portal 1 after fragment 0 is not portal 0 after fragment 1.
+    let mix = |name: u64| name.wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29);
     // The complement, for portal 0 must change the name of fragment 0.
-    (chain ^ !u64::from(portal.0))
-        .wrapping_mul(0x9E37_79B9_7F4A_7C15)
-        .rotate_left(29)
+    mix(mix(chain) ^ !u64::from(portal.0))
 }
 
 /// Where the eye stands in the space that `screen_from_local` maps from; the origin where that is flattened.

@@ -1,11 +1,12 @@
 //! The laws: each is stated once, and holds for every method on every scene.
 
 use enfilade::laws::{OwnerPicture, Reference};
-use enfilade::{Contract, Limits, Method, Scene, View, Viewer, VisibleSet};
-use enfilade_scenes::{BuiltIn, Group, SCENES, built_in, random_scene};
+use enfilade::{Canvas, Contract, Limits, Method, Passage, PassageId, Scene, Span, View, Viewer, VisibleSet};
+use enfilade_scenes::{BuiltIn, Group, Named, SCENES, random_scene};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use std::collections::BTreeSet;
+use std::sync::LazyLock;
 
 const SIZE: [u32; 2] = [128, 72];
 const LIMIT: u64 = Method::DEFAULT_LIMIT;
@@ -29,6 +30,52 @@ fn seen_by(method: Method, scene: &Scene) -> Scene {
         .expect("the scenes of the laws are small")
 }
 
+/// What the laws look at.
+struct Subject {
+    name: &'static str,
+    built: BuiltIn,
+    /// The scene as each method sees it.
+    seen: Vec<(Method, Scene)>,
+}
+
+impl Subject {
+    fn new(name: &'static str, built: BuiltIn) -> Subject {
+        let seen = Method::ALL.map(|method| (method, seen_by(method, &built.scene)));
+        Subject {
+            name,
+            built,
+            seen: seen.into(),
+        }
+    }
+
+    fn seen_by(&self, wanted: Method) -> &Scene {
+        let mut all = self.seen.iter();
+        let (_, scene) = all.find(|(method, _)| *method == wanted).expect("every method");
+        scene
+    }
+
+    fn camera(&self, name: &str) -> View {
+        let mut cameras = self.built.cameras.iter();
+        let camera = cameras.find(|camera| camera.name == name);
+        camera.expect("a camera of that scene").view(SIZE)
+    }
+}
+
+/// All built-in scenes. They are built once, for some take a second.
+fn subjects() -> &'static [Subject] {
+    static SUBJECTS: LazyLock<Vec<Subject>> = LazyLock::new(|| {
+        let build = |named: &Named| Subject::new(named.name, named.build());
+        SCENES.iter().map(build).collect()
+    });
+    &SUBJECTS
+}
+
+fn subject(name: &str) -> &'static Subject {
+    let mut all = subjects().iter();
+    all.find(|subject| subject.name == name)
+        .expect("a built-in scene")
+}
+
 fn drawn(viewer: &mut Viewer, scene: &Scene, view: &View) -> OwnerPicture {
     let mut picture = OwnerPicture::new(view.size);
     viewer.draw(scene, view, &mut picture);
@@ -48,15 +95,15 @@ fn names(scene: &Scene, set: &VisibleSet) -> BTreeSet<String> {
 }
 
 /// Holds every method to its contract on every camera; gives the number of items that the reference sees for certain.
-fn every_method_keeps_its_contract(name: &str, built: &BuiltIn, size: [u32; 2]) -> usize {
+fn every_method_keeps_its_contract(subject: &Subject, size: [u32; 2]) -> usize {
+    let Subject { name, built, seen } = subject;
     let reference = Reference::new(&built.scene);
-    let scenes = Method::ALL.map(|method| (method, seen_by(method, &built.scene)));
     let mut looked_at = 0;
     for camera in &built.cameras {
         let view = camera.view(size);
         let truth = reference.see(&built.scene, &view, &limits());
         looked_at += truth.visible().len();
-        for (method, scene) in &scenes {
+        for (method, scene) in seen {
             let mut viewer = viewer();
             let picture = drawn(&mut viewer, scene, &view);
             let verdict = truth.check(viewer.visible(), Some(&picture));
@@ -78,62 +125,58 @@ fn every_method_keeps_its_contract(name: &str, built: &BuiltIn, size: [u32; 2]) 
 
 #[test]
 fn every_method_keeps_its_contract_on_the_small_scenes() {
-    for named in SCENES.iter().filter(|named| named.name != "enfilade") {
-        let looked_at = every_method_keeps_its_contract(named.name, &named.build(), SIZE);
+    for subject in subjects().iter().filter(|subject| subject.name != "enfilade") {
+        let looked_at = every_method_keeps_its_contract(subject, SIZE);
         assert!(
             looked_at > 0,
             "nothing is seen in @{}: the law would hold of nothing",
-            named.name
+            subject.name
         );
     }
 }
 
 #[test]
 fn every_method_keeps_its_contract_in_the_palace() {
-    let built = built_in("enfilade").expect("the default scene");
-    assert!(every_method_keeps_its_contract("enfilade", &built, [160, 90]) > 100);
+    assert!(every_method_keeps_its_contract(subject("enfilade"), [160, 90]) > 100);
 }
 
 #[test]
 fn a_pyramid_over_depths_changes_no_sample_of_the_picture() {
-    for named in &SCENES {
-        let built = named.build();
-        let [flat, pyramid] =
-            [Method::ZBuffer, Method::HierarchicalZ].map(|method| seen_by(method, &built.scene));
+    for subject in subjects() {
+        let [flat, pyramid] = [Method::ZBuffer, Method::HierarchicalZ].map(|method| subject.seen_by(method));
         let mut painted = 0;
-        for camera in &built.cameras {
+        for camera in &subject.built.cameras {
             let view = camera.view(SIZE);
-            let picture = drawn(&mut viewer(), &flat, &view);
+            let picture = drawn(&mut viewer(), flat, &view);
             painted += picture.painted();
             assert!(
-                drawn(&mut viewer(), &pyramid, &view).same(&picture),
+                drawn(&mut viewer(), pyramid, &view).same(&picture),
                 "@{} from `{}`",
-                named.name,
+                subject.name,
                 camera.name
             );
         }
-        assert!(painted > 0, "nothing is painted of @{}", named.name);
+        assert!(painted > 0, "nothing is painted of @{}", subject.name);
     }
 }
 
 #[test]
 fn what_was_seen_before_changes_the_cost_but_not_the_answer() {
     for name in ["enfilade", "crowd", "two-rooms", "mirror"] {
-        let built = built_in(name).expect("a built-in scene");
-        for method in Method::ALL {
-            let scene = seen_by(method, &built.scene);
+        let Subject { built, seen, .. } = subject(name);
+        for (method, scene) in seen {
             let mut remembers = viewer();
             for camera in built.cameras.iter().chain(built.cameras.iter().rev()) {
                 let view = camera.view(SIZE);
-                remembers.look(&scene, &view);
-                let with = names(&scene, remembers.visible());
+                remembers.look(scene, &view);
+                let with = names(scene, remembers.visible());
                 let mut forgets = viewer();
                 forgets.set_coherence(false);
-                forgets.look(&scene, &view);
+                forgets.look(scene, &view);
                 assert!(!with.is_empty());
                 assert_eq!(
                     with,
-                    names(&scene, forgets.visible()),
+                    names(scene, forgets.visible()),
                     "{method} on @{name} from `{}`",
                     camera.name
                 );
@@ -144,16 +187,14 @@ fn what_was_seen_before_changes_the_cost_but_not_the_answer() {
 
 #[test]
 fn drawing_gives_the_set_that_looking_gives() {
-    for named in &SCENES {
-        let built = named.build();
-        for method in Method::ALL {
-            let scene = seen_by(method, &built.scene);
+    for Subject { name, built, seen } in subjects() {
+        for (method, scene) in seen {
             let view = built.cameras[0].view(SIZE);
             let [mut looks, mut draws] = [viewer(), viewer()];
-            looks.look(&scene, &view);
-            drawn(&mut draws, &scene, &view);
-            let [looked, drew] = [&looks, &draws].map(|viewer| names(&scene, viewer.visible()));
-            assert_eq!(looked, drew, "{method} on @{}", named.name);
+            looks.look(scene, &view);
+            drawn(&mut draws, scene, &view);
+            let [looked, drew] = [&looks, &draws].map(|viewer| names(scene, viewer.visible()));
+            assert_eq!(looked, drew, "{method} on @{name}");
         }
     }
 }
@@ -161,22 +202,19 @@ fn drawing_gives_the_set_that_looking_gives() {
 #[test]
 fn a_bigger_aperture_never_sees_less() {
     let mut grew = 0;
-    for named in &SCENES {
-        let built = named.build();
-        for method in Method::ALL {
-            let scene = seen_by(method, &built.scene);
+    for Subject { name, built, seen } in subjects() {
+        for (method, scene) in seen {
             for camera in &built.cameras {
                 // Wider at the same focal length: the samples of the narrow screen are among those of the wide one.
                 let [narrow, wide] = [[64, 72], [192, 72]].map(|size| {
                     let mut viewer = viewer();
-                    viewer.look(&scene, &camera.view(size));
-                    names(&scene, viewer.visible())
+                    viewer.look(scene, &camera.view(size));
+                    names(scene, viewer.visible())
                 });
                 let lost: Vec<_> = narrow.difference(&wide).collect();
                 assert!(
                     lost.is_empty(),
-                    "{method} on @{} from `{}`: {lost:?}",
-                    named.name,
+                    "{method} on @{name} from `{}`: {lost:?}",
                     camera.name
                 );
                 grew += wide.len() - narrow.len();
@@ -186,52 +224,69 @@ fn a_bigger_aperture_never_sees_less() {
     assert!(grew > 0, "nowhere does the wide screen see more");
 }
 
+/// Counts how often each sample is painted with something opaque.
+struct Paint {
+    width: usize,
+    times: Vec<u8>,
+}
+
+impl Canvas for Paint {
+    fn enter(&mut self, _id: PassageId, _passage: &Passage) {}
+
+    fn row(&mut self, y: u16, spans: &[Span]) {
+        for span in spans.iter().filter(|span| !span.see_through) {
+            let row = usize::from(y) * self.width;
+            for times in &mut self.times[row + usize::from(span.x0)..row + usize::from(span.x1)] {
+                *times += 1;
+            }
+        }
+    }
+}
+
+#[test]
+fn every_sample_that_shows_something_is_shaded_once() {
+    for Subject { name, built, seen } in subjects() {
+        for (method, scene) in seen {
+            let mut paint = Paint {
+                width: SIZE[0] as usize,
+                times: vec![0; (SIZE[0] * SIZE[1]) as usize],
+            };
+            viewer().draw(scene, &built.cameras[0].view(SIZE), &mut paint);
+            let most = paint.times.iter().copied().max();
+            assert_eq!(most, Some(1), "{method} on @{name}");
+        }
+    }
+}
+
 #[test]
 fn a_limit_of_crossings_is_told() {
-    let mirrors = SCENES
-        .iter()
-        .find(|named| named.name == "facing-mirrors")
-        .expect("a built-in scene")
-        .build();
+    let BuiltIn { scene, cameras } = &subject("facing-mirrors").built;
     let mut viewer = viewer();
-    let set = viewer.look(&mirrors.scene, &mirrors.cameras[0].view(SIZE));
+    let set = viewer.look(scene, &cameras[0].view(SIZE));
     assert!(!set.complete());
     assert!(
         set.passages()
             .iter()
             .all(|passage| passage.crossings <= limits().max_crossings)
     );
-    let rooms = built_in("two-rooms").expect("a built-in scene");
-    assert!(viewer.look(&rooms.scene, &rooms.cameras[0].view(SIZE)).complete());
+    let BuiltIn { scene, cameras } = &subject("two-rooms").built;
+    assert!(viewer.look(scene, &cameras[0].view(SIZE)).complete());
 }
 
 /// What is seen of a scene from one of its cameras, by every method, must be this and nothing else of what is named.
 fn sees(scene: &str, camera: &str, seen: &[&str], hidden: &[&str]) {
-    let built = built_in(scene).expect("a built-in scene");
-    let camera = built
-        .cameras
-        .iter()
-        .find(|c| c.name == camera)
-        .expect("a camera of that scene");
-    for method in Method::ALL {
-        let scene_seen = seen_by(method, &built.scene);
+    let subject = subject(scene);
+    for (method, scene) in &subject.seen {
         let mut viewer = viewer();
-        viewer.look(&scene_seen, &camera.view([320, 180]));
-        let names = names(&scene_seen, viewer.visible());
+        viewer.look(scene, &subject.camera(camera));
+        let names = names(scene, viewer.visible());
         let is_seen = |item: &str| names.iter().any(|name| name.ends_with(&format!("/{item}")));
+        let place = format!("on @{} from `{camera}`: {names:?}", subject.name);
         for item in seen {
-            assert!(
-                is_seen(item),
-                "{method} misses `{item}` on @{scene} from `{}`: {names:?}",
-                camera.name
-            );
+            assert!(is_seen(item), "{method} misses `{item}` {place}");
         }
         for item in hidden {
-            assert!(
-                !is_seen(item),
-                "{method} sees `{item}` on @{scene} from `{}`: {names:?}",
-                camera.name
-            );
+            assert!(!is_seen(item), "{method} sees `{item}` {place}");
         }
     }
 }
@@ -254,7 +309,7 @@ fn a_pillar_before_a_door_hides_what_is_right_behind_it() {
 
 #[test]
 fn openings_are_holes_when_no_portal_is_followed() {
-    let built = built_in("two-rooms").expect("a built-in scene");
+    let built = &subject("two-rooms").built;
     let flat = built.scene.without_portals();
     let mut viewer = viewer();
     let set = viewer.look(&flat, &built.cameras[0].view(SIZE));
@@ -269,7 +324,7 @@ fn openings_are_holes_when_no_portal_is_followed() {
 
 #[test]
 fn a_closed_door_shows_nothing_of_what_is_behind_it() {
-    let built = built_in("two-rooms").expect("a built-in scene");
+    let built = &subject("two-rooms").built;
     let doors: Vec<_> = (0..built.scene.portals().len() as u32)
         .map(enfilade::PortalId)
         .collect();
@@ -329,6 +384,6 @@ proptest! {
 
     #[test]
     fn every_method_keeps_its_contract_on_scenes_made_by_chance(seed in any::<u64>()) {
-        every_method_keeps_its_contract(&format!("random {seed}"), &random_scene(seed), [64, 48]);
+        every_method_keeps_its_contract(&Subject::new("random", random_scene(seed)), [64, 48]);
     }
 }

@@ -4,7 +4,7 @@
 //! that a side's memory is free again once it is done.
 //! Source: Fuchs, Kedem, Naylor. On Visible Surface Generation by A Priori Tree Structures. SIGGRAPH 1980.
 //! Cost: O(n) for each level, about log n levels; memory as large as the tree.
-//! Ends always: a plane of a polygon takes that polygon, one across an axis leaves fewer on either side, and once
+//! Ends always: a plane of a polygon takes that polygon, a free one leaves fewer on either side, and once
 //! `limit_bytes` is reached nothing is split any more.
 
 use super::choose::{Born, Chooser};

@@ -1,15 +1,17 @@
-//! Which plane splits a node: that of one of its polygons, or one across an axis.
+//! Which plane splits a node: that of one of its polygons, or a free one, across an axis or upright on an edge.
 //!
-//! Small nodes score every polygon on every polygon; large ones score some, spread over all, on a sample.
-//! Source: thesis "Painter's algorithm and binary space partitioning", 2.3.4 (the score); the sample is ours.
+//! Small nodes score every polygon on every polygon; large ones score some, spread over all, on a sample. Planes on
+//! edges are asked where all others cut something.
+//! Source: thesis "Painter's algorithm and binary space partitioning", 2.3.4 (the score); the rest is ours.
 //! Cost: O(candidates · sample) in large nodes, O(n²) in small ones.
 //! Sampling changes how good the tree is, never whether it is right.
 
 use super::BspOptions;
-use super::score::Sample;
+use super::score::{Sample, Scored};
 use super::side::Splitter;
 use super::split::{Arena, Working};
 use super::sweep::Sweep;
+use super::upright::on_edges;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 
@@ -54,7 +56,7 @@ impl Chooser {
     ) -> Option<Splitter> {
         let all = options.candidates == u32::MAX;
         let size = if all { members.len() } else { SAMPLE };
-        let axes = members.len() >= FEWEST_FOR_AXES && options.axis_splits.is_finite();
+        let axes = members.len() >= FEWEST_FOR_AXES && options.free_splits.is_finite();
         self.sample.clear();
         self.sweep.clear();
         for member in spread(members.len(), size).map(|place| &members[place]) {
@@ -68,50 +70,63 @@ impl Chooser {
                 self.sweep.push(corners);
             }
         }
-        let across = axes.then(|| self.sweep.best(options, born.band)).flatten();
-        let candidates = spread(members.len(), options.candidates.max(1) as usize)
-            .filter_map(|place| born.splitters[members[place].polygon as usize].as_ref());
-        let best = across.map_or(f32::INFINITY, |(score, _)| score);
-        let sample = &self.sample;
-        let of_polygon = dispatch!(self.level, simd => best_of(simd, candidates, sample, options, best));
-        let of_axis = || {
-            let (_, plane) = across?;
-            Some(Splitter {
-                plane,
-                band: born.band,
-                slack: 0.0,
-                polygon: None,
+        let free = BspOptions {
+            splits: options.splits * options.free_splits,
+            ..*options
+        };
+        let mut best = None;
+        if axes {
+            best = self.sweep.best(&free, born.band);
+        }
+        let candidates = options.candidates.max(2);
+        let some = |wanted: u32| {
+            let places = spread(members.len(), wanted as usize);
+            places.filter_map(|place| {
+                let member = &members[place];
+                Some((member, born.splitters[member.polygon as usize].as_ref()?))
             })
         };
+        let sample = &self.sample;
+        let planes = some(candidates).map(|(_, splitter)| *splitter);
+        best = dispatch!(self.level, simd => lowest(simd, planes, sample, options, best));
+        if options.free_splits.is_finite() && best.as_ref().is_some_and(|best| best.cut > 0) {
+            // Half as many polygons have more than half as many edges.
+            let planes = some(candidates / 2)
+                .flat_map(|(member, splitter)| on_edges(member, arena, splitter, born.band));
+            best = dispatch!(self.level, simd => lowest(simd, planes, sample, &free, best));
+        }
         // Of a few candidates, none may have an area.
-        let of_any = || {
+        let any = || {
             let mut all = members.iter();
             all.find_map(|member| born.splitters[member.polygon as usize])
         };
-        of_polygon.or_else(of_axis).or_else(of_any)
+        best.map(|best| best.splitter).or_else(any)
     }
 }
 
-/// The candidate with the lowest score, if that is below `best`.
+/// The candidate with the lowest score, or else the best so far.
 #[inline(always)]
-fn best_of<'a, S: Simd>(
+fn lowest<S: Simd>(
     simd: S,
-    candidates: impl Iterator<Item = &'a Splitter>,
+    candidates: impl Iterator<Item = Splitter>,
     sample: &Sample,
     options: &BspOptions,
-    mut best: f32,
-) -> Option<Splitter> {
-    let mut chosen = None;
-    for candidate in candidates {
-        if let Some(tally) = sample.tally(simd, candidate, options, best) {
+    mut best: Option<Scored>,
+) -> Option<Scored> {
+    for splitter in candidates {
+        let least = best.as_ref().map_or(f32::INFINITY, |best| best.score);
+        if let Some(tally) = sample.tally(simd, &splitter, options, least) {
             let score = tally.score(options);
-            if score < best {
-                best = score;
-                chosen = Some(*candidate);
+            if score < least && (splitter.polygon.is_some() || tally.parts()) {
+                best = Some(Scored {
+                    score,
+                    cut: tally.cut,
+                    splitter,
+                });
             }
         }
     }
-    chosen
+    best
 }
 
 /// So many places among `count`, one in each of as many equal parts; not evenly, so that a pattern in the polygons'

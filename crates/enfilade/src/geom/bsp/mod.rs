@@ -17,6 +17,7 @@ mod split;
 mod sweep;
 #[cfg(test)]
 mod tests;
+mod upright;
 
 pub use link::BspLink;
 
@@ -39,9 +40,9 @@ pub struct BspOptions {
     pub splits: f32,
     /// What another polygon in the plane costs; below 0 it is welcome.
     pub coplanar: f32,
-    /// How much more a cut costs where the plane is not a polygon's but across an axis, for it takes no polygon away;
-    /// infinite: there are no such planes.
-    pub axis_splits: f32,
+    /// How much more a cut costs where the plane is no polygon's but free, across an axis or upright on an edge, for
+    /// it takes no polygon away; infinite: there are no free planes.
+    pub free_splits: f32,
     /// Polygons of a node whose planes are scored. `u32::MAX`: every one, on every one.
     pub candidates: u32,
     /// Memory of the tree at which nothing is split any more; see [`BspTree::is_complete`].
@@ -54,7 +55,7 @@ impl Default for BspOptions {
             balance: 1.0,
             splits: 8.0,
             coplanar: -1.0,
-            axis_splits: 2.0,
+            free_splits: 2.0,
             candidates: 32,
             limit_bytes: 1_000_000_000,
         }

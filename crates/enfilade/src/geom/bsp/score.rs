@@ -21,7 +21,27 @@ pub(super) struct Tally {
     pub(super) cut: u32,
 }
 
+/// The best so far.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scored {
+    pub(super) score: f32,
+    pub(super) cut: u32,
+    pub(super) splitter: Splitter,
+}
+
+/// A free plane cuts at most one polygon of so many: then building ends soon even where cuts cost nothing.
+const MOST_CUT: u32 = 4;
+
 impl Tally {
+    /// May a plane that takes no polygon away be a splitter? Both sides get fewer polygons than there are.
+    pub(super) fn parts(&self) -> bool {
+        self.back + self.on > 0 && self.front + self.on > 0 && self.cuts_few()
+    }
+
+    pub(super) fn cuts_few(&self) -> bool {
+        MOST_CUT * self.cut <= self.front + self.back + self.on + self.cut
+    }
+
     /// The lower, the better.
     pub(super) fn score(&self, options: &BspOptions) -> f32 {
         self.least(options, 0)

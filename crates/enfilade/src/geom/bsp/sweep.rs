@@ -4,15 +4,12 @@
 //! that touch a corner of the sample are scored, in one pass over the sorted ends of the polygons.
 //! Source: the sweep over events is that of kd-trees (MacDonald, Booth 1990; Wald, Havran 2006), the score the BSP's.
 //! Cost: O(n log n) for each axis.
-//! Each side gets fewer polygons than there are, and few are cut, so building ends soon even where cuts are free.
+//! Each side gets fewer polygons than there are, so building ends.
 
 use super::BspOptions;
-use super::score::Tally;
-use super::side::Plane;
+use super::score::{Scored, Tally};
+use super::side::{Plane, Splitter};
 use glam::DVec3;
-
-/// At most one polygon of so many is cut.
-const MOST_CUT: usize = 4;
 
 /// The ends of a sample's polygons along each axis; kept for the next node.
 #[derive(Default)]
@@ -38,19 +35,25 @@ impl Sweep {
         self.spans.push([low, high]);
     }
 
-    /// The best plane and its score; a cut counts `axis_splits` times as much as that of a polygon's plane.
-    pub(super) fn best(&mut self, options: &BspOptions, band: f64) -> Option<(f32, Plane)> {
-        let options = BspOptions {
-            splits: options.splits * options.axis_splits,
-            ..*options
-        };
-        let mut best: Option<(f32, Plane)> = None;
+    /// The best plane.
+    pub(super) fn best(&mut self, options: &BspOptions, band: f64) -> Option<Scored> {
+        let mut best: Option<Scored> = None;
         for axis in 0..3 {
             self.sort(axis, band);
             self.each_plane(band, |at, tally| {
-                let score = tally.score(&options);
-                if best.is_none_or(|(least, _)| score < least) {
-                    best = Some((score, Plane::across(axis, at)));
+                let score = tally.score(options);
+                if tally.cuts_few() && best.as_ref().is_none_or(|best| score < best.score) {
+                    let splitter = Splitter {
+                        plane: Plane::across(axis, at),
+                        band,
+                        slack: 0.0,
+                        polygon: None,
+                    };
+                    best = Some(Scored {
+                        score,
+                        cut: tally.cut,
+                        splitter,
+                    });
                 }
             });
         }
@@ -91,9 +94,10 @@ impl Sweep {
             let ended = count(&self.highs, &mut ended, &|high| high - at <= band);
             let on = count(&self.flat, &mut flat_ended, &|v| v - at <= band)
                 - count(&self.flat, &mut flat_begun, &|v| v - at < -band);
-            // Behind or cut: all that have begun before the plane; behind or in it: all that have ended.
-            let cut = (begun + on).saturating_sub(ended);
-            if begun < all && ended > 0 && MOST_CUT * cut <= all {
+            // Neither side gets all. Not asked of the tally: for what is as thin as the band, that is only about right.
+            if begun < all && ended > 0 {
+                // Behind or cut: all that have begun before the plane; behind or in it: all that have ended.
+                let cut = (begun + on).saturating_sub(ended);
                 let tally = Tally {
                     front: (all - begun).saturating_sub(on) as u32,
                     back: (begun - cut) as u32,

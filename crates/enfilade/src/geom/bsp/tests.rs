@@ -189,11 +189,11 @@ fn along_any_ray_pieces_come_in_the_order_of_the_walk() {
             BspOptions::default(),
             BspOptions {
                 candidates: 2,
-                axis_splits: f32::INFINITY,
+                free_splits: f32::INFINITY,
                 ..BspOptions::default()
             },
             BspOptions {
-                axis_splits: 0.0,
+                free_splits: 0.0,
                 ..BspOptions::default()
             },
         ] {
@@ -289,7 +289,7 @@ fn a_tree_may_be_as_deep_as_it_has_polygons() {
     let drum =
         polygons((0..6000).map(|i| [side(i), side(i + 1), side(i + 1) + DVec3::Y, side(i) + DVec3::Y]));
     let options = BspOptions {
-        axis_splits: f32::INFINITY,
+        free_splits: f32::INFINITY,
         ..BspOptions::default()
     };
     let tree = BspTree::build(&drum, &options);

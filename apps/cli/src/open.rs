@@ -26,7 +26,7 @@ pub(crate) struct Opened {
     pub(crate) load_ms: f64,
 }
 
-/// Opens a scene. One from a file is a single fragment, seen by the method chosen, else by hierarchical-z.
+/// Opens a scene. One from a file is a single fragment, seen by hierarchical-z unless another method is chosen and built from it.
 pub(crate) fn open(name: &str, choice: Choice, limits: &LimitArgs) -> Result<Opened> {
     let progress = Progress::spinner(&format!("loading {name}"));
     let start = Instant::now();
@@ -74,9 +74,8 @@ fn open_file(file: &str, choice: Choice, limits: &LimitArgs) -> Result<Opened> {
     let import = enfilade_import::read(path, &options)?;
     let method = match choice {
         Choice::Own => Method::HierarchicalZ,
-        Choice::One(method) => method,
-        // The others are built from it one by one, so the first is the one that builds least.
-        Choice::All => Method::ZBuffer,
+        // What is asked for is built from it, and timed, so the first is the one that builds least.
+        Choice::One(_) | Choice::All => Method::ZBuffer,
     };
     let mut builder = SceneBuilder::new();
     builder.limit_bytes(limits.memory.unwrap_or(Method::DEFAULT_LIMIT));

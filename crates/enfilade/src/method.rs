@@ -230,7 +230,8 @@ where
             return Err(TooLarge::new(method, needs_bytes, limit));
         }
         // What turns out to be more than estimated is twice the limit, as far as is known.
-        let order = O::build(&content, limit).ok_or(TooLarge::new(method, 2 * limit, limit))?;
+        let order =
+            O::build(&content, limit).ok_or_else(|| TooLarge::new(method, limit.saturating_mul(2), limit))?;
         Ok(Paired {
             order,
             content,

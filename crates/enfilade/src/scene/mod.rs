@@ -14,6 +14,8 @@ use crate::content::{Content, OpeningId};
 use crate::fragment::{Built, Fragment, Hit, Ray};
 use crate::geom::Aabb;
 use crate::method::{Method, TooLarge};
+#[cfg(feature = "rayon")]
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Fragments, and portals that join them. Shared and immutable while looked at.
@@ -122,7 +124,11 @@ impl Scene {
     /// [`TooLarge`] where a fragment would need more than `limit_bytes` for what the method builds.
     pub fn with_method(&self, method: Method, limit_bytes: u64) -> Result<Scene, TooLarge> {
         let mut scene = self.clone();
-        for placed in &mut scene.fragments {
+        #[cfg(feature = "rayon")]
+        let fragments = scene.fragments.par_iter_mut();
+        #[cfg(not(feature = "rayon"))]
+        let fragments = scene.fragments.iter_mut();
+        let build = |placed: &mut Placed| {
             if let Body::Ours { content, .. } = &placed.body {
                 let content = Arc::clone(content);
                 let fragment = method.build(Arc::clone(&content), limit_bytes)?;
@@ -132,7 +138,9 @@ impl Scene {
                     fragment,
                 };
             }
-        }
+            Ok(())
+        };
+        fragments.map(build).collect::<Result<(), _>>()?;
         Ok(scene)
     }
 

@@ -73,7 +73,8 @@ pub use geom::{Aabb, ConvexPolygon, Transform};
 pub use memory::Memory;
 pub use mesh::{Cluster, Mesh, MeshError, Part};
 pub use method::{
-    BspFront, BspPainter, HierarchicalZ, Method, PainterMean, PainterMin, Paired, SBuffer, TooLarge, ZBuffer,
+    BspFront, BspPainter, HierarchicalS, HierarchicalZ, Method, PainterMean, PainterMin, Paired, SBuffer,
+    TooLarge, ZBuffer,
 };
 pub use occluders::{Measure, Occluder};
 pub use passage::{Passage, PassageId};

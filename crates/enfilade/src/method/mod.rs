@@ -44,6 +44,10 @@ pub type SBuffer = Paired<Unordered, SpanBuffer>;
 /// Miller, SIGGRAPH 1993.
 pub type HierarchicalZ = Paired<OctreeOrder, DepthPyramid>;
 
+/// Hierarchical s-buffer: an octree near to far, and spans that hide whole nodes. Boreskov, Hierarchical s-buffer for
+/// scenes of high complexity, section 3.
+pub type HierarchicalS = Paired<OctreeOrder, SpanBuffer>;
+
 /// How a fragment is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -62,6 +66,8 @@ pub enum Method {
     SBuffer,
     /// See [`HierarchicalZ`](crate::HierarchicalZ).
     HierarchicalZ,
+    /// See [`HierarchicalS`](crate::HierarchicalS).
+    HierarchicalS,
 }
 
 /// A method would need too much memory; told by an estimate, before anything is built.
@@ -98,7 +104,7 @@ impl TooLarge {
 
 impl Method {
     /// Every method there is.
-    pub const ALL: [Method; 7] = [
+    pub const ALL: [Method; 8] = [
         Method::PainterMin,
         Method::PainterMean,
         Method::Bsp,
@@ -106,6 +112,7 @@ impl Method {
         Method::ZBuffer,
         Method::SBuffer,
         Method::HierarchicalZ,
+        Method::HierarchicalS,
     ];
 
     /// What one fragment's method may build unless told otherwise, in bytes: 1 GB.
@@ -121,6 +128,7 @@ impl Method {
             Method::ZBuffer => "z-buffer",
             Method::SBuffer => "s-buffer",
             Method::HierarchicalZ => "hierarchical-z",
+            Method::HierarchicalS => "hierarchical-s",
         }
     }
 
@@ -133,9 +141,12 @@ impl Method {
     pub fn contract(self) -> Contract {
         match self {
             Method::PainterMin | Method::PainterMean => Contract::Approximate,
-            Method::Bsp | Method::BspFront | Method::ZBuffer | Method::SBuffer | Method::HierarchicalZ => {
-                Contract::Exact
-            }
+            Method::Bsp
+            | Method::BspFront
+            | Method::ZBuffer
+            | Method::SBuffer
+            | Method::HierarchicalZ
+            | Method::HierarchicalS => Contract::Exact,
         }
     }
 
@@ -152,6 +163,7 @@ impl Method {
             Method::ZBuffer => Arc::new(ZBuffer::build(self, content, limit_bytes)?),
             Method::SBuffer => Arc::new(SBuffer::build(self, content, limit_bytes)?),
             Method::HierarchicalZ => Arc::new(HierarchicalZ::build(self, content, limit_bytes)?),
+            Method::HierarchicalS => Arc::new(HierarchicalS::build(self, content, limit_bytes)?),
         })
     }
 
@@ -161,7 +173,7 @@ impl Method {
             Method::BspFront => Mask::needs_bytes(size),
             Method::PainterMin | Method::PainterMean | Method::Bsp => Nothing::needs_bytes(size),
             Method::ZBuffer => DepthBuffer::needs_bytes(size),
-            Method::SBuffer => SpanBuffer::needs_bytes(size),
+            Method::SBuffer | Method::HierarchicalS => SpanBuffer::needs_bytes(size),
             Method::HierarchicalZ => DepthPyramid::needs_bytes(size),
         }
     }

@@ -122,20 +122,19 @@ impl Passage {
 
     /// The plane of an outline in screen space: normal of unit length, and distance.
     fn plane_of(&self, outline: &ConvexPolygon) -> (DVec3, f64) {
-        let corners: Vec<DVec3> = outline
-            .corners()
-            .iter()
-            .map(|&c| {
-                self.screen_from_fragment
-                    .transform_point3(DVec3::from(c.map(f64::from)))
-            })
-            .collect();
+        let corner = |&c: &[f32; 3]| {
+            let corner = DVec3::from(c.map(f64::from));
+            self.screen_from_fragment.transform_point3(corner)
+        };
+        let corners = outline.corners();
         // Newell's sum, from one corner so that far outlines lose nothing.
-        let normal: DVec3 = (1..corners.len() - 1)
-            .map(|i| (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]))
+        let first = corner(&corners[0]);
+        let normal: DVec3 = corners[1..]
+            .windows(2)
+            .map(|pair| (corner(&pair[0]) - first).cross(corner(&pair[1]) - first))
             .sum::<DVec3>()
             .normalize_or_zero();
-        (normal, normal.dot(corners[0]))
+        (normal, normal.dot(first))
     }
 
     /// From the space of the fragment to eye space: x right, y up, z back.

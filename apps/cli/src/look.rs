@@ -35,8 +35,8 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
         reports.push(Report::new(&opened, prepared, &views, args.cameras.size, looks));
     }
     drop(progress);
-    if args.check.is_some() {
-        let found = check(&prepared, &mut viewers, &views);
+    if let Some(places) = args.check {
+        let found = check(&prepared, &mut viewers, &views, places);
         for ((report, found), prepared) in reports.iter_mut().zip(&found).zip(&prepared) {
             report.add_checks(found, &prepared.scene);
         }

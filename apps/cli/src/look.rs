@@ -135,6 +135,16 @@ fn add_report(text: &mut String, report: &Report) {
         ms(report.build_ms),
         bytes(report.bytes)
     );
+    if report.depth > 0 {
+        let growth = report.faces_built as f64 / (report.faces_built - report.splits) as f64;
+        let _ = writeln!(
+            text,
+            "tree: {} after {}, {growth:.2} times as many; {}",
+            plural(report.faces_built as usize, "face"),
+            plural(report.splits as usize, "split"),
+            plural(report.depth as usize, "level")
+        );
+    }
     if report.views.is_empty() {
         text.push_str("nothing was looked at\n");
         return;

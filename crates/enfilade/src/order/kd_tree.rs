@@ -6,15 +6,23 @@
 //! Cost: building O(n log² n); a walk O(boxes met), without a queue, and what nothing of can be seen ends its subtree.
 //! Gives nodes near to far; an item that a plane cuts comes with the first leaf of its that is met.
 
-use super::items::{hand_out, hand_out_openings, may_be_seen};
+use super::items::{hand_out, hand_out_openings, hand_out_whole, sight};
 use super::{NodesNearToFar, Order, Visit};
 use crate::content::{Content, ItemId};
 use crate::geom::{Aabb, KdTree};
 use crate::passage::Passage;
+use crate::region::Sight;
 
 /// Items parted by planes across the axes.
 pub struct KdTreeOrder {
     tree: KdTree,
+}
+
+/// A node that waits to be entered.
+pub struct Waiting {
+    node: u32,
+    /// Is it in one that is seen fully? Then nothing in it is asked after.
+    fully: bool,
 }
 
 /// Items in a leaf, at most. A test costs about as much as a small item's faces.
@@ -22,8 +30,7 @@ const FEW_ITEMS: usize = 6;
 
 impl Order for KdTreeOrder {
     type Gives = NodesNearToFar;
-    /// Nodes that wait to be entered.
-    type Scratch = Vec<u32>;
+    type Scratch = Vec<Waiting>;
 
     fn build(content: &Content, _limit_bytes: u64) -> Option<KdTreeOrder> {
         let bounds: Vec<Aabb> = content.items().iter().map(|item| item.bounds).collect();
@@ -40,25 +47,36 @@ impl Order for KdTreeOrder {
         self.tree.bytes()
     }
 
-    fn visit(&self, content: &Content, passage: &Passage, waiting: &mut Vec<u32>, visit: &mut impl Visit) {
+    fn visit(
+        &self,
+        content: &Content,
+        passage: &Passage,
+        waiting: &mut Vec<Waiting>,
+        visit: &mut impl Visit,
+    ) {
         hand_out_openings(content, passage, visit);
         waiting.clear();
-        waiting.extend(self.tree.root());
+        waiting.extend(self.tree.root().map(|node| Waiting { node, fully: false }));
         let eye = passage.eye();
-        while let Some(node) = waiting.pop() {
-            if !may_be_seen(
-                passage,
-                &passage.screen_from_fragment,
-                self.tree.bounds(node),
-                visit,
-            ) {
-                continue;
+        while let Some(Waiting { node, mut fully }) = waiting.pop() {
+            let bounds = self.tree.bounds(node);
+            if !fully {
+                match sight(passage, &passage.screen_from_fragment, bounds, visit) {
+                    Sight::Hidden => continue,
+                    Sight::Partly => {}
+                    Sight::Fully => fully = true,
+                }
             }
-            if let Some([near, far]) = self.tree.near_and_far(node, eye) {
-                waiting.extend([far, near]);
+            if let Some(halves) = self.tree.near_and_far(node, eye) {
+                waiting.extend(halves.into_iter().rev().map(|node| Waiting { node, fully }));
             }
             for &item in self.tree.things(node) {
-                hand_out(content, passage, ItemId(item), visit);
+                // What reaches out of the box may be seen elsewhere only.
+                if fully && bounds.union(&content.item(ItemId(item)).bounds) == *bounds {
+                    hand_out_whole(content, passage, ItemId(item), visit);
+                } else {
+                    hand_out(content, passage, ItemId(item), visit);
+                }
             }
         }
     }

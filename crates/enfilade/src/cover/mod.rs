@@ -5,6 +5,7 @@ mod depth_pyramid;
 mod half_plane;
 mod mask;
 mod nothing;
+mod occlusion_tree;
 mod part;
 mod raster;
 mod report;
@@ -18,6 +19,7 @@ pub use depth_buffer::DepthBuffer;
 pub use depth_pyramid::DepthPyramid;
 pub use mask::Mask;
 pub use nothing::Nothing;
+pub use occlusion_tree::{Asks, ByBox, ByFaces, OcclusionTree};
 pub use span_buffer::SpanBuffer;
 
 use crate::canvas::Canvas;

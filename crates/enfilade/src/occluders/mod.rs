@@ -16,7 +16,6 @@ pub enum Measure {
 ///
 /// Hidden is what lies inside the pyramid from the eye over the polygon, strictly beyond its plane.
 #[derive(Clone, Copy, Debug)]
-#[expect(dead_code, reason = "covers that take occluders come next")]
 pub struct Occluder<'a> {
     /// Corners as (X, Y, W), where the eye is the origin; counter-clockwise as the eye sees them.
     pub(crate) corners: &'a [DVec3],

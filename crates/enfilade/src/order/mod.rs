@@ -3,11 +3,13 @@
 mod bsp;
 mod depth_sort;
 mod items;
+mod kd_tree;
 mod octree;
 mod unordered;
 
 pub use bsp::{Bsp, Direction};
 pub use depth_sort::{DepthSort, Mean, Min, SortKey};
+pub use kd_tree::KdTreeOrder;
 pub use octree::OctreeOrder;
 pub use unordered::Unordered;
 

@@ -1,12 +1,15 @@
 //! Orders: what comes next. An order knows nothing of covers; `method` joins the two.
 
 mod bsp;
+mod bvh;
 mod depth_sort;
 mod items;
 mod octree;
+mod queue;
 mod unordered;
 
 pub use bsp::{Bsp, Direction};
+pub use bvh::BvhOrder;
 pub use depth_sort::{DepthSort, Mean, Min, SortKey};
 pub use octree::OctreeOrder;
 pub use unordered::Unordered;

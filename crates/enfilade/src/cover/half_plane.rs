@@ -52,6 +52,12 @@ impl HalfPlane {
         HalfPlane::new(normal * side)
     }
 
+    /// Is it the side of a line, or of none? Not so where its making overflowed.
+    #[inline(always)]
+    pub(super) fn is_finite(&self) -> bool {
+        self.a.is_finite() && self.b.is_finite() && self.c.is_finite()
+    }
+
     /// Narrows the columns `x0..x1` of eight rows to those held; `rows` are the y of their centres.
     #[inline(always)]
     pub(super) fn narrow<S: Simd>(&self, simd: S, rows: f64x8<S>, x0: &mut f64x8<S>, x1: &mut f64x8<S>) {

@@ -12,7 +12,7 @@ use crate::content::{Content, ItemId};
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::passage::Passage;
-use crate::region::Region;
+use crate::region::{Region, Sight};
 use glam::DAffine3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -100,7 +100,7 @@ pub(super) fn walk(
         queue.push_node(tree, root, passage);
     }
     while let Some(Waiting { region, what }) = queue.waiting.pop() {
-        if !visit.enter(&region) {
+        if visit.enter(&region) == Sight::Hidden {
             continue;
         }
         match what {

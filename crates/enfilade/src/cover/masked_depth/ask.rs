@@ -2,13 +2,27 @@
 
 use super::grid::Grid;
 use super::outline::Outline;
-use super::shapes::Volume;
 use super::tile::{Across, COLUMNS, ROWS, SUB_TILES, columns_within, masks_of_rect, rows_within, tiles};
 use crate::aperture::Rect;
 use crate::cover::band::{BAND, Band};
+use crate::region::Region;
 use fearless_simd::prelude::*;
 
 impl Grid {
+    /// May any sample show a box? By its rectangle first, then by its outline, if it is all beyond the near distance.
+    #[inline(always)]
+    pub(super) fn sees<S: Simd>(&self, simd: S, region: &Region, near: f64) -> bool {
+        let rect = region.rect.intersection(&self.rect);
+        if rect.is_empty() {
+            return false;
+        }
+        let Some(first) = self.first_seen(&rect, region.nearest) else {
+            return false;
+        };
+        Outline::of(&region.volume, near, &rect)
+            .is_none_or(|outline| self.sees_outline(simd, &rect, first, region.nearest, &outline))
+    }
+
     /// The first row of tiles in which a sample of `rect` may show something as near as `nearest`.
     #[inline(always)]
     pub(super) fn first_seen(&self, rect: &Rect, nearest: f32) -> Option<usize> {
@@ -52,28 +66,5 @@ impl Grid {
                     self.tiles[index].sees(&across.samples(column), &nearness)
                 })
             })
-    }
-}
-
-/// The near distance is where a volume ceases to be of use.
-#[inline(always)]
-pub(super) fn sees<S: Simd>(
-    simd: S,
-    grid: &Grid,
-    rect: &Rect,
-    nearest: f32,
-    volume: &Volume,
-    near: f64,
-) -> bool {
-    let rect = rect.intersection(&grid.rect);
-    if rect.is_empty() {
-        return false;
-    }
-    let Some(first) = grid.first_seen(&rect, nearest) else {
-        return false;
-    };
-    match Outline::of(volume, near, &rect) {
-        Some(outline) => grid.sees_outline(simd, &rect, first, nearest, &outline),
-        None => true,
     }
 }

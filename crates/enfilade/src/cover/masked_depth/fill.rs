@@ -7,12 +7,12 @@
 //! Conservative: nearness is rounded down, and what is before the near distance or the last portal is left out.
 
 use super::grid::Grid;
-use super::shapes::Occluder;
 use super::tile::{Across, COLUMNS, Nearness, ROWS, SUB_COLUMNS, SUB_ROWS};
 use crate::aperture::Rect;
 use crate::cover::band::{BAND, Band};
 use crate::cover::half_plane::HalfPlane;
 use crate::cover::part::{Part, greater, smaller};
+use crate::occluders::Occluder;
 use crate::passage::Passage;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};

@@ -13,16 +13,16 @@ mod ask;
 mod fill;
 mod grid;
 mod outline;
-mod shapes;
 #[cfg(test)]
 mod tests;
 mod tile;
 
-pub use shapes::{Occluder, Volume};
-
-use super::Sight;
-use crate::aperture::Rect;
+use super::{Cover, Hides};
+use crate::occluders::{Measure, Occluder};
+use crate::order::Unsorted;
 use crate::passage::Passage;
+use crate::region::{Region, Sight};
+use crate::stats::Stats;
 use fearless_simd::{Level, dispatch};
 use fill::Fill;
 use grid::Grid;
@@ -47,28 +47,30 @@ impl Default for MaskedDepth {
     }
 }
 
-impl MaskedDepth {
-    /// Starts over: only the passage's aperture is open, everything else counts as covered.
-    pub fn clear(&mut self, passage: &Passage) {
+impl Cover for MaskedDepth {
+    type CullNeeds = Unsorted;
+
+    fn sees(&mut self, region: &Region) -> Sight {
+        let seen = dispatch!(self.level, simd => self.grid.sees(simd, region, self.near));
+        if seen { Sight::Partly } else { Sight::Hidden }
+    }
+
+    fn needs_bytes(size: [u32; 2]) -> u64 {
+        let tiles = u64::from(size[0].div_ceil(COLUMNS as u32)) * u64::from(size[1].div_ceil(ROWS as u32));
+        tiles * (size_of::<Tile>() + size_of::<f32>()) as u64
+    }
+}
+
+impl Hides for MaskedDepth {
+    const MEASURE: Measure = Measure::ProjectedArea;
+    const OCCLUDERS: u32 = 512;
+
+    fn clear(&mut self, passage: &Passage) {
         self.grid.clear(passage);
         self.near = f64::from(passage.near);
     }
 
-    /// Lets an occluder hide what is behind it; gives the number of samples it covers.
-    pub fn hide(&mut self, occluder: &Occluder, passage: &Passage) -> u64 {
-        self.fill.hide(&mut self.grid, occluder, passage)
-    }
-
-    /// How much of a box can still be seen. `Partly` when unsure.
-    pub fn sees(&mut self, rect: &Rect, nearest: f32, volume: &Volume) -> Sight {
-        let seen =
-            dispatch!(self.level, simd => ask::sees(simd, &self.grid, rect, nearest, volume, self.near));
-        if seen { Sight::Partly } else { Sight::Hidden }
-    }
-
-    /// Memory in bytes for a screen of this size.
-    pub fn needs_bytes(size: [u32; 2]) -> u64 {
-        let tiles = u64::from(size[0].div_ceil(COLUMNS as u32)) * u64::from(size[1].div_ceil(ROWS as u32));
-        tiles * (size_of::<Tile>() + size_of::<f32>()) as u64
+    fn hide(&mut self, occluder: &Occluder, passage: &Passage, stats: &mut Stats) {
+        stats.samples += self.fill.hide(&mut self.grid, occluder, passage);
     }
 }

@@ -8,11 +8,11 @@
 //! Cost: O(1), about as much as setting up four triangles.
 //! Conservative: lines are moved outwards and planes towards the eye by more than rounding may come to.
 
-use super::shapes::Volume;
 use super::tile::{COLUMNS, Nearness, SUB_COLUMNS, SUB_ROWS};
 use crate::aperture::Rect;
 use crate::cover::half_plane::HalfPlane;
 use crate::cover::part::{greater, smaller};
+use crate::region::Volume;
 use glam::DVec3;
 
 /// What may be seen of a box before anything hides it.
@@ -37,19 +37,10 @@ impl Outline {
     /// `None` where the box reaches before the near distance, or the eye may stand in it.
     #[inline(always)]
     pub(super) fn of(volume: &Volume, near: f64, limits: &Rect) -> Option<Outline> {
-        let Volume { origin, sides } = volume;
         let [mut xs, mut ys] = [[0.0; 8], [0.0; 8]];
         let mut nearest = f64::INFINITY;
         let mut reach = 0.0;
-        for (number, (x, y)) in xs.iter_mut().zip(&mut ys).enumerate() {
-            let side = |axis: usize| {
-                if number >> axis & 1 == 1 {
-                    sides[axis]
-                } else {
-                    DVec3::ZERO
-                }
-            };
-            let corner = *origin + side(0) + side(1) + side(2);
+        for (corner, (x, y)) in volume.corners().into_iter().zip(xs.iter_mut().zip(&mut ys)) {
             let per_w = 1.0 / corner.z;
             [*x, *y] = [corner.x * per_w, corner.y * per_w];
             nearest = smaller(corner.z, nearest);

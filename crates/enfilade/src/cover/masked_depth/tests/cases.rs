@@ -24,7 +24,7 @@ fn covered(passage: &Passage, polygons: &[Polygon]) -> MaskedDepth {
     let mut cover = MaskedDepth::default();
     cover.clear(passage);
     for polygon in polygons {
-        cover.hide(&polygon.occluder(), passage);
+        cover.hide(&polygon.occluder(), passage, &mut Stats::default());
     }
     cover
 }
@@ -32,14 +32,8 @@ fn covered(passage: &Passage, polygons: &[Polygon]) -> MaskedDepth {
 /// Is a box, by its least and greatest corners in the space of the fragment, seen?
 fn sees(cover: &mut MaskedDepth, passage: &Passage, min: [f64; 3], max: [f64; 3]) -> bool {
     let [min, max] = [min, max].map(DVec3::from);
-    let (region, volume) = volume_of(
-        passage,
-        &(DAffine3::from_translation(min) * DAffine3::from_scale(max - min)),
-    );
-    let Some(Region { rect, nearest, .. }) = region else {
-        return false;
-    };
-    cover.sees(&rect, nearest, &volume) != Sight::Hidden
+    let box_to_fragment = DAffine3::from_translation(min) * DAffine3::from_scale(max - min);
+    region_of(passage, &box_to_fragment).is_some_and(|region| cover.sees(&region) != Sight::Hidden)
 }
 
 #[test]
@@ -97,11 +91,11 @@ fn what_is_as_near_as_a_slanting_occluder_is_seen() {
             matrix3: back * glam::DMat3::from_cols(sides[0], sides[1], sides[2]),
             translation: back * middle,
         };
-        let Some(Region { rect, nearest, .. }) = volume_of(&passage, &local).0 else {
+        let Some(region) = region_of(&passage, &local) else {
             continue;
         };
-        let shows = samples(rect).any(|(x, y)| nearness_of(&volume, x, y).is_some());
-        assert!(!shows || cover.sees(&rect, nearest, &volume) != Sight::Hidden);
+        let shows = samples(region.rect).any(|(x, y)| nearness_of(&volume, x, y).is_some());
+        assert!(!shows || cover.sees(&region) != Sight::Hidden);
     }
 }
 
@@ -315,7 +309,7 @@ fn outside_the_aperture_nothing_is_seen_however_near() {
     let door = ConvexPolygon::rectangle([-0.1, -0.1, -1.0], [0.2, 0.0, 0.0], [0.0, 0.2, 0.0]);
     let behind = passage
         .aperture
-        .behind(&door.expect("a door"), &passage.screen_from_fragment, None);
+        .behind(&door.expect("a door"), &passage.screen_from_fragment, None, false);
     passage.aperture = behind.expect("the door is in view");
     let mut cover = covered(&passage, &[]);
     let rect = Rect {
@@ -347,8 +341,9 @@ fn a_cover_may_take_screens_of_any_size_one_after_the_other() {
             [-9.0, 9.0, -1.0],
         ];
         let wide = wall.map(|c| DVec3::from(c) * DVec3::new(1e5, 1e5, 1.0));
-        let covered = cover.hide(&Polygon::new(&wide, &passage).occluder(), &passage);
-        assert_eq!(covered, u64::from(size[0]) * u64::from(size[1]));
+        let mut stats = Stats::default();
+        cover.hide(&Polygon::new(&wide, &passage).occluder(), &passage, &mut stats);
+        assert_eq!(stats.samples, u64::from(size[0]) * u64::from(size[1]));
         assert!(!cover.sees_rect(&all, 0.9));
         assert!(cover.sees_rect(&all, 1.0));
         assert!(MaskedDepth::needs_bytes(size) >= 132);

@@ -4,9 +4,9 @@ mod agree;
 mod cases;
 
 use super::*;
-use crate::aperture::{Aperture, Rows};
+use crate::aperture::{Rect, Rows};
 use crate::geom::{Aabb, ConvexPolygon};
-use crate::region::Region;
+use crate::region::{Region, Volume};
 use crate::scene::FragmentId;
 use crate::view::View;
 use glam::{DAffine3, DVec3};
@@ -213,7 +213,7 @@ fn passages(seed: u64, dice: &mut Dice) -> Passage {
         let door = ConvexPolygon::rectangle(corner, [0.7, 0.1, 0.0], [0.1, 0.5, 0.0]).expect("a door");
         if let Some(behind) = passage
             .aperture
-            .behind(&door, &passage.screen_from_fragment, None)
+            .behind(&door, &passage.screen_from_fragment, None, false)
         {
             passage.aperture = behind;
             passage.entry = Some((DVec3::Z, 1.0));
@@ -231,10 +231,12 @@ fn passages(seed: u64, dice: &mut Dice) -> Passage {
             }
         }
         let door = ConvexPolygon::rectangle([-9.0, -9.0, -1.0], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0]);
-        let behind =
-            passage
-                .aperture
-                .behind(&door.expect("a door"), &passage.screen_from_fragment, Some(rows));
+        let behind = passage.aperture.behind(
+            &door.expect("a door"),
+            &passage.screen_from_fragment,
+            Some(rows),
+            false,
+        );
         passage.aperture = behind.expect("some samples are open");
     }
     passage
@@ -252,18 +254,17 @@ fn polygons(dice: &mut Dice, passage: &Passage, count: usize) -> Vec<Polygon> {
         .collect()
 }
 
-fn volume_of(passage: &Passage, at: &DAffine3) -> (Option<Region>, Volume) {
-    let bounds = Aabb {
+/// What a passage sees of the unit cube, put into the fragment.
+fn region_of(passage: &Passage, fragment_from_cube: &DAffine3) -> Option<Region> {
+    let cube = Aabb {
         min: [0.0; 3],
         max: [1.0; 3],
     };
-    let screen_from_box = passage.screen_from_fragment * *at;
-    let sides = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| screen_from_box.matrix3 * axis);
-    let volume = Volume {
-        origin: screen_from_box.translation,
-        sides,
-    };
-    (Region::of(passage, &screen_from_box, &bounds), volume)
+    Region::of(
+        passage,
+        &(passage.screen_from_fragment * *fragment_from_cube),
+        &cube,
+    )
 }
 
 /// A box somewhere, turned and stretched; one in five is flat, one in twenty a stick.
@@ -289,18 +290,13 @@ fn filled(passage: &Passage, polygons: &[Polygon]) -> (MaskedDepth, Oracle) {
     let mut cover = MaskedDepth::default();
     // Something is left from the last passage.
     cover.clear(passage);
-    cover.hide(
-        &Polygon::new(
-            &[[-9.0, -9.0, -0.1], [9.0, -9.0, -0.1], [0.0, 9.0, -0.1]].map(DVec3::from),
-            passage,
-        )
-        .occluder(),
-        passage,
-    );
+    let before = [[-9.0, -9.0, -0.1], [9.0, -9.0, -0.1], [0.0, 9.0, -0.1]].map(DVec3::from);
+    let before = Polygon::new(&before, passage);
+    cover.hide(&before.occluder(), passage, &mut Stats::default());
     cover.clear(passage);
     let mut oracle = Oracle::new(passage);
     for polygon in polygons {
-        cover.hide(&polygon.occluder(), passage);
+        cover.hide(&polygon.occluder(), passage, &mut Stats::default());
         oracle.add(polygon);
     }
     (cover, oracle)
@@ -391,12 +387,11 @@ fn a_box_is_hidden_only_where_no_ray_meets_it_first() {
         let polygons = polygons(&mut dice, &passage, 30);
         let (mut cover, oracle) = filled(&passage, &polygons);
         for _ in 0..200 {
-            let (region, volume) = volume_of(&passage, &random_box(&mut dice));
-            let Some(Region { rect, nearest, .. }) = region else {
+            let Some(region) = region_of(&passage, &random_box(&mut dice)) else {
                 continue;
             };
             let seen = oracle.sees(oracle.all(), |x, y| {
-                let nearness = nearness_of(&volume, x, y)?;
+                let nearness = nearness_of(&region.volume, x, y)?;
                 let ray = DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, 1.0);
                 let beyond = oracle
                     .entry
@@ -405,10 +400,10 @@ fn a_box_is_hidden_only_where_no_ray_meets_it_first() {
                 beyond.then_some(nearness.min(1.0 / oracle.near))
             });
             known += u32::from(!seen);
-            by_rect += u32::from(!cover.sees_rect(&rect, nearest));
-            if cover.sees(&rect, nearest, &volume) == Sight::Hidden {
+            by_rect += u32::from(!cover.sees_rect(&region.rect, region.nearest));
+            if cover.sees(&region) == Sight::Hidden {
                 hidden += 1;
-                assert!(!seen, "{volume:?} of scene {seed}");
+                assert!(!seen, "{region:?} of scene {seed}");
             }
         }
     }

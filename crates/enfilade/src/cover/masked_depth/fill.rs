@@ -122,7 +122,8 @@ impl Fill {
         };
         // Which way round it is seen, by its corners and by its plane: edge-on neither can be told.
         let determinant = normal.dot(first);
-        if rect.is_empty() || !(determinant * normal.dot(at) > 0.0) {
+        let told = determinant * normal.dot(at) > 0.0;
+        if rect.is_empty() || !told {
             return None;
         }
         let side = if determinant < 0.0 { -1.0 } else { 1.0 };

@@ -96,8 +96,9 @@ impl Outline {
             } else {
                 (-normal, -high)
             };
-            // Also where both are zero: such a side has no area.
-            if !(distance > 2.0 * error) {
+            // Not so where both are zero: such a side has no area.
+            let faces_the_eye = distance > 2.0 * error;
+            if !faces_the_eye {
                 continue;
             }
             facing[axis] = Some(usize::from((low > 0.0) == (across < 0.0)));

@@ -186,7 +186,7 @@ pub(super) fn tiles(start: u16, end: u16, side: usize) -> Range<usize> {
 pub(super) fn masks_of_rect(columns: u32, rows: [u32; 2]) -> Masks {
     std::array::from_fn(|sub| {
         let [across, down] = [sub % 4, sub / 4];
-        (columns >> (SUB_COLUMNS * across) & 0xFF) * 0x0101_0101 & rows[down]
+        ((columns >> (SUB_COLUMNS * across) & 0xFF) * 0x0101_0101) & rows[down]
     })
 }
 

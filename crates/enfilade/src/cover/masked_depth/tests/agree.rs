@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::content::{ContentBuilder, ItemId, Material, MaterialId};
-use crate::cover::raster::{Band as Rows8, Raster, Sink};
+use crate::cover::raster::{Band, Raster, Sink};
 use crate::cover::triangle::Triangle;
 use crate::faces::Faces;
 use crate::geom::Transform;
@@ -16,7 +16,7 @@ impl Sink for Held {
         false
     }
 
-    fn band(&mut self, band: &Rows8, _triangle: &Triangle) {
+    fn band(&mut self, band: &Band, _triangle: &Triangle) {
         for (y, [x0, x1]) in band.rows() {
             self.0[usize::from(y) * self.1..][usize::from(x0)..usize::from(x1)].fill(true);
         }

@@ -1,6 +1,7 @@
 //! Small worlds, each with something that is easily got wrong.
 
 use super::*;
+use crate::geom::ConvexPolygon;
 
 /// An eye at the origin that looks along −z with a lens of 90 degrees, so that at distance 1 the screen is 2 wide.
 fn square(side: u32) -> Passage {
@@ -142,17 +143,15 @@ fn each_sample_belongs_to_exactly_one_of_two_that_share_an_edge() {
     let passage = square(64);
     for _ in 0..2000 {
         // Edges through the centres of samples, too.
-        let corner = |dice: &mut Dice| {
-            let snap = |value: f64| {
-                if dice_is_even(value) {
-                    value.floor() + 0.5
-                } else {
-                    value
-                }
-            };
-            [snap(dice.between(4.0, 60.0)), snap(dice.between(4.0, 60.0))]
+        let mut coordinate = || {
+            let value = dice.between(4.0, 60.0);
+            if dice.roll() < 0.5 {
+                value.floor() + 0.5
+            } else {
+                value
+            }
         };
-        let [a, b, c, d] = [(); 4].map(|()| corner(&mut dice));
+        let [a, b, c, d] = [(); 4].map(|()| [coordinate(), coordinate()]);
         let at = |[x, y]: [f64; 2]| DVec3::new((x - 32.0) / 32.0, (32.0 - y) / 32.0, -1.0) * 4.0;
         let side = |p: [f64; 2]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
         if side(c) * side(d) >= 0.0 {
@@ -169,10 +168,6 @@ fn each_sample_belongs_to_exactly_one_of_two_that_share_an_edge() {
         let area = 0.5 * (side(c).abs() + side(d).abs());
         assert!((f64::from(union) - area).abs() < 0.1 * area + 150.0);
     }
-}
-
-fn dice_is_even(value: f64) -> bool {
-    (value * 1e6) as u64 % 2 == 0
 }
 
 #[test]

@@ -22,9 +22,11 @@ impl Band {
     pub(super) fn held<S: Simd>(simd: S, y: u16, rect: &Rect, planes: &[HalfPlane]) -> Option<(Band, u64)> {
         const ROWS: [f64; BAND] = [0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5];
         let rows = f64x8::from_slice(simd, &ROWS) + f64::from(y);
-        let [mut x0, mut x1] = [rect.x0, rect.x1].map(|x| f64x8::splat(simd, f64::from(x)));
+        let mut x0 = f64x8::splat(simd, f64::from(rect.x0));
+        let mut x1 = f64x8::splat(simd, f64::from(rect.x1));
+        let limits = [x0, x1];
         for plane in planes {
-            plane.narrow(simd, rows, &mut x0, &mut x1);
+            plane.narrow(simd, rows, limits, &mut x0, &mut x1);
         }
         let [x0, x1]: [[f64; BAND]; 2] = [x0.into(), x1.into()];
         let mut runs = [[0; 2]; BAND];

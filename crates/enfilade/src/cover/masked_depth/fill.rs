@@ -7,7 +7,7 @@
 //! Conservative: nearness is rounded down, and what is before the near distance or the last portal is left out.
 
 use super::grid::Grid;
-use super::tile::{Across, COLUMNS, Nearness, ROWS, SUB_COLUMNS, SUB_ROWS};
+use super::tile::{Across, COLUMNS, Nearness, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES};
 use crate::aperture::Rect;
 use crate::cover::band::{BAND, Band};
 use crate::cover::half_plane::HalfPlane;
@@ -25,19 +25,12 @@ pub(super) struct Fill {
     part: Part,
 }
 
-impl Default for Fill {
-    fn default() -> Fill {
-        Fill {
-            level: Level::new(),
-            planes: Vec::new(),
-            part: Part::default(),
-        }
-    }
-}
+/// By how much an occluder's plane must be beyond the near distance, relatively: the surface, which alone is there or
+/// not, may be nearer than the plane by any factor below this.
+const BEYOND_NEAR: f64 = 4.0;
 
-/// By how much an occluder must be beyond the near distance and beyond the last portal, relatively: its plane may lie
-/// behind the surface, which alone is seen or not.
-const BEYOND: f64 = 1.0 + 1.0 / (1_u64 << 8) as f64;
+/// By how much it must be beyond the last portal, relatively, besides what its corners tell: see [`Fill::set_up`].
+const BEYOND_ENTRY: f64 = 1.0 + 1.0 / (1_u64 << 8) as f64;
 
 /// What the last bits of products and sums of three may come to, relatively to the largest, and ample.
 const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
@@ -54,6 +47,14 @@ struct Slope {
 }
 
 impl Fill {
+    pub(super) fn at(level: Level) -> Fill {
+        Fill {
+            level,
+            planes: Vec::new(),
+            part: Part::default(),
+        }
+    }
+
     /// Lets an occluder hide what is behind it; gives the number of samples it covers. One that is not sound, or seen
     /// edge-on, hides nothing.
     pub(super) fn hide(&mut self, grid: &mut Grid, occluder: &Occluder, passage: &Passage) -> u64 {
@@ -90,6 +91,7 @@ impl Fill {
         let [mut nearest, mut farthest] = [f64::INFINITY, f64::NEG_INFINITY];
         let [mut low, mut high] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
         let mut least = f64::INFINITY;
+        let mut surface = f64::INFINITY;
         let mut normal = DVec3::ZERO;
         for (i, &corner) in corners.iter().enumerate() {
             if !corner.is_finite() {
@@ -104,6 +106,7 @@ impl Fill {
             }
             // What reaches behind the eye only comes nearer there.
             let here = at.dot(corner);
+            surface = smaller(here, surface);
             if corner.z > 0.0 || here < 0.0 {
                 least = smaller(if corner.z > 0.0 { here * per_w } else { 0.0 }, least);
             }
@@ -114,7 +117,7 @@ impl Fill {
         if others.len() < 2 || farthest <= near {
             return None;
         }
-        let crosses_near = nearest <= near * (BEYOND * BEYOND);
+        let crosses_near = nearest <= near * BEYOND_NEAR;
         let rect = if crosses_near {
             self.part.rect(corners, near, &[], limits)
         } else {
@@ -136,11 +139,19 @@ impl Fill {
             from = to;
         }
         if crosses_near {
-            let at_near = DVec3::new(0.0, 0.0, 1.0 / (near * BEYOND));
+            let at_near = DVec3::new(0.0, 0.0, 1.0 / (near * BEYOND_NEAR));
             self.planes.push(HalfPlane::new(at_near - at));
         }
         if let Some((entry, distance)) = passage.entry {
-            self.planes.push(HalfPlane::new(entry - at * (distance * BEYOND)));
+            // Corners stand before the plane by as much as it was pushed back, the surface by twice that at most: with
+            // corners at 1 - s of the way to the plane, (1 - s)⁻³ is more than 1 / (1 - 2s) as long as s is below 1/3.
+            let pushed = if surface > 0.0 {
+                1.0 / surface
+            } else {
+                f64::INFINITY
+            };
+            let beyond = BEYOND_ENTRY * greater(pushed * pushed * pushed, 1.0);
+            self.planes.push(HalfPlane::new(entry - at * (distance * beyond)));
         }
         if !self.planes.iter().all(HalfPlane::is_finite) {
             return None;
@@ -163,8 +174,11 @@ impl Grid {
         for column in across.tiles() {
             let nearness = slope.over_tile([column * COLUMNS, row * ROWS]);
             let index = row * self.columns + column;
-            let known = self.farthest[index];
-            if nearness.iter().all(|&nearness| nearness <= known) {
+            let mut any_nearer = false;
+            for nearness in nearness {
+                any_nearer |= nearness > self.farthest[index];
+            }
+            if !any_nearer {
                 continue;
             }
             let tile = &mut self.tiles[index];
@@ -183,17 +197,19 @@ impl Slope {
         let last = [SUB_COLUMNS as f64 - 0.5, SUB_ROWS as f64 - 0.5];
         let column = at[0] as f64 + if x < 0.0 { last[0] } else { 0.5 };
         let row = at[1] as f64 + if y < 0.0 { last[1] } else { 0.5 };
-        std::array::from_fn(|sub| {
+        let mut all = [0.0; SUB_TILES];
+        for (sub, least) in all.iter_mut().enumerate() {
             let [across, down] = [sub % 4 * SUB_COLUMNS, sub / 4 * SUB_ROWS];
             let nearness = (column + across as f64) * x + ((row + down as f64) * y + z);
             let nearness = greater(nearness, self.least) * ROUND_DOWN;
             // Below the least normal number rounding is coarser: that is as far as can be.
             let nearness = smaller(nearness, f64::from(f32::MAX)) as f32;
-            if nearness < f32::MIN_POSITIVE {
+            *least = if nearness < f32::MIN_POSITIVE {
                 0.0
             } else {
                 nearness
-            }
-        })
+            };
+        }
+        all
     }
 }

@@ -8,7 +8,7 @@
 //! Cost: O(1), about as much as setting up four triangles.
 //! Conservative: lines are moved outwards and planes towards the eye by more than rounding may come to.
 
-use super::tile::{COLUMNS, Nearness, SUB_COLUMNS, SUB_ROWS};
+use super::tile::{COLUMNS, Nearness, SUB_COLUMNS, SUB_ROWS, SUB_TILES};
 use crate::aperture::Rect;
 use crate::cover::half_plane::HalfPlane;
 use crate::cover::part::{greater, smaller};
@@ -141,12 +141,30 @@ impl Outline {
         &self.lines[..self.line_count]
     }
 
+    /// The nearest that the box may be at a point of the screen; below zero where it is not.
+    #[inline(always)]
+    pub(super) fn nearness_at(&self, [x, y]: [f64; 2]) -> f64 {
+        let mut nearness = f64::INFINITY;
+        for front in &self.fronts[..self.front_count] {
+            nearness = smaller(x * front.x + (y * front.y + front.z), nearness);
+        }
+        for line in self.lines() {
+            nearness = if line.holds(x, y) {
+                nearness
+            } else {
+                f64::NEG_INFINITY
+            };
+        }
+        nearness
+    }
+
     /// The nearest that the box may be at samples of `rect` in each sub-tile of the tile at column and row `at`, and no
     /// nearer than `nearest`.
     #[inline(always)]
     pub(super) fn over_tile(&self, at: [usize; 2], rect: &Rect, nearest: f32) -> Nearness {
-        std::array::from_fn(|sub| {
-            let across = COLUMNS / SUB_COLUMNS;
+        let across = COLUMNS / SUB_COLUMNS;
+        let mut all = [0.0; SUB_TILES];
+        for (sub, most) in all.iter_mut().enumerate() {
             let [x0, y0] = [
                 at[0] + sub % across * SUB_COLUMNS,
                 at[1] + sub / across * SUB_ROWS,
@@ -167,7 +185,8 @@ impl Outline {
                 nearness = smaller(column * front.x + (row * front.y + front.z), nearness);
             }
             let nearness = (greater(nearness, 0.0) * ROUND_UP) as f32;
-            if nearness < nearest { nearness } else { nearest }
-        })
+            *most = if nearness < nearest { nearness } else { nearest };
+        }
+        all
     }
 }

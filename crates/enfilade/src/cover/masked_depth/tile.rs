@@ -119,14 +119,14 @@ impl Tile {
     }
 
     /// At the sample, something is at least as near as this; infinite where it is not open.
-    #[cfg(test)]
+    #[inline(always)]
     pub(super) fn known(&self, x: usize, y: usize) -> f32 {
         let sub = y / SUB_ROWS * (COLUMNS / SUB_COLUMNS) + x / SUB_COLUMNS;
         let bit = 1 << (y % SUB_ROWS * SUB_COLUMNS + x % SUB_COLUMNS);
         if self.open[sub] & bit == 0 {
             f32::INFINITY
         } else if self.masks[sub] & bit != 0 {
-            self.working[sub].max(self.reference[sub])
+            self.working[sub]
         } else {
             self.reference[sub]
         }
@@ -167,12 +167,19 @@ impl Across<'_> {
         if usize::from(self.all[0]) <= x && x + COLUMNS <= usize::from(self.all[1]) {
             return [u32::MAX; SUB_TILES];
         }
-        let rows = self.band.runs.map(|[x0, x1]| columns_within(x0, x1, x));
-        std::array::from_fn(|sub| {
+        let mut rows = [0; ROWS];
+        for (row, [x0, x1]) in rows.iter_mut().zip(self.band.runs) {
+            *row = columns_within(x0, x1, x);
+        }
+        let mut masks = [0; SUB_TILES];
+        for (sub, mask) in masks.iter_mut().enumerate() {
             let [across, down] = [sub % 4, sub / 4];
-            let byte = |row: usize| rows[SUB_ROWS * down + row] >> (SUB_COLUMNS * across) & 0xFF;
-            byte(0) | byte(1) << 8 | byte(2) << 16 | byte(3) << 24
-        })
+            for row in 0..SUB_ROWS {
+                let byte = rows[SUB_ROWS * down + row] >> (SUB_COLUMNS * across) & 0xFF;
+                *mask |= byte << (SUB_COLUMNS * row);
+            }
+        }
+        masks
     }
 }
 
@@ -184,17 +191,18 @@ pub(super) fn tiles(start: u16, end: u16, side: usize) -> Range<usize> {
 /// The samples of a rectangle in a tile, by its columns and rows.
 #[inline(always)]
 pub(super) fn masks_of_rect(columns: u32, rows: [u32; 2]) -> Masks {
-    std::array::from_fn(|sub| {
+    let mut masks = [0; SUB_TILES];
+    for (sub, mask) in masks.iter_mut().enumerate() {
         let [across, down] = [sub % 4, sub / 4];
-        ((columns >> (SUB_COLUMNS * across) & 0xFF) * 0x0101_0101) & rows[down]
-    })
+        *mask = ((columns >> (SUB_COLUMNS * across) & 0xFF) * 0x0101_0101) & rows[down];
+    }
+    masks
 }
 
 /// The columns `x0..x1` of the screen that are in the tile at column `x`, a bit each.
 #[inline(always)]
 pub(super) fn columns_within(x0: u16, x1: u16, x: usize) -> u32 {
-    let [start, end] = [x0, x1].map(|column| within(column, x));
-    ((1_u64 << end) - (1_u64 << start)) as u32
+    ((1_u64 << within(x1, x)) - (1_u64 << within(x0, x))) as u32
 }
 
 /// The rows `y0..y1` of the screen that are in the tiles at row `y`: for the upper and the lower sub-tiles, eight bits

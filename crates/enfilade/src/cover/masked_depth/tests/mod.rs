@@ -141,3 +141,30 @@ fn a_box_is_hidden_only_where_no_ray_meets_it_first() {
         "{hidden}, {by_rect} by their rectangles"
     );
 }
+
+#[test]
+fn every_simd_level_says_the_same() {
+    let mut hidden = 0;
+    for seed in 0..60 {
+        let mut dice = Dice::new(seed + 2000);
+        let passage = passages(seed, &mut dice);
+        let polygons = polygons(&mut dice, &passage, 30);
+        let boxes: Vec<DAffine3> = (0..100).map(|_| random_box(&mut dice)).collect();
+        let [(known, seen), widest] = [Level::baseline(), Level::new()].map(|level| {
+            let mut cover = MaskedDepth::at(level);
+            cover.clear(&passage);
+            for polygon in &polygons {
+                cover.hide(&polygon.occluder(), &passage, &mut Stats::default());
+            }
+            let known: Vec<u32> = samples(cover.grid.rect)
+                .map(|(x, y)| cover.known(x, y).to_bits())
+                .collect();
+            let regions = boxes.iter().filter_map(|at| region_of(&passage, at));
+            let seen: Vec<Sight> = regions.map(|region| cover.sees(&region)).collect();
+            (known, seen)
+        });
+        hidden += seen.iter().filter(|&&sight| sight == Sight::Hidden).count();
+        assert!((known, seen) == widest, "scene {seed}");
+    }
+    assert!(hidden > 500, "{hidden}");
+}

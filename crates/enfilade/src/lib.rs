@@ -49,6 +49,7 @@ pub mod laws;
 mod memory;
 mod mesh;
 mod method;
+mod occluders;
 mod passage;
 mod query;
 mod region;
@@ -75,6 +76,7 @@ pub use method::{
     BspFront, BspPainter, Contract, HierarchicalZ, Method, PainterMean, PainterMin, Paired, SBuffer,
     TooLarge, ZBuffer,
 };
+pub use occluders::{Choice, Chosen, Measure, Occluder, OccluderRoom, OccluderSet, OccluderSummary};
 pub use passage::{Passage, PassageId};
 pub use query::{Standpoint, survey};
 pub use region::Region;

@@ -145,6 +145,11 @@ impl Passage {
         Region::in_rect(self, limits, screen_from_local, bounds).is_some()
     }
 
+    /// Pixels that stand for a distance of 1 across the line of sight, at a distance of 1 along it.
+    pub(crate) fn focal(&self) -> f64 {
+        self.screen_from_eye.x_axis.x
+    }
+
     /// From an item's space to (X, Y, W).
     pub(crate) fn screen_from(&self, fragment_from_item: &Transform) -> DAffine3 {
         self.screen_from_fragment * fragment_from_item.0

@@ -78,7 +78,8 @@ Examples:
 pub(crate) struct LookArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArg,
-    /// Hold the answers against the reference; exit 1 if anything is missed or painted that no owner allows
+    /// Hold the answers against the reference; exit 1 if anything is missed or painted that no owner allows. With a
+    /// number above 1 strict methods are also held to what is seen at that many places by chance in each pixel
     #[arg(long, value_name = "PLACES", num_args = 0..=1, require_equals = true, default_missing_value = "1",
           value_parser = values::check)]
     pub(crate) check: Option<u32>,

@@ -3,7 +3,7 @@
 use crate::prepare::Prepared;
 use crate::progress::Progress;
 use enfilade::laws::{OwnerPicture, Reference, Truth, Verdict};
-use enfilade::{FragmentId, ItemId, View, Viewer};
+use enfilade::{Contract, FragmentId, ItemId, View, Viewer};
 
 /// What was found at a view.
 pub(crate) struct Found {
@@ -17,8 +17,14 @@ pub(crate) struct Found {
 
 /// Checks all views; for each of the prepared, one found for each view.
 ///
-/// `viewers` are those that looked before, so that what they remember is put to the test too.
-pub(crate) fn check(prepared: &[Prepared], viewers: &mut [Viewer], views: &[View]) -> Vec<Vec<Found>> {
+/// `viewers` are those that looked before, so that what they remember is put to the test too. Strict methods are also
+/// held to what is seen at `places` by chance in each pixel, if that is more than one.
+pub(crate) fn check(
+    prepared: &[Prepared],
+    viewers: &mut [Viewer],
+    views: &[View],
+    places: u32,
+) -> Vec<Vec<Found>> {
     let mut found: Vec<Vec<Found>> = prepared.iter().map(|_| Vec::new()).collect();
     let Some(first) = prepared.first().filter(|_| !views.is_empty()) else {
         return found;
@@ -29,8 +35,22 @@ pub(crate) fn check(prepared: &[Prepared], viewers: &mut [Viewer], views: &[View
     let progress = Progress::steps("checking", views.len());
     for view in views {
         let truth = reference.see(&first.scene, view, &viewers[0].limits());
+        let strict = |prepared: &Prepared| places > 1 && prepared.contract == Contract::Strict;
+        let anywhere = prepared.iter().any(strict).then(|| {
+            let limits = viewers[0].limits();
+            reference.see_anywhere(&first.scene, view, &limits, places, 0)
+        });
         for ((prepared, viewer), found) in prepared.iter().zip(&mut *viewers).zip(&mut found) {
-            found.push(hold(&truth, prepared, viewer, view).0);
+            let (mut held, _) = hold(&truth, prepared, viewer, view);
+            if let Some(anywhere) = anywhere.as_ref().filter(|_| strict(prepared)) {
+                let verdict = anywhere.check(viewer.visible(), None);
+                held.reference_visible = verdict.reference_visible;
+                held.extra = verdict.extra;
+                held.missed.extend(verdict.missed);
+                held.missed.sort_unstable();
+                held.missed.dedup();
+            }
+            found.push(held);
         }
         progress.step();
     }

@@ -35,8 +35,8 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
         reports.push(Report::new(&opened, prepared, &views, args.cameras.size, looks));
     }
     drop(progress);
-    if args.check.is_some() {
-        let found = check(&prepared, &mut viewers, &views);
+    if let Some(places) = args.check {
+        let found = check(&prepared, &mut viewers, &views, places);
         for ((report, found), prepared) in reports.iter_mut().zip(&found).zip(&prepared) {
             report.add_checks(found, &prepared.scene);
         }
@@ -135,6 +135,16 @@ fn add_report(text: &mut String, report: &Report) {
         ms(report.build_ms),
         bytes(report.bytes)
     );
+    if report.depth > 0 {
+        let growth = report.faces_built as f64 / (report.faces_built - report.splits) as f64;
+        let _ = writeln!(
+            text,
+            "tree: {} after {}, {growth:.2} times as many; {}",
+            plural(report.faces_built as usize, "face"),
+            plural(report.splits as usize, "split"),
+            plural(report.depth as usize, "level")
+        );
+    }
     if report.views.is_empty() {
         text.push_str("nothing was looked at\n");
         return;

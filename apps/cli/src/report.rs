@@ -26,6 +26,9 @@ pub(crate) struct Report {
     pub(crate) simd: &'static str,
     pub(crate) build_ms: f64,
     pub(crate) faces_built: u64,
+    /// How often a tree cut a face, and its levels.
+    pub(crate) splits: u64,
+    pub(crate) depth: u32,
     pub(crate) bytes: u64,
     /// Of the last pass, summed over the views.
     #[serde(serialize_with = "as_map")]
@@ -179,6 +182,7 @@ impl Report {
         looks: Looks,
     ) -> Report {
         let names = Names::new(&prepared.scene);
+        let built = prepared.scene.built();
         let times: Vec<f64> = looks.each.iter().map(|look| look.ms).collect();
         let mean = |sum: usize| {
             if views.is_empty() {
@@ -195,7 +199,9 @@ impl Report {
             threads: rayon::current_num_threads(),
             simd: enfilade::simd_level(),
             build_ms: rounded(prepared.build_ms),
-            faces_built: prepared.scene.built().faces,
+            faces_built: built.faces,
+            splits: built.splits,
+            depth: built.depth,
             bytes: prepared.bytes(size),
             stats: looks.stats,
             summary: Summary {

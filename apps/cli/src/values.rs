@@ -117,15 +117,11 @@ pub(crate) fn bytes(text: &str) -> Result<u64, String> {
     }
 }
 
-/// How many places a pixel the reference looks through: 1.
+/// How many places a pixel strict methods are held to, 1 to 64.
 pub(crate) fn check(text: &str) -> Result<u32, String> {
     match text.parse::<u32>() {
-        Ok(1) => Ok(1),
-        Ok(0) | Err(_) => Err("`--check` stands alone".to_owned()),
-        Ok(_) => Err(
-            "more than one place a pixel is for strict methods, and there is none yet; use `--check`"
-                .to_owned(),
-        ),
+        Ok(places @ 1..=64) => Ok(places),
+        _ => Err("wants a number of places a pixel from 1 to 64, or nothing".to_owned()),
     }
 }
 
@@ -191,6 +187,7 @@ mod tests {
         }
         says(method("z-bufer").map(drop), "did you mean z-buffer?");
         says(method("quux").map(drop), "There are: ");
-        says(check("16").map(drop), "strict");
+        says(check("65").map(drop), "1 to 64");
+        assert_eq!(check("16"), Ok(16));
     }
 }

@@ -5,7 +5,7 @@ mod support;
 use std::path::Path;
 use support::Folder;
 
-/// Every method misses nothing and paints nothing wrong.
+/// Every method but the approximate ones misses nothing and paints nothing wrong.
 #[expect(clippy::print_stdout, reason = "a test that is skipped says so")]
 fn held_against_the_reference(name: &str) {
     let Some(scenes) = std::env::var_os("ENFILADE_SCENES") else {
@@ -29,8 +29,10 @@ fn held_against_the_reference(name: &str) {
             .as_f64()
             .expect("a number");
         assert!(seen > 0.0, "{}: nothing is seen", method["method"]);
-        assert_eq!(method["summary"]["missed"], 0);
-        assert_eq!(method["summary"]["pixels_different"], 0);
+        if method["contract"] != "approximate" {
+            assert_eq!(method["summary"]["missed"], 0, "{}", method["method"]);
+            assert_eq!(method["summary"]["pixels_different"], 0, "{}", method["method"]);
+        }
     }
 }
 

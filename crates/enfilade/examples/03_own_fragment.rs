@@ -21,6 +21,9 @@ impl Fragment for Grove {
     fn openings(&self) -> &[Opening] {
         &[]
     }
+    fn contract(&self) -> Contract {
+        Contract::Exact
+    }
     fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
         self.seen_from(passage.eye()).gather(passage, memory, seen);
     }

@@ -33,6 +33,11 @@ impl Rect {
         }
     }
 
+    /// The pixels of which any part lies within these bounds; a little more where rounding might lose one.
+    pub(crate) fn touched(min: [f64; 2], max: [f64; 2], within: &Rect) -> Rect {
+        Rect::around(min.map(|low| low - 0.5), max.map(|high| high + 0.5), within)
+    }
+
     /// The samples whose centres lie within these bounds, in pixels; a little more where rounding might lose one.
     #[inline]
     pub(crate) fn around(min: [f64; 2], max: [f64; 2], within: &Rect) -> Rect {
@@ -135,12 +140,14 @@ impl Aperture {
 
     /// What is left of this aperture behind an opening; `None` where it holds no sample.
     ///
-    /// `rows` are the samples that the opening owns, where a method knows them.
+    /// `rows` are the samples that the opening owns, where a method knows them; where it does not, `any_place` asks for
+    /// samples anywhere in the pixels, not only in their middle.
     pub(crate) fn behind(
         &self,
         opening: &ConvexPolygon,
         screen_from_here: &DAffine3,
         rows: Option<Rows>,
+        any_place: bool,
     ) -> Option<Aperture> {
         let outline = self.clip(opening, screen_from_here);
         let rect = match &rows {
@@ -148,7 +155,12 @@ impl Aperture {
             None => {
                 let low = |axis: usize| outline.iter().map(|c| c[axis]).fold(f64::INFINITY, f64::min);
                 let high = |axis: usize| outline.iter().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max);
-                Rect::around([low(0), low(1)], [high(0), high(1)], &self.rect)
+                let [min, max] = [[low(0), low(1)], [high(0), high(1)]];
+                if any_place {
+                    Rect::touched(min, max, &self.rect)
+                } else {
+                    Rect::around(min, max, &self.rect)
+                }
             }
         };
         (!rect.is_empty()).then_some(Aperture { outline, rect, rows })
@@ -264,7 +276,7 @@ mod tests {
             matrix3: k * eye_from_fragment.matrix3,
             translation: k * eye_from_fragment.translation,
         };
-        Aperture::screen(view.size).behind(&window(z), &screen, None)
+        Aperture::screen(view.size).behind(&window(z), &screen, None, false)
     }
 
     #[test]

@@ -6,6 +6,7 @@ use crate::geom::Aabb;
 use crate::memory::Memory;
 use crate::passage::Passage;
 use crate::seen::Seen;
+use std::fmt;
 
 /// A piece of the world with its own way of being seen.
 ///
@@ -18,11 +19,21 @@ pub trait Fragment: Send + Sync {
     /// The holes one can look through.
     fn openings(&self) -> &[Opening];
 
+    /// What it promises of what it reports.
+    fn contract(&self) -> Contract;
+
+    /// Does [`Fragment::draw`] paint what [`Fragment::gather`] reported just before through the same passage, and
+    /// nothing else? So does a method that knows what may be seen but not where.
+    fn draws_what_was_gathered(&self) -> bool {
+        false
+    }
+
     /// Reports every item and opening that may be seen through `passage`.
     fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen);
 
     /// Paints what is seen through `passage`: opaque faces at once, samples of glass into `seen`, to be painted
-    /// after what is behind the openings. Reports as [`Fragment::gather`] does.
+    /// after what is behind the openings. Reports as [`Fragment::gather`] does; what that reported is in `seen` if it is
+    /// to be painted ([`Fragment::draws_what_was_gathered`]).
     fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: &mut dyn Canvas);
 
     /// The first face along a ray, seen from whichever side.
@@ -93,4 +104,29 @@ pub struct Surface {
     pub color: [f32; 4],
     /// What light does with it.
     pub alpha: Alpha,
+}
+
+/// What a method promises of its visible set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Contract {
+    /// It may be wrong; the method's docs say on which scenes.
+    Approximate,
+    /// Everything that owns a sample, or is glass in front of one, is in it; it may hold more.
+    Conservative,
+    /// As conservative, for samples at any place in the pixels.
+    Strict,
+    /// Everything that owns a sample, or is glass in front of one, and nothing that cannot be seen at any.
+    Exact,
+}
+
+impl fmt::Display for Contract {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Contract::Approximate => "approximate",
+            Contract::Conservative => "conservative",
+            Contract::Strict => "strict",
+            Contract::Exact => "exact",
+        })
+    }
 }

@@ -68,18 +68,18 @@ pub use content::{
     OpeningId, Owner,
 };
 pub use faces::{Faces, Of};
-pub use fragment::{Built, Fragment, Hit, Ray, Surface};
+pub use fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
 pub use geom::{Aabb, ConvexPolygon, Transform};
 pub use memory::Memory;
 pub use mesh::{Cluster, Mesh, MeshError, Part};
 pub use method::{
-    BspFront, BspPainter, Contract, HierarchicalZ, Method, PainterMean, PainterMin, Paired, SBuffer,
+    BspFront, BspPainter, HierarchicalS, HierarchicalZ, Method, PainterMean, PainterMin, Paired, SBuffer,
     TooLarge, ZBuffer,
 };
 pub use occluders::{Choice, Chosen, Measure, Occluder, OccluderRoom, OccluderSet, OccluderSummary};
 pub use passage::{Passage, PassageId};
 pub use query::{Standpoint, survey};
-pub use region::Region;
+pub use region::{Region, Sight};
 pub use scene::{End, FragmentId, NestedId, Portal, PortalId, Scene, SceneBuilder, SceneError};
 pub use seen::Seen;
 pub use simd::simd_level;

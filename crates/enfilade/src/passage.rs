@@ -1,6 +1,7 @@
 //! One way from the eye into a fragment, through zero or more portals.
 
 use crate::aperture::{Aperture, Rect, Rows};
+use crate::fragment::Contract;
 use crate::geom::{Aabb, ConvexPolygon, Transform};
 use crate::region::Region;
 use crate::scene::{FragmentId, Portal, PortalId};
@@ -31,6 +32,8 @@ pub struct Passage {
     pub(crate) size: [u32; 2],
     /// Are openings plain holes?
     pub(crate) flat: bool,
+    /// Is what is seen anywhere in a pixel asked for, not only what is seen in its middle?
+    pub(crate) any_place: bool,
     /// Names the chain of portals: equal for the same way in the next frame.
     pub(crate) chain: u64,
     eye_from_fragment: DAffine3,
@@ -39,6 +42,9 @@ pub struct Passage {
     /// What lies beyond the last portal: n · (X, Y, W) ≥ d, with d ≥ 0.
     pub(crate) entry: Option<(DVec3, f64)>,
 }
+
+/// How far beyond the plane of the last portal a face must be, relatively: what lies in it is not beyond it.
+pub(crate) const BEYOND: f64 = 1.0 + 1.0 / (1_u64 << 18) as f64;
 
 impl Passage {
     /// The passage that the eye stands in.
@@ -53,6 +59,7 @@ impl Passage {
             near: view.near,
             size: view.size,
             flat,
+            any_place: false,
             chain: u64::from(fragment.0),
             eye_from_fragment,
             screen_from_eye,
@@ -70,7 +77,9 @@ impl Passage {
         outline: &ConvexPolygon,
         rows: Option<Rows>,
     ) -> Option<Passage> {
-        let aperture = self.aperture.behind(outline, &self.screen_from_fragment, rows)?;
+        let aperture = self
+            .aperture
+            .behind(outline, &self.screen_from_fragment, rows, self.any_place)?;
         let here_from_there = portal.there_from_here.inverse()?;
         let eye_from_fragment = self.eye_from_fragment * here_from_there.0;
         Some(Passage {
@@ -82,7 +91,8 @@ impl Passage {
             near: self.near,
             size: self.size,
             flat: self.flat,
-            chain: next_chain(self.chain, portal_id),
+            any_place: false,
+            chain: self.chain_through(portal_id),
             eye_from_fragment,
             screen_from_eye: self.screen_from_eye,
             screen_from_fragment: compose(&self.screen_from_eye, &eye_from_fragment),
@@ -90,8 +100,31 @@ impl Passage {
         })
     }
 
+    /// The name of the way that goes on through a portal.
+    pub(crate) fn chain_through(&self, portal: PortalId) -> u64 {
+        next_chain(self.chain, portal)
+    }
+
+    /// The same passage for a fragment with this contract.
+    pub(crate) fn held_to(self, contract: Contract) -> Passage {
+        Passage {
+            any_place: contract == Contract::Strict,
+            ..self
+        }
+    }
+
     /// The plane of an outline in screen space, turned so that the eye is on the side that is not entered.
     fn beyond(&self, outline: &ConvexPolygon) -> (DVec3, f64) {
+        let (normal, distance) = self.plane_of(outline);
+        if distance < 0.0 {
+            (-normal, -distance)
+        } else {
+            (normal, distance)
+        }
+    }
+
+    /// The plane of an outline in screen space: normal of unit length, and distance.
+    fn plane_of(&self, outline: &ConvexPolygon) -> (DVec3, f64) {
         let corners: Vec<DVec3> = outline
             .corners()
             .iter()
@@ -105,12 +138,7 @@ impl Passage {
             .map(|i| (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]))
             .sum::<DVec3>()
             .normalize_or_zero();
-        let distance = normal.dot(corners[0]);
-        if distance < 0.0 {
-            (-normal, -distance)
-        } else {
-            (normal, distance)
-        }
+        (normal, normal.dot(corners[0]))
     }
 
     /// From the space of the fragment to eye space: x right, y up, z back.
@@ -142,7 +170,29 @@ impl Passage {
             x1: self.size[0] as u16,
             y1: self.size[1] as u16,
         };
-        Region::in_rect(self, limits, screen_from_local, bounds).is_some()
+        Region::in_rect(self, limits, f64::from(self.near), screen_from_local, bounds).is_some()
+    }
+
+    #[expect(dead_code, reason = "covers that take occluders come next")]
+    /// What is seen of the box around an opening, if it shows its front. Openings are seen however near they are.
+    pub(crate) fn region_of_opening(&self, outline: &ConvexPolygon) -> Option<Region> {
+        const AT_THE_EYE: f64 = 1e-30;
+        let (_, distance) = self.plane_of(outline);
+        // As faces are told from the front.
+        let front = if self.screen_from_fragment.matrix3.determinant() < 0.0 {
+            distance > 0.0
+        } else {
+            distance < 0.0
+        };
+        let bounds = Aabb::of(outline.corners().iter().copied());
+        Region::in_rect(
+            self,
+            self.aperture.rect(),
+            AT_THE_EYE,
+            &self.screen_from_fragment,
+            &bounds,
+        )
+        .filter(|region| front && !region.rect.is_empty())
     }
 
     /// Pixels that stand for a distance of 1 across the line of sight, at a distance of 1 along it.

@@ -5,6 +5,17 @@ use crate::geom::Aabb;
 use crate::passage::Passage;
 use glam::{DAffine3, DVec3};
 
+/// How much of something can be seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sight {
+    /// Nothing of it.
+    Hidden,
+    /// Some of it, or one cannot say.
+    Partly,
+    /// All of it, and so all of what is in it.
+    Fully,
+}
+
 /// A box in space, as a passage sees it: the samples it may touch, and how near it comes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Region {
@@ -13,6 +24,15 @@ pub struct Region {
     /// Nearness (1 / distance along the line of sight) of its nearest corner, rounded up; infinite where the box
     /// reaches before the near distance.
     pub nearest: f32,
+    /// The box itself.
+    pub(crate) volume: Volume,
+}
+
+/// A box in the space of (X, Y, W), where the eye is the origin: a corner, and the edges that leave it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Volume {
+    pub(crate) origin: DVec3,
+    pub(crate) sides: [DVec3; 3],
 }
 
 /// By how much nearness is rounded up in queries, relatively: more than covers lose (2⁻²⁴), less than what the
@@ -23,22 +43,24 @@ impl Region {
     /// What `passage` sees of a box given in another space; `None` where no sample of the aperture's rectangle can
     /// show any of it.
     pub(crate) fn of(passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Region> {
-        Region::in_rect(passage, passage.aperture.rect(), screen_from_local, bounds)
+        let near = f64::from(passage.near);
+        Region::in_rect(passage, passage.aperture.rect(), near, screen_from_local, bounds)
             .filter(|region| !region.rect.is_empty())
     }
 
-    /// As [`Region::of`], in another rectangle, and also where no sample shows any of it.
+    /// As [`Region::of`], in another rectangle, from another distance on, and also where no sample shows any of it.
     pub(crate) fn in_rect(
         passage: &Passage,
         limits: Rect,
+        near: f64,
         screen_from_local: &DAffine3,
         bounds: &Aabb,
     ) -> Option<Region> {
         if bounds.is_empty() {
             return None;
         }
-        let corners = corners_on_screen(screen_from_local, bounds);
-        let near = f64::from(passage.near);
+        let volume = Volume::new(screen_from_local, bounds);
+        let corners = volume.corners();
         // From the middle of the rectangle, so that its sides stand at ±half.
         let middle = [limits.x0 + limits.x1, limits.y0 + limits.y1].map(|sum| 0.5 * f64::from(sum));
         let half = [limits.x1 - limits.x0, limits.y1 - limits.y0].map(|side| 0.5 * f64::from(side));
@@ -93,32 +115,48 @@ impl Region {
                 max[axis] = middle[axis] + greatest[axis] / if greatest[axis] > 0.0 { close } else { far };
             }
         }
+        let rect = if passage.any_place {
+            Rect::touched(min, max, &limits)
+        } else {
+            Rect::around(min, max, &limits)
+        };
         Some(Region {
-            rect: Rect::around(min, max, &limits),
+            rect,
             nearest,
+            volume,
         })
     }
 }
 
-/// The eight corners as (X, Y, W), by adding edges to the least corner.
-fn corners_on_screen(screen_from_local: &DAffine3, bounds: &Aabb) -> [DVec3; 8] {
-    let least = screen_from_local.transform_point3(DVec3::from(bounds.min.map(f64::from)));
-    let size: [f64; 3] =
-        std::array::from_fn(|axis| f64::from(bounds.max[axis]) - f64::from(bounds.min[axis]));
-    let x = screen_from_local.matrix3.x_axis * size[0];
-    let y = screen_from_local.matrix3.y_axis * size[1];
-    let z = screen_from_local.matrix3.z_axis * size[2];
-    let (xy, far) = (x + y, least + z);
-    [
-        least,
-        least + x,
-        least + y,
-        least + xy,
-        far,
-        far + x,
-        far + y,
-        far + xy,
-    ]
+impl Volume {
+    fn new(screen_from_local: &DAffine3, bounds: &Aabb) -> Volume {
+        let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
+        let DVec3 { x, y, z } = max - min;
+        let axes = screen_from_local.matrix3;
+        Volume {
+            origin: screen_from_local.transform_point3(min),
+            sides: [axes.x_axis * x, axes.y_axis * y, axes.z_axis * z],
+        }
+    }
+
+    /// The eight corners; bit k of a corner's place says that side k leads to it.
+    pub(crate) fn corners(&self) -> [DVec3; 8] {
+        let Volume {
+            origin,
+            sides: [x, y, z],
+        } = *self;
+        let (xy, far) = (x + y, origin + z);
+        [
+            origin,
+            origin + x,
+            origin + y,
+            origin + xy,
+            far,
+            far + x,
+            far + y,
+            far + xy,
+        ]
+    }
 }
 
 #[inline(always)]
@@ -173,16 +211,14 @@ mod tests {
     #[test]
     fn a_box_around_the_eye_is_everywhere_and_at_hand() {
         let region = seen([-1.0; 3], [1.0; 3]).expect("the eye is in it");
+        assert_eq!(region.nearest, f32::INFINITY);
         assert_eq!(
-            region,
-            Region {
-                rect: Rect {
-                    x0: 0,
-                    y0: 0,
-                    x1: 100,
-                    y1: 100
-                },
-                nearest: f32::INFINITY
+            region.rect,
+            Rect {
+                x0: 0,
+                y0: 0,
+                x1: 100,
+                y1: 100
             }
         );
     }

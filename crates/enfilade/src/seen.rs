@@ -3,6 +3,8 @@
 use crate::aperture::Rows;
 use crate::canvas::{Canvas, Span};
 use crate::content::{Content, ItemId, OpeningId, Owner};
+use crate::passage::PassageId;
+use crate::visible::VisibleSet;
 use std::cmp::Reverse;
 
 /// Gathers what a fragment sees through one passage; cleared for each.
@@ -87,6 +89,32 @@ impl Seen {
             );
         }
         all
+    }
+
+    #[expect(dead_code, reason = "covers that take occluders come next")]
+    /// Moves the clusters of the reported items into `all`, in order, each once; of items reported whole, all of theirs
+    /// (the only one).
+    pub(crate) fn take_clusters(&mut self, all: &mut Vec<(ItemId, u32)>) {
+        all.clear();
+        for seen in self.items.drain(..) {
+            let clusters = &self.clusters[seen.clusters[0] as usize..seen.clusters[1] as usize];
+            let clusters = if clusters.is_empty() { &[0] } else { clusters };
+            all.extend(clusters.iter().map(|&cluster| (seen.item, cluster)));
+        }
+        self.clusters.clear();
+    }
+
+    /// Reports what was gathered through the same passage.
+    pub(crate) fn report_again(&mut self, set: &VisibleSet, id: PassageId) {
+        let first = set.items.partition_point(|item| item.passage < id);
+        for item in set.items[first..].iter().take_while(|item| item.passage == id) {
+            let start = self.clusters.len() as u32;
+            self.clusters.extend_from_slice(set.clusters(item));
+            self.items.push(SeenItem {
+                item: item.item,
+                clusters: [start, self.clusters.len() as u32],
+            });
+        }
     }
 
     pub(crate) fn clear(&mut self, paints: bool) {

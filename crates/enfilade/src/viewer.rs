@@ -18,6 +18,8 @@ use crate::visible::{VisibleItem, VisibleSet};
 pub struct Viewer {
     memory: Memory,
     set: VisibleSet,
+    /// What painting a set goes through, where that takes a second time.
+    painted: VisibleSet,
     spare: Vec<Seen>,
     limits: Limits,
 }
@@ -71,7 +73,15 @@ impl Viewer {
 
     /// Paints what can be seen, and gives the set as [`Viewer::look`] does.
     pub fn draw(&mut self, scene: &Scene, view: &View, canvas: &mut dyn Canvas) -> &VisibleSet {
-        self.run(scene, view, Some(canvas));
+        if scene
+            .fragments()
+            .all(|id| !scene.fragment(id).draws_what_was_gathered())
+        {
+            self.run(scene, view, Some(canvas));
+        } else {
+            self.run(scene, view, None);
+            self.paint(scene, view, canvas);
+        }
         &self.set
     }
 
@@ -95,31 +105,57 @@ impl Viewer {
     }
 
     fn run(&mut self, scene: &Scene, view: &View, canvas: Option<&mut dyn Canvas>) {
-        self.set.passages.clear();
-        self.set.items.clear();
-        self.set.clusters.clear();
-        self.set.complete = true;
         self.memory.stats = Stats::default();
         self.memory.trace = canvas.as_ref().is_some_and(|canvas| canvas.wants_work());
         self.memory.recall.begin_look();
-        let Some(fragment) = view
-            .check()
-            .ok()
-            .and_then(|()| scene.locate(view.eye, view.toward))
-        else {
-            return;
-        };
-        let root = Passage::at_the_eye(view, fragment, scene.is_flat());
-        self.set.passages.push(root);
-        let mut look = Look {
+        let look = Look {
             scene,
             limits: self.limits,
             memory: &mut self.memory,
             set: &mut self.set,
             spare: &mut self.spare,
             canvas: canvas.map(|canvas| canvas as &mut dyn Canvas),
+            gathered: None,
         };
-        look.pass(PassageId(0));
+        look.begin(view);
+    }
+
+    /// Paints the set of the look just done: the same passages, or what exact methods leave of their apertures.
+    fn paint(&mut self, scene: &Scene, view: &View, canvas: &mut dyn Canvas) {
+        self.memory.trace = canvas.wants_work();
+        self.memory.recall.begin_look();
+        let mut by_chain: Vec<_> = (0..).map(PassageId).zip(&self.set.passages).collect();
+        by_chain.sort_unstable_by_key(|(_, passage)| passage.chain);
+        let look = Look {
+            scene,
+            limits: self.limits,
+            memory: &mut self.memory,
+            set: &mut self.painted,
+            spare: &mut self.spare,
+            canvas: Some(canvas),
+            gathered: Some(Gathered {
+                set: &self.set,
+                by_chain: by_chain
+                    .into_iter()
+                    .map(|(id, passage)| (passage.chain, id))
+                    .collect(),
+            }),
+        };
+        look.begin(view);
+    }
+}
+
+/// What is to be painted and nothing else.
+struct Gathered<'a> {
+    set: &'a VisibleSet,
+    by_chain: Vec<(u64, PassageId)>,
+}
+
+impl Gathered<'_> {
+    /// The passage of a chain of portals.
+    fn id(&self, chain: u64) -> Option<PassageId> {
+        let place = self.by_chain.binary_search_by_key(&chain, |&(chain, _)| chain);
+        place.ok().map(|place| self.by_chain[place].1)
     }
 }
 
@@ -131,9 +167,34 @@ struct Look<'a> {
     set: &'a mut VisibleSet,
     spare: &'a mut Vec<Seen>,
     canvas: Option<&'a mut dyn Canvas>,
+    gathered: Option<Gathered<'a>>,
 }
 
 impl Look<'_> {
+    fn begin(mut self, view: &View) {
+        self.set.passages.clear();
+        self.set.items.clear();
+        self.set.clusters.clear();
+        self.set.complete = true;
+        let sound = view.check().is_ok();
+        if let Some(fragment) = self.scene.locate(view.eye, view.toward).filter(|_| sound) {
+            let root = Passage::at_the_eye(view, fragment, self.scene.is_flat());
+            self.go_through(root);
+        }
+    }
+
+    fn go_through(&mut self, passage: Passage) {
+        let contract = self.scene.fragment(passage.fragment).contract();
+        // What is painted has samples, whatever was asked for before.
+        let passage = if self.canvas.is_none() {
+            passage.held_to(contract)
+        } else {
+            passage
+        };
+        self.set.passages.push(passage);
+        self.pass(PassageId(self.set.passages.len() as u32 - 1));
+    }
+
     /// Opaque things going in, then what is behind the openings, then glass coming out.
     ///
     /// Recursion goes no deeper than the limit of crossings.
@@ -144,6 +205,12 @@ impl Look<'_> {
         seen.clear(self.canvas.is_some());
         self.enter(id);
         let passage = self.set.passage(id);
+        if let Some(gathered) = &self.gathered
+            && fragment.draws_what_was_gathered()
+            && let Some(same) = gathered.id(passage.chain)
+        {
+            seen.report_again(gathered.set, same);
+        }
         match self.canvas.as_deref_mut() {
             Some(canvas) => fragment.draw(passage, self.memory, &mut seen, canvas),
             None => fragment.gather(passage, self.memory, &mut seen),
@@ -152,16 +219,22 @@ impl Look<'_> {
         for opening in std::mem::take(&mut seen.openings) {
             self.follow(id, opening);
         }
-        if let Some(canvas) = self.canvas.as_deref_mut().filter(|_| !seen.glass.is_empty()) {
-            canvas.enter(id, self.set.passage(id));
-            paint_glass(&mut seen.glass, canvas);
+        if !seen.glass.is_empty() {
+            self.enter(id);
+            if let Some(canvas) = self.canvas.as_deref_mut() {
+                paint_glass(&mut seen.glass, canvas);
+            }
         }
         self.spare.push(seen);
     }
 
+    /// Tells the canvas which passage comes, by its place in the set that the caller gets.
     fn enter(&mut self, id: PassageId) {
         if let Some(canvas) = self.canvas.as_deref_mut() {
-            canvas.enter(id, self.set.passage(id));
+            let passage = self.set.passage(id);
+            let gathered = self.gathered.as_ref();
+            let same = gathered.and_then(|gathered| gathered.id(passage.chain));
+            canvas.enter(same.unwrap_or(id), passage);
         }
     }
 
@@ -202,9 +275,13 @@ impl Look<'_> {
         }
         let portal = &self.scene.portals()[portal_id.0 as usize];
         let outline = &self.scene.fragment(passage.fragment).openings()[usize::from(seen.opening.0)].outline;
+        // Where the look before came to a limit, painting does not go on.
+        let gathered = self.gathered.as_ref();
+        if gathered.is_some_and(|gathered| gathered.id(passage.chain_through(portal_id)).is_none()) {
+            return self.paint_closed(id, &seen);
+        }
         if let Some(child) = passage.through(id, portal_id, portal, outline, seen.rows) {
-            self.set.passages.push(child);
-            self.pass(PassageId(self.set.passages.len() as u32 - 1));
+            self.go_through(child);
         }
     }
 

@@ -9,14 +9,14 @@
 use super::raster::{Band, Raster, Sink};
 use super::samples::{Samples, look_through};
 use super::triangle::Triangle;
-use super::{Cover, Sight};
+use super::{Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
 use crate::content::Content;
 use crate::faces::Faces;
 use crate::order::Unsorted;
 use crate::passage::Passage;
-use crate::region::Region;
+use crate::region::{Region, Sight};
 use crate::seen::Seen;
 use crate::stats::Stats;
 
@@ -29,16 +29,23 @@ pub struct DepthBuffer {
 
 impl Cover for DepthBuffer {
     type CullNeeds = Unsorted;
+
+    fn sees(&mut self, _region: &Region) -> Sight {
+        Sight::Partly
+    }
+
+    fn needs_bytes(size: [u32; 2]) -> u64 {
+        Samples::needs_bytes(size)
+    }
+}
+
+impl Paints for DepthBuffer {
     type DrawNeeds = Unsorted;
     const PRIMES: bool = false;
 
     fn clear(&mut self, passage: &Passage, trace: bool) {
         self.samples.shape(passage, trace);
         self.samples.open(passage, |_, _| {});
-    }
-
-    fn sees(&mut self, _region: &Region) -> Sight {
-        Sight::Partly
     }
 
     fn add(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, _canvas: Option<&mut dyn Canvas>) {
@@ -59,10 +66,6 @@ impl Cover for DepthBuffer {
         canvas: Option<&mut dyn Canvas>,
     ) {
         self.samples.report(content, seen, canvas);
-    }
-
-    fn needs_bytes(size: [u32; 2]) -> u64 {
-        Samples::needs_bytes(size)
     }
 }
 

@@ -11,14 +11,14 @@ use super::report::Report;
 use super::samples::look_through;
 use super::tiles::{TILE_SHIFT, Tiles};
 use super::triangle::Triangle;
-use super::{Cover, Sight};
+use super::{Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
 use crate::content::Content;
 use crate::faces::Faces;
 use crate::order::Unsorted;
 use crate::passage::Passage;
-use crate::region::Region;
+use crate::region::{Region, Sight};
 use crate::seen::Seen;
 use crate::stats::Stats;
 
@@ -54,13 +54,6 @@ struct Cell {
 
 impl Cover for DepthPyramid {
     type CullNeeds = Unsorted;
-    type DrawNeeds = Unsorted;
-    const PRIMES: bool = true;
-
-    fn clear(&mut self, passage: &Passage, trace: bool) {
-        self.depths.tiles.clear(passage, trace);
-        self.depths.shape(trace || passage.parent.is_some());
-    }
 
     fn sees(&mut self, region: &Region) -> Sight {
         let bits = region.nearest.to_bits();
@@ -69,6 +62,21 @@ impl Cover for DepthPyramid {
         } else {
             Sight::Hidden
         }
+    }
+
+    fn needs_bytes(size: [u32; 2]) -> u64 {
+        let tiles = size.map(|side| u64::from(side.div_ceil(1 << TILE_SHIFT)));
+        Tiles::needs_bytes(size) + tiles[0] * tiles[1] * size_of::<Cell>() as u64
+    }
+}
+
+impl Paints for DepthPyramid {
+    type DrawNeeds = Unsorted;
+    const PRIMES: bool = true;
+
+    fn clear(&mut self, passage: &Passage, trace: bool) {
+        self.depths.tiles.clear(passage, trace);
+        self.depths.shape(trace || passage.parent.is_some());
     }
 
     fn add(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, _canvas: Option<&mut dyn Canvas>) {
@@ -98,11 +106,6 @@ impl Cover for DepthPyramid {
         let mut report = Report::new(content, canvas.map(|canvas| canvas as &mut dyn Canvas));
         self.depths.tiles.report(&mut report);
         report.finish(seen);
-    }
-
-    fn needs_bytes(size: [u32; 2]) -> u64 {
-        let tiles = size.map(|side| u64::from(side.div_ceil(1 << TILE_SHIFT)));
-        Tiles::needs_bytes(size) + tiles[0] * tiles[1] * size_of::<Cell>() as u64
     }
 }
 

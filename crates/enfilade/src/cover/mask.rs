@@ -10,14 +10,14 @@
 use super::raster::{Band, Raster, Sink};
 use super::samples::{Samples, look_through};
 use super::triangle::Triangle;
-use super::{Cover, Sight};
+use super::{Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
 use crate::content::Content;
 use crate::faces::Faces;
 use crate::order::NearToFar;
 use crate::passage::Passage;
-use crate::region::Region;
+use crate::region::{Region, Sight};
 use crate::seen::Seen;
 use crate::stats::Stats;
 
@@ -43,6 +43,22 @@ const TILE_ROWS: usize = 8;
 
 impl Cover for Mask {
     type CullNeeds = NearToFar;
+
+    fn sees(&mut self, region: &Region) -> Sight {
+        if self.painted.is_full(&region.rect) {
+            Sight::Hidden
+        } else {
+            Sight::Partly
+        }
+    }
+
+    fn needs_bytes(size: [u32; 2]) -> u64 {
+        let words = u64::from(size[0].div_ceil(64)) * u64::from(size[1]);
+        Samples::needs_bytes(size) + words * size_of::<u64>() as u64
+    }
+}
+
+impl Paints for Mask {
     type DrawNeeds = NearToFar;
     const PRIMES: bool = false;
     const KEEPS_DEPTHS: bool = false;
@@ -71,14 +87,6 @@ impl Cover for Mask {
         });
     }
 
-    fn sees(&mut self, region: &Region) -> Sight {
-        if self.painted.is_full(&region.rect) {
-            Sight::Hidden
-        } else {
-            Sight::Partly
-        }
-    }
-
     fn add(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, _canvas: Option<&mut dyn Canvas>) {
         self.painted.samples.begin_batch();
         self.raster.run(faces, passage, &mut self.painted, stats);
@@ -97,11 +105,6 @@ impl Cover for Mask {
         canvas: Option<&mut dyn Canvas>,
     ) {
         self.painted.samples.report(content, seen, canvas);
-    }
-
-    fn needs_bytes(size: [u32; 2]) -> u64 {
-        let words = u64::from(size[0].div_ceil(64)) * u64::from(size[1]);
-        Samples::needs_bytes(size) + words * size_of::<u64>() as u64
     }
 }
 

@@ -23,26 +23,27 @@ pub use span_buffer::SpanBuffer;
 use crate::canvas::Canvas;
 use crate::content::Content;
 use crate::faces::Faces;
+use crate::occluders::{Measure, Occluder};
 use crate::passage::Passage;
-use crate::region::Region;
+use crate::region::{Region, Sight};
 use crate::seen::Seen;
 use crate::stats::Stats;
-
-/// How much of something can be seen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sight {
-    /// Nothing of it.
-    Hidden,
-    /// Some of it, or one cannot say.
-    Partly,
-    /// All of it.
-    Fully,
-}
 
 /// Remembers what is already hidden.
 pub trait Cover: Default + Send + 'static {
     /// What an order must give so that nothing seen is called hidden.
     type CullNeeds;
+
+    /// How much of a box can still be seen. `Partly` when unsure; `Fully` only where nothing that comes later in the
+    /// same walk can change it.
+    fn sees(&mut self, region: &Region) -> Sight;
+
+    /// Memory in bytes for a screen of this size.
+    fn needs_bytes(size: [u32; 2]) -> u64;
+}
+
+/// A cover that holds the picture: faces go in as they come.
+pub trait Paints: Cover {
     /// What an order must give so that the picture is right.
     type DrawNeeds;
     /// Does it gain by seeing first what the last look saw? Only a cover that needs no order can.
@@ -55,14 +56,11 @@ pub trait Cover: Default + Send + 'static {
     /// for [`Canvas::work`].
     fn clear(&mut self, passage: &Passage, trace: bool);
 
-    /// How much of a box can still be seen. `Partly` when unsure.
-    fn sees(&mut self, region: &Region) -> Sight;
-
     /// Lets a batch of opaque faces hide what is behind them; a cover that defers nothing paints them.
     fn add(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, canvas: Option<&mut dyn Canvas>);
 
     /// Reports the samples at which faces that do not hide are in front of all that does. Comes after the last
-    /// [`Cover::add`].
+    /// [`Paints::add`].
     fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Seen);
 
     /// Reports and paints what could not be decided earlier.
@@ -73,7 +71,18 @@ pub trait Cover: Default + Send + 'static {
         seen: &mut Seen,
         canvas: Option<&mut dyn Canvas>,
     );
+}
 
-    /// Memory in bytes for a screen of this size.
-    fn needs_bytes(size: [u32; 2]) -> u64;
+/// A cover that holds no picture: chosen occluders go in first, and then it only says what they hide.
+pub trait Hides: Cover {
+    /// Which occluders are worth most to it.
+    const MEASURE: Measure;
+    /// How many occluders go in unless told otherwise.
+    const OCCLUDERS: u32;
+
+    /// Starts over: only the passage's aperture is open, everything else is hidden.
+    fn clear(&mut self, passage: &Passage);
+
+    /// Lets an occluder hide what is behind it.
+    fn hide(&mut self, occluder: &Occluder, passage: &Passage, stats: &mut Stats);
 }

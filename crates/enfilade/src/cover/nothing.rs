@@ -9,14 +9,14 @@
 use super::raster::{Band, Raster, Sink};
 use super::samples::{Samples, look_through};
 use super::triangle::Triangle;
-use super::{Cover, Sight};
+use super::{Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
 use crate::content::Content;
 use crate::faces::Faces;
 use crate::order::FarToNear;
 use crate::passage::Passage;
-use crate::region::Region;
+use crate::region::{Region, Sight};
 use crate::seen::Seen;
 use crate::stats::Stats;
 
@@ -32,16 +32,23 @@ struct Painted(Samples);
 
 impl Cover for Nothing {
     type CullNeeds = FarToNear;
+
+    fn sees(&mut self, _region: &Region) -> Sight {
+        Sight::Partly
+    }
+
+    fn needs_bytes(size: [u32; 2]) -> u64 {
+        Samples::needs_bytes(size)
+    }
+}
+
+impl Paints for Nothing {
     type DrawNeeds = FarToNear;
     const PRIMES: bool = false;
 
     fn clear(&mut self, passage: &Passage, trace: bool) {
         self.painted.0.shape(passage, trace);
         self.painted.0.open(passage, |_, _| {});
-    }
-
-    fn sees(&mut self, _region: &Region) -> Sight {
-        Sight::Partly
     }
 
     fn add(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, _canvas: Option<&mut dyn Canvas>) {
@@ -62,10 +69,6 @@ impl Cover for Nothing {
         canvas: Option<&mut dyn Canvas>,
     ) {
         self.painted.0.report(content, seen, canvas);
-    }
-
-    fn needs_bytes(size: [u32; 2]) -> u64 {
-        Samples::needs_bytes(size)
     }
 }
 

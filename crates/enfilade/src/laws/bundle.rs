@@ -1,4 +1,4 @@
-//! Five rays from one point, and where they meet boxes and triangles.
+//! Rays from one point, and where they meet boxes and triangles.
 
 use crate::geom::Aabb;
 use glam::{DAffine3, DVec3};

@@ -31,38 +31,80 @@ impl Reference {
     /// What may be seen at each sample of a view, on all threads of the pool at hand. `limits` are those of the
     /// viewers that will be held against it.
     pub fn see(&self, scene: &Scene, view: &View, limits: &Limits) -> Truth {
-        let Some(fragment) = scene.locate(view.eye, view.toward) else {
-            return Truth::of_nothing(view.size);
-        };
         let lens = Lens::new(view);
-        let rows = (0..view.size[1])
-            .into_par_iter()
-            .map(|y| {
-                let mut samples = Vec::with_capacity(view.size[0] as usize);
-                for x in 0..view.size[0] {
-                    let bundle = lens.bundle(f64::from(x) + 0.5, f64::from(y) + 0.5);
-                    let mut look = Look {
-                        reference: self,
-                        scene,
-                        limits,
-                        near: f64::from(view.near),
-                        rays: Default::default(),
-                    };
-                    let way = Way {
-                        fragment,
-                        bundle,
-                        active: [true; RAYS],
-                        entry: [0.0; RAYS],
-                        depth: 0,
-                        chain: u64::from(fragment.0),
-                    };
-                    look.follow(&way, [true; RAYS]);
-                    samples.push(Sample::of(look.rays));
-                }
-                samples
-            })
-            .collect::<Vec<_>>();
+        let rows = self.rows(scene, view, limits, |x, y, samples| {
+            let bundle = lens.bundle(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            samples.push((bundle, [true; RAYS]));
+        });
         Truth::new(view.size, rows)
+    }
+
+    /// What may be seen at so many places of each pixel, chosen by chance and `seed`, by one ray each: what the set of
+    /// a strict method must hold. It says nothing of pictures.
+    pub fn see_anywhere(&self, scene: &Scene, view: &View, limits: &Limits, places: u32, seed: u64) -> Truth {
+        let lens = Lens::new(view);
+        let rows = self.rows(scene, view, limits, |x, y, samples| {
+            let mut chance = Chance(seed ^ u64::from(x) << 40 ^ u64::from(y) << 20);
+            for _ in 0..places {
+                let [dx, dy] = [(); 2].map(|()| chance.next());
+                let bundle = lens.ray(f64::from(x) + dx, f64::from(y) + dy);
+                samples.push((bundle, std::array::from_fn(|ray| ray == 0)));
+            }
+        });
+        Truth::of_set(view.size, rows)
+    }
+
+    /// Follows rays row after row; `rays` gives those of pixel (x, y).
+    fn rows(
+        &self,
+        scene: &Scene,
+        view: &View,
+        limits: &Limits,
+        rays: impl Fn(u32, u32, &mut Vec<(Bundle, [bool; RAYS])>) + Sync,
+    ) -> Vec<Vec<Sample>> {
+        let Some(fragment) = scene.locate(view.eye, view.toward) else {
+            return Vec::new();
+        };
+        let row = |y| {
+            let mut bundles = Vec::new();
+            (0..view.size[0]).for_each(|x| rays(x, y, &mut bundles));
+            let sample = |&(bundle, active): &(Bundle, [bool; RAYS])| {
+                let mut look = Look {
+                    reference: self,
+                    scene,
+                    limits,
+                    near: f64::from(view.near),
+                    rays: Default::default(),
+                };
+                let way = Way {
+                    fragment,
+                    bundle,
+                    active,
+                    entry: [0.0; RAYS],
+                    depth: 0,
+                    chain: u64::from(fragment.0),
+                };
+                look.follow(&way, [true; RAYS]);
+                let sent = active.iter().filter(|&&active| active).count();
+                Sample::of(&look.rays[..sent])
+            };
+            bundles.iter().map(sample).collect()
+        };
+        (0..view.size[1]).into_par_iter().map(row).collect()
+    }
+}
+
+/// Numbers by chance, the same for the same seed. Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators,
+/// 2014.
+struct Chance(u64);
+
+impl Chance {
+    /// From 0 to 1.
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((mixed ^ mixed >> 31) >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
 
@@ -100,16 +142,29 @@ impl Lens {
         }
     }
 
+    /// The rays through the sample at (x, y), and about it.
     fn bundle(&self, x: f64, y: f64) -> Bundle {
         let places = [[0.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
         Bundle {
             origin: self.eye,
-            directions: places.map(|[dx, dy]| {
-                let right = (x + dx * DELTA_PX - self.middle[0]) / self.focal;
-                let down = (y + dy * DELTA_PX - self.middle[1]) / self.focal;
-                self.forward + self.right * right - self.up * down
-            }),
+            directions: places.map(|[dx, dy]| self.direction(x + dx * DELTA_PX, y + dy * DELTA_PX)),
         }
+    }
+
+    /// The ray through (x, y) alone.
+    fn ray(&self, x: f64, y: f64) -> Bundle {
+        Bundle {
+            origin: self.eye,
+            directions: [self.direction(x, y); RAYS],
+        }
+    }
+
+    fn direction(&self, x: f64, y: f64) -> DVec3 {
+        let [right, down] = [
+            (x - self.middle[0]) / self.focal,
+            (y - self.middle[1]) / self.focal,
+        ];
+        self.forward + self.right * right - self.up * down
     }
 }
 

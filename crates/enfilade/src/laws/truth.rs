@@ -1,6 +1,5 @@
 //! What may be seen, and how an answer is held against it.
 
-use super::bundle::RAYS;
 use super::owners::OwnerPicture;
 use super::reference::RaySees;
 use crate::content::{ItemId, Owner};
@@ -25,7 +24,7 @@ pub(super) struct Possible {
 /// What may be seen at each sample of a view.
 pub struct Truth {
     size: [u32; 2],
-    /// Possible owners, sample after sample, and where each sample's end.
+    /// Possible owners, sample after sample, and where each sample's end; nothing where it is not about a picture.
     possible: Vec<Possible>,
     ends: Vec<u32>,
     contested: u64,
@@ -45,7 +44,7 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    pub(super) fn of(rays: [RaySees; RAYS]) -> Sample {
+    pub(super) fn of(rays: &[RaySees]) -> Sample {
         let mut possible: Vec<Possible> = rays.iter().flat_map(|ray| ray.possible.iter().copied()).collect();
         possible.sort_unstable();
         possible.dedup();
@@ -92,8 +91,13 @@ pub struct Verdict {
 }
 
 impl Truth {
-    pub(super) fn of_nothing(size: [u32; 2]) -> Truth {
-        Truth::new(size, Vec::new())
+    /// Of samples that are not those of a picture.
+    pub(super) fn of_set(size: [u32; 2], rows: Vec<Vec<Sample>>) -> Truth {
+        Truth {
+            possible: Vec::new(),
+            ends: Vec::new(),
+            ..Truth::new(size, rows)
+        }
     }
 
     pub(super) fn new(size: [u32; 2], rows: Vec<Vec<Sample>>) -> Truth {

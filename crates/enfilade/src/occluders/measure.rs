@@ -115,8 +115,8 @@ impl<'a> Chooser<'a> {
         shrink: f64,
     ) -> Option<f64> {
         let all = self.passage.aperture.rect();
-        let region = Region::in_rect(self.passage, all, screen_from_local, bounds)?;
         let near = f64::from(self.passage.near);
+        let region = Region::in_rect(self.passage, all, near, screen_from_local, bounds)?;
         let nearest = f64::from(region.nearest).min(1.0 / near);
         // The rectangle is of samples; half a pixel beyond the outermost on each side belongs to the area.
         let side = |from: u16, to: u16| f64::from(to.saturating_sub(from)) + 2.0;

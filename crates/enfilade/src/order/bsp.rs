@@ -15,7 +15,7 @@ use crate::faces::{Cut, Faces};
 use crate::fragment::Built;
 use crate::geom::{BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
 use crate::passage::Passage;
-use crate::region::Region;
+use crate::region::{Region, Sight};
 use glam::{DAffine3, DMat3, DVec3};
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -236,7 +236,7 @@ impl<D: Direction> Order for Bsp<D> {
             .tree
             .walk(passage.eye(), D::NEAR_FIRST, stack, &mut |step| match step {
                 BspStep::Node(bounds) => Region::of(passage, &passage.screen_from_fragment, bounds)
-                    .is_some_and(|region| visit.enter(&region)),
+                    .is_some_and(|region| visit.enter(&region) != Sight::Hidden),
                 BspStep::Coplanar(pieces) => {
                     // Of faces in one plane the lowest is seen: it comes first near to far, and last far to near.
                     if D::NEAR_FIRST {

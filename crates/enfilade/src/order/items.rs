@@ -5,7 +5,7 @@ use crate::content::{Alpha, Content, ItemId, OpeningId};
 use crate::faces::Faces;
 use crate::geom::Step;
 use crate::passage::{Passage, eye_in};
-use crate::region::Region;
+use crate::region::{Region, Sight};
 
 /// Hands out what may be seen of one item, unless that was done already.
 pub(super) fn hand_out(content: &Content, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
@@ -81,5 +81,5 @@ pub(super) fn may_be_seen(
     bounds: &crate::geom::Aabb,
     visit: &mut impl Visit,
 ) -> bool {
-    Region::of(passage, screen_from_local, bounds).is_some_and(|region| visit.enter(&region))
+    Region::of(passage, screen_from_local, bounds).is_some_and(|region| visit.enter(&region) != Sight::Hidden)
 }

@@ -15,7 +15,7 @@ use crate::content::{Content, ItemId};
 use crate::faces::Faces;
 use crate::fragment::Built;
 use crate::passage::Passage;
-use crate::region::Region;
+use crate::region::{Region, Sight};
 
 /// What an order promises: nothing.
 pub struct Unsorted;
@@ -75,8 +75,8 @@ pub trait Order: Send + Sync + Sized + 'static {
 
 /// What walks along with an order.
 pub trait Visit {
-    /// Can anything in this box still be seen? `true` when unsure.
-    fn enter(&mut self, region: &Region) -> bool;
+    /// How much of this box can still be seen? Of what is in a box that is fully seen, an order need not ask again.
+    fn enter(&mut self, region: &Region) -> Sight;
 
     /// Is it the first time that this item is met in this walk? An item may stand in several nodes.
     fn first_time(&mut self, item: ItemId) -> bool;

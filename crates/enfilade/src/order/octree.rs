@@ -13,7 +13,7 @@ use crate::content::{Content, ItemId};
 use crate::faces::Faces;
 use crate::geom::{Aabb, Copies, Octree};
 use crate::passage::Passage;
-use crate::region::Region;
+use crate::region::{Region, Sight};
 use glam::DAffine3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -112,7 +112,7 @@ impl Order for OctreeOrder {
             );
         }
         while let Some(Waiting { region, what }) = queue.waiting.pop() {
-            if !visit.enter(&region) {
+            if visit.enter(&region) == Sight::Hidden {
                 continue;
             }
             match what {

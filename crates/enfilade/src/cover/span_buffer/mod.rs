@@ -16,7 +16,7 @@ use super::report::Report;
 use super::samples::{look_through, lower_half};
 use super::trace::Trace;
 use super::triangle::Triangle;
-use super::{Cover, Sight};
+use super::{Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
 use crate::content::Content;
@@ -24,7 +24,7 @@ use crate::faces::Faces;
 use crate::mesh::NONE;
 use crate::order::Unsorted;
 use crate::passage::Passage;
-use crate::region::Region;
+use crate::region::{Region, Sight};
 use crate::seen::Seen;
 use crate::stats::{SpanStats, Stats};
 use compare::{Answer, Newcomer};
@@ -57,6 +57,23 @@ const ROOM: usize = 1 << 16;
 
 impl Cover for SpanBuffer {
     type CullNeeds = Unsorted;
+
+    fn sees(&mut self, region: &Region) -> Sight {
+        if self.rows.sees(&region.rect, region.nearest) {
+            Sight::Partly
+        } else {
+            Sight::Hidden
+        }
+    }
+
+    fn needs_bytes(size: [u32; 2]) -> u64 {
+        // A face of a pixel here and there: in practice far fewer.
+        const BYTES_PER_SAMPLE: u64 = 48;
+        u64::from(size[0]) * u64::from(size[1]) * BYTES_PER_SAMPLE
+    }
+}
+
+impl Paints for SpanBuffer {
     type DrawNeeds = Unsorted;
     const PRIMES: bool = true;
 
@@ -67,14 +84,6 @@ impl Cover for SpanBuffer {
         [self.turn, self.batch] = [0, 0];
         self.owners = 0;
         self.trace = trace.then(|| Trace::new(&self.rows.rect));
-    }
-
-    fn sees(&mut self, region: &Region) -> Sight {
-        if self.rows.sees(&region.rect, region.nearest) {
-            Sight::Partly
-        } else {
-            Sight::Hidden
-        }
     }
 
     fn add(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, _canvas: Option<&mut dyn Canvas>) {
@@ -127,12 +136,6 @@ impl Cover for SpanBuffer {
             report.end_row(y, &rect, self.trace.as_ref());
         }
         report.finish(seen);
-    }
-
-    fn needs_bytes(size: [u32; 2]) -> u64 {
-        // A face of a pixel here and there: in practice far fewer.
-        const BYTES_PER_SAMPLE: u64 = 48;
-        u64::from(size[0]) * u64::from(size[1]) * BYTES_PER_SAMPLE
     }
 }
 

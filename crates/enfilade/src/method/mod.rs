@@ -1,0 +1,200 @@
+//! Methods: an order times a cover. Only this module knows both.
+
+mod paired;
+
+pub use paired::Paired;
+
+use crate::content::Content;
+use crate::cover::{Cover, DepthBuffer, DepthPyramid, Mask, Nothing, SpanBuffer};
+use crate::fragment::{Contract, Fragment};
+use crate::order::{Bsp, DepthSort, FarToNear, Mean, Min, NearToFar, OctreeOrder, Unordered};
+use crate::view::View;
+use std::fmt;
+use std::sync::Arc;
+use thiserror::Error;
+
+/// Painter's algorithm, sorted by each face's nearest corner. Thesis Painter's Algorithm and Binary Space Partitioning,
+/// 1.1.
+///
+/// Wrong where a face reaches nearer than another that hides it (`@tetrahedron`, `@overlap`), in cycles (`@cycle`) and
+/// where faces cross (`@crossing-triangles`).
+pub type PainterMin = Paired<DepthSort<Min>, Nothing>;
+
+/// Painter's algorithm, sorted by each face's mean distance. As [`PainterMin`].
+///
+/// Right more often than by the nearest corner, but not on long faces beside small ones (`@overlap` from its second
+/// camera), in cycles (`@cycle`) and where faces cross (`@crossing-triangles`).
+pub type PainterMean = Paired<DepthSort<Mean>, Nothing>;
+
+/// BSP tree, far to near: every face is painted. Fuchs, Kedem, Naylor, SIGGRAPH 1980; thesis Painter's Algorithm and
+/// Binary Space Partitioning, 1.2.
+pub type BspPainter = Paired<Bsp<FarToNear>, Nothing>;
+
+/// BSP tree, near to far: every sample is painted once. Boreskov, Using portals.
+pub type BspFront = Paired<Bsp<NearToFar>, Mask>;
+
+/// z-buffer: any order, and at each sample the nearest face. Catmull 1974; Boreskov, Using portals.
+pub type ZBuffer = Paired<Unordered, DepthBuffer>;
+
+/// s-buffer: any order, and for each row the spans that are seen. Boreskov, Hierarchical s-buffer for scenes of high
+/// complexity, section 2.
+pub type SBuffer = Paired<Unordered, SpanBuffer>;
+
+/// Hierarchical z-buffer: an octree near to far, and a pyramid of farthest depths that hides whole nodes. Greene, Kass,
+/// Miller, SIGGRAPH 1993.
+pub type HierarchicalZ = Paired<OctreeOrder, DepthPyramid>;
+
+/// Hierarchical s-buffer: an octree near to far, and spans that hide whole nodes. Boreskov, Hierarchical s-buffer for
+/// scenes of high complexity, section 3.
+pub type HierarchicalS = Paired<OctreeOrder, SpanBuffer>;
+
+/// How a fragment is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Method {
+    /// See [`PainterMin`](crate::PainterMin).
+    PainterMin,
+    /// See [`PainterMean`](crate::PainterMean).
+    PainterMean,
+    /// See [`BspPainter`](crate::BspPainter).
+    Bsp,
+    /// See [`BspFront`](crate::BspFront).
+    BspFront,
+    /// See [`ZBuffer`](crate::ZBuffer).
+    ZBuffer,
+    /// See [`SBuffer`](crate::SBuffer).
+    SBuffer,
+    /// See [`HierarchicalZ`](crate::HierarchicalZ).
+    HierarchicalZ,
+    /// See [`HierarchicalS`](crate::HierarchicalS).
+    HierarchicalS,
+}
+
+/// A method would need too much memory; told by an estimate, before anything is built.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{method} needs about {needs_bytes} bytes, but {limit} are allowed{}", self.advice())]
+#[non_exhaustive]
+pub struct TooLarge {
+    /// The method that was asked for.
+    pub method: Method,
+    /// What it would need.
+    pub needs_bytes: u64,
+    /// What is allowed.
+    pub limit: u64,
+    /// A method that needs less, if there is one.
+    pub instead: Option<Method>,
+}
+
+impl TooLarge {
+    fn new(method: Method, needs_bytes: u64, limit: u64) -> TooLarge {
+        let instead = (method != Method::ZBuffer).then_some(Method::ZBuffer);
+        TooLarge {
+            method,
+            needs_bytes,
+            limit,
+            instead,
+        }
+    }
+
+    fn advice(&self) -> String {
+        self.instead
+            .map_or_else(String::new, |method| format!("; {method} needs fewer"))
+    }
+}
+
+impl Method {
+    /// Every method there is.
+    pub const ALL: [Method; 8] = [
+        Method::PainterMin,
+        Method::PainterMean,
+        Method::Bsp,
+        Method::BspFront,
+        Method::ZBuffer,
+        Method::SBuffer,
+        Method::HierarchicalZ,
+        Method::HierarchicalS,
+    ];
+
+    /// What one fragment's method may build unless told otherwise, in bytes: 1 GB.
+    pub const DEFAULT_LIMIT: u64 = 1_000_000_000;
+
+    /// Its name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::PainterMin => "painter-min",
+            Method::PainterMean => "painter-mean",
+            Method::Bsp => "bsp",
+            Method::BspFront => "bsp-front",
+            Method::ZBuffer => "z-buffer",
+            Method::SBuffer => "s-buffer",
+            Method::HierarchicalZ => "hierarchical-z",
+            Method::HierarchicalS => "hierarchical-s",
+        }
+    }
+
+    /// The method of a name; `None` where there is none.
+    pub fn by_name(name: &str) -> Option<Method> {
+        Method::ALL.into_iter().find(|method| method.name() == name)
+    }
+
+    /// What it promises of its visible set.
+    pub fn contract(self) -> Contract {
+        match self {
+            Method::PainterMin | Method::PainterMean => Contract::Approximate,
+            Method::Bsp
+            | Method::BspFront
+            | Method::ZBuffer
+            | Method::SBuffer
+            | Method::HierarchicalZ
+            | Method::HierarchicalS => Contract::Exact,
+        }
+    }
+
+    /// Prepares a content to be seen.
+    ///
+    /// # Errors
+    /// [`TooLarge`] where more than `limit_bytes` would be needed.
+    pub fn build(self, content: Arc<Content>, limit_bytes: u64) -> Result<Arc<dyn Fragment>, TooLarge> {
+        Ok(match self {
+            Method::PainterMin => Arc::new(PainterMin::build(self, content, limit_bytes)?),
+            Method::PainterMean => Arc::new(PainterMean::build(self, content, limit_bytes)?),
+            Method::Bsp => Arc::new(BspPainter::build(self, content, limit_bytes)?),
+            Method::BspFront => Arc::new(BspFront::build(self, content, limit_bytes)?),
+            Method::ZBuffer => Arc::new(ZBuffer::build(self, content, limit_bytes)?),
+            Method::SBuffer => Arc::new(SBuffer::build(self, content, limit_bytes)?),
+            Method::HierarchicalZ => Arc::new(HierarchicalZ::build(self, content, limit_bytes)?),
+            Method::HierarchicalS => Arc::new(HierarchicalS::build(self, content, limit_bytes)?),
+        })
+    }
+
+    /// Memory of its buffers for a screen of this size, in bytes.
+    pub fn screen_bytes(self, size: [u32; 2]) -> u64 {
+        match self {
+            Method::BspFront => Mask::needs_bytes(size),
+            Method::PainterMin | Method::PainterMean | Method::Bsp => Nothing::needs_bytes(size),
+            Method::ZBuffer => DepthBuffer::needs_bytes(size),
+            Method::SBuffer | Method::HierarchicalS => SpanBuffer::needs_bytes(size),
+            Method::HierarchicalZ => DepthPyramid::needs_bytes(size),
+        }
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl Method {
+    /// Why a screen of this size cannot be looked at within `limit_bytes`, if so.
+    ///
+    /// # Errors
+    /// [`TooLarge`].
+    pub fn check_screen(self, view: &View, limit_bytes: u64) -> Result<(), TooLarge> {
+        let needs_bytes = self.screen_bytes(view.size);
+        if needs_bytes > limit_bytes {
+            return Err(TooLarge::new(self, needs_bytes, limit_bytes));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,255 @@
+//! Content seen by an order and a cover that holds a picture.
+
+use super::{Method, TooLarge};
+use crate::canvas::Canvas;
+use crate::content::{Alpha, Content, ItemId, Opening};
+use crate::cover::Paints;
+use crate::faces::{Faces, Of};
+use crate::fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
+use crate::geom::Aabb;
+use crate::memory::{Marks, Memory};
+use crate::order::{Gives, Order, Visit};
+use crate::passage::Passage;
+use crate::region::{Region, Sight};
+use crate::seen::Seen;
+use crate::stats::Stats;
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+/// Content seen by an order and a cover that go together. A pair that does not, does not compile:
+///
+/// ```compile_fail,E0277
+/// use enfilade::order::{Gives, NearToFar, Order, Unordered};
+/// fn needs_near_to_far<O: Order>() where O::Gives: Gives<NearToFar> {}
+/// needs_near_to_far::<Unordered>();
+/// ```
+pub struct Paired<O, C> {
+    method: Method,
+    content: Arc<Content>,
+    order: O,
+    cover: PhantomData<fn() -> C>,
+}
+
+impl<O, C> Paired<O, C>
+where
+    O: Order,
+    C: Paints,
+    O::Gives: Gives<C::CullNeeds> + Gives<C::DrawNeeds>,
+{
+    pub(super) fn build(method: Method, content: Arc<Content>, limit: u64) -> Result<Self, TooLarge> {
+        let needs_bytes = O::needs_bytes(&content);
+        if needs_bytes > limit {
+            return Err(TooLarge::new(method, needs_bytes, limit));
+        }
+        // What turns out to be more than estimated is twice the limit, as far as is known.
+        let order =
+            O::build(&content, limit).ok_or_else(|| TooLarge::new(method, limit.saturating_mul(2), limit))?;
+        Ok(Paired {
+            method,
+            order,
+            content,
+            cover: PhantomData,
+        })
+    }
+
+    fn see(
+        &self,
+        passage: &Passage,
+        memory: &mut Memory,
+        seen: &mut Seen,
+        mut canvas: Option<&mut dyn Canvas>,
+    ) {
+        let mut cover = memory.take::<C>();
+        let mut waiting = memory.take::<Waiting>();
+        let mut scratch = memory.take::<O::Scratch>();
+        let size = self.content.bounds().longest_side();
+        let primes = C::PRIMES && memory.coherence;
+        let last = if primes {
+            memory.recall.seen_last(passage, size)
+        } else {
+            Vec::new()
+        };
+        cover.clear(passage, memory.trace);
+        memory.marks.begin(self.content.items().len());
+        let mut walk = Walk {
+            passage,
+            cover: &mut *cover,
+            marks: &mut memory.marks,
+            stats: &mut memory.stats,
+            waiting: &mut waiting.0,
+            primed: &last,
+            canvas: reborrow(&mut canvas),
+        };
+        walk.prime(&self.content);
+        self.order.visit(&self.content, passage, &mut scratch, &mut walk);
+        for (item, cluster) in waiting.0.drain(..) {
+            let screen_from_item = passage.screen_from(&self.content.item(item).transform());
+            let bounds = self.content.mesh_of(item).clusters()[cluster as usize].bounds;
+            let region = Region::of(passage, &screen_from_item, &bounds);
+            if region.is_some_and(|region| !C::KEEPS_DEPTHS || cover.sees(&region) != Sight::Hidden) {
+                let faces = Faces::of_cluster(&self.content, item, cluster, &screen_from_item);
+                cover.look_through(&faces, passage, &mut memory.stats, seen);
+            }
+        }
+        cover.finish(&self.content, passage, seen, canvas);
+        memory.stats.samples_owned += seen.samples_owned;
+        if primes {
+            memory.recall.remember(passage, seen.clusters_of_items());
+        }
+        memory.put_back(cover);
+        memory.put_back(waiting);
+        memory.put_back(scratch);
+    }
+}
+
+/// Counts what an order hands out, and hides nothing.
+struct Count<'a> {
+    faces: u64,
+    marks: &'a mut Marks,
+}
+
+impl Visit for Count<'_> {
+    fn enter(&mut self, _region: &Region) -> Sight {
+        Sight::Partly
+    }
+
+    fn first_time(&mut self, item: ItemId) -> bool {
+        self.marks.first_time(item)
+    }
+
+    fn faces(&mut self, faces: &Faces) {
+        self.faces += faces.count() as u64;
+    }
+}
+
+/// Lends a canvas for a while.
+fn reborrow<'a>(canvas: &'a mut Option<&mut dyn Canvas>) -> Option<&'a mut dyn Canvas> {
+    match canvas {
+        Some(canvas) => Some(&mut **canvas),
+        None => None,
+    }
+}
+
+/// Clusters of faces that do not hide: they are held against the cover when all that hides is in it.
+#[derive(Default)]
+struct Waiting(Vec<(ItemId, u32)>);
+
+/// Joins an order's walk to a cover.
+struct Walk<'a, C> {
+    passage: &'a Passage,
+    cover: &'a mut C,
+    marks: &'a mut Marks,
+    stats: &'a mut Stats,
+    waiting: &'a mut Vec<(ItemId, u32)>,
+    /// What goes in before the walk, in order.
+    primed: &'a [(ItemId, u32)],
+    canvas: Option<&'a mut dyn Canvas>,
+}
+
+impl<C: Paints> Walk<'_, C> {
+    /// Lets the cover see first what the last look saw; what has left the picture since is left out.
+    fn prime(&mut self, content: &Content) {
+        let mut in_view: Vec<_> = self
+            .primed
+            .iter()
+            .filter_map(|&(item, cluster)| {
+                let screen_from_item = self.passage.screen_from(&content.item(item).transform());
+                let bounds = &content.mesh_of(item).clusters()[cluster as usize].bounds;
+                let region = Region::of(self.passage, &screen_from_item, bounds)?;
+                Some((region.nearest, item, cluster))
+            })
+            .collect();
+        in_view.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (_, item, cluster) in in_view {
+            let screen_from_item = self.passage.screen_from(&content.item(item).transform());
+            self.take(&Faces::of_cluster(content, item, cluster, &screen_from_item));
+        }
+        self.stats.clusters_primed += self.primed.len() as u64;
+    }
+
+    fn take(&mut self, faces: &Faces) {
+        match (faces.alpha, faces.of) {
+            (Alpha::Mask | Alpha::Blend, Of::Item(item, cluster)) => self.waiting.push((item, cluster)),
+            _ => {
+                self.cover
+                    .add(faces, self.passage, self.stats, reborrow(&mut self.canvas));
+            }
+        }
+    }
+}
+
+impl<C: Paints> Visit for Walk<'_, C> {
+    fn enter(&mut self, region: &Region) -> Sight {
+        self.stats.boxes_tested += 1;
+        let sight = self.cover.sees(region);
+        self.stats.boxes_hidden += u64::from(sight == Sight::Hidden);
+        sight
+    }
+
+    fn first_time(&mut self, item: ItemId) -> bool {
+        self.marks.first_time(item)
+    }
+
+    fn faces(&mut self, faces: &Faces) {
+        let primed = matches!(faces.of, Of::Item(item, cluster) if self.primed.binary_search(&(item, cluster)).is_ok());
+        if !primed {
+            self.take(faces);
+        }
+    }
+}
+
+impl<O, C> Fragment for Paired<O, C>
+where
+    O: Order,
+    C: Paints,
+    O::Gives: Gives<C::CullNeeds> + Gives<C::DrawNeeds>,
+{
+    fn bounds(&self) -> Aabb {
+        self.content.bounds()
+    }
+
+    fn openings(&self) -> &[Opening] {
+        self.content.openings()
+    }
+
+    fn contract(&self) -> Contract {
+        self.method.contract()
+    }
+
+    fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
+        self.see(passage, memory, seen, None);
+    }
+
+    fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: &mut dyn Canvas) {
+        self.see(passage, memory, seen, Some(canvas));
+    }
+
+    fn cast(&self, ray: &Ray) -> Option<Hit> {
+        self.content.cast(ray)
+    }
+
+    fn surface(&self, item: ItemId, face: u32) -> Surface {
+        self.content.surface(item, face)
+    }
+
+    fn walk(&self, passage: &Passage, memory: &mut Memory) -> u64 {
+        let mut scratch = memory.take::<O::Scratch>();
+        memory.marks.begin(self.content.items().len());
+        let mut count = Count {
+            faces: 0,
+            marks: &mut memory.marks,
+        };
+        self.order.visit(&self.content, passage, &mut scratch, &mut count);
+        let faces = count.faces;
+        memory.put_back(scratch);
+        faces
+    }
+
+    fn built(&self) -> Built {
+        self.order.built(&self.content)
+    }
+
+    fn bytes(&self) -> u64 {
+        self.content.bytes() + self.order.bytes()
+    }
+}

@@ -1,0 +1,209 @@
+//! Nothing is missed, ever: every method against the reference, on many views of many scenes.
+//!
+//! One pass of the reference serves all methods. Views come one after the other, so what a viewer remembers is put to
+//! the test as well. What is found wrong is printed with the command that shows it again.
+#![allow(clippy::print_stdout, reason = "a command prints what it finds")]
+
+use anyhow::{Context, Result, bail, ensure};
+use enfilade::laws::{OwnerPicture, Reference, Verdict};
+use enfilade::{Contract, Method, Scene, SceneBuilder, View, Viewer, survey};
+use enfilade_import::{ReadOptions, read};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Scenes: files, folders of .glb files, or @NAME; none: the built-in scenes and those in ENFILADE_SCENES
+    scenes: Vec<String>,
+    /// Views of each scene
+    #[arg(long, default_value_t = 1000)]
+    views: usize,
+    /// Columns and rows
+    #[arg(long, num_args = 2, default_values_t = [320, 180])]
+    size: Vec<u32>,
+    /// Of how many of these views strict methods are held to what is seen anywhere in the pixels
+    #[arg(long, default_value_t = 64)]
+    strict_views: usize,
+    /// Columns and rows for that
+    #[arg(long, num_args = 2, default_values_t = [640, 360])]
+    strict_size: Vec<u32>,
+    /// Places in each pixel for that
+    #[arg(long, default_value_t = 16)]
+    places: u32,
+    /// Methods by name; none: all
+    #[arg(long)]
+    method: Vec<String>,
+}
+
+/// A method at work on a scene, and what it did wrong so far.
+struct Candidate {
+    method: Method,
+    scene: Scene,
+    viewer: Viewer,
+    missed: usize,
+    different: u64,
+    extra: usize,
+    items: usize,
+}
+
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let methods = methods(&args.method)?;
+    let mut wrong = 0;
+    for name in scenes(&args.scenes)? {
+        wrong += verify(&name, &methods, args).with_context(|| name.clone())?;
+    }
+    ensure!(wrong == 0, "{wrong} views are seen wrongly");
+    println!("\nnothing is missed, and nothing painted wrongly");
+    Ok(())
+}
+
+fn methods(names: &[String]) -> Result<Vec<Method>> {
+    if names.is_empty() {
+        return Ok(Method::ALL.to_vec());
+    }
+    let known = |name: &String| Method::by_name(name).with_context(|| format!("there is no method `{name}`"));
+    names.iter().map(known).collect()
+}
+
+/// The scenes that are meant, by name.
+fn scenes(named: &[String]) -> Result<Vec<String>> {
+    let mut all = Vec::new();
+    if named.is_empty() {
+        all.extend(enfilade_scenes::NAMES.iter().map(|name| format!("@{name}")));
+        match std::env::var_os("ENFILADE_SCENES") {
+            Some(folder) => all.extend(files_in(Path::new(&folder))?),
+            None => println!("ENFILADE_SCENES names no folder of .glb files: built-in scenes only"),
+        }
+    }
+    for name in named {
+        if Path::new(name).is_dir() {
+            all.extend(files_in(Path::new(name))?);
+        } else {
+            all.push(name.clone());
+        }
+    }
+    Ok(all)
+}
+
+fn files_in(folder: &Path) -> Result<Vec<String>> {
+    let entries = std::fs::read_dir(folder).with_context(|| folder.display().to_string())?;
+    let mut files: Vec<PathBuf> = entries
+        .map(|entry| entry.map(|entry| entry.path()))
+        .collect::<Result<_, _>>()?;
+    files.retain(|path| path.extension().is_some_and(|extension| extension == "glb"));
+    files.sort();
+    Ok(files.iter().map(|path| path.display().to_string()).collect())
+}
+
+fn open(name: &str) -> Result<Scene> {
+    if let Some(built_in) = name.strip_prefix('@') {
+        let built = enfilade_scenes::built_in(built_in);
+        return Ok(built.context("there is no such built-in scene")?.scene);
+    }
+    let import = read(Path::new(name), &ReadOptions::default())?;
+    let mut builder = SceneBuilder::new();
+    builder.add(name, import.content, Method::ZBuffer);
+    Ok(builder.build()?)
+}
+
+/// Gives the number of views that are seen wrongly, each method's counted.
+fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
+    let start = Instant::now();
+    let scene = open(name)?;
+    let places = survey(&scene, args.views.max(args.strict_views));
+    if places.is_empty() {
+        println!("\n{name}: there is no place to stand");
+        return Ok(0);
+    }
+    let reference = Reference::new(&scene);
+    let mut candidates = Vec::new();
+    for &method in methods {
+        match scene.with_method(method, Method::DEFAULT_LIMIT) {
+            Ok(scene) => candidates.push(Candidate {
+                method,
+                scene,
+                viewer: Viewer::new(),
+                missed: 0,
+                different: 0,
+                extra: 0,
+                items: 0,
+            }),
+            Err(why) => println!("{name}: {why}: skipped"),
+        }
+    }
+    let [size, strict_size] = [&args.size, &args.strict_size].map(|size| [size[0], size[1]]);
+    let limits = Viewer::new().limits();
+    let (mut wrong, mut visible) = (0, 0);
+    for (number, place) in places[..args.views.min(places.len())].iter().enumerate() {
+        let view = View::new(place.eye, place.toward, size);
+        let truth = reference.see(&scene, &view, &limits);
+        visible += truth.visible().len();
+        for candidate in &mut candidates {
+            let mut picture = OwnerPicture::new(size);
+            let set = candidate.viewer.draw(&candidate.scene, &view, &mut picture);
+            let verdict = truth.check(set, Some(&picture));
+            wrong += usize::from(candidate.take(&verdict, name, number, &view));
+        }
+    }
+    for (number, place) in places[..args.strict_views.min(places.len())].iter().enumerate() {
+        let strict = |candidate: &&mut Candidate| candidate.method.contract() == Contract::Strict;
+        if !candidates.iter_mut().any(|candidate| strict(&candidate)) {
+            break;
+        }
+        let view = View::new(place.eye, place.toward, strict_size);
+        let truth = reference.see_anywhere(&scene, &view, &limits, args.places, number as u64);
+        for candidate in candidates.iter_mut().filter(strict) {
+            let verdict = truth.check(candidate.viewer.look(&candidate.scene, &view), None);
+            wrong += usize::from(candidate.take(&verdict, name, number, &view));
+        }
+    }
+    println!(
+        "\n{name}: {} views, {visible} items visible for certain, {:.0} s",
+        args.views.min(places.len()),
+        start.elapsed().as_secs_f64()
+    );
+    for candidate in &candidates {
+        println!(
+            "  {:16}{:>14}{:8} missed{:8} pixels different{:8} too many of {}",
+            candidate.method.name(),
+            candidate.method.contract().to_string(),
+            candidate.missed,
+            candidate.different,
+            candidate.extra,
+            candidate.items,
+        );
+    }
+    if visible == 0 {
+        bail!("nothing is visible: there is nothing to be right about");
+    }
+    Ok(wrong)
+}
+
+impl Candidate {
+    /// Takes a verdict in; is it one that breaks the contract?
+    fn take(&mut self, verdict: &Verdict, name: &str, number: usize, view: &View) -> bool {
+        self.missed += verdict.missed.len();
+        self.different += verdict.pixels_different;
+        self.extra += verdict.extra;
+        self.items += self.viewer.visible().items().len();
+        let contract = self.method.contract();
+        let broken = contract > Contract::Approximate
+            && (!verdict.missed.is_empty() || verdict.pixels_different > 0)
+            || contract == Contract::Exact && verdict.extra > 0;
+        if broken {
+            let [eye, toward] = [view.eye, view.toward].map(|[x, y, z]| format!("{x},{y},{z}"));
+            println!(
+                "{name}, view {number}: {} missed {:?}, {} pixels different, {} too many:\n  enfilade look {name} \
+                 --method {} --check --size {}x{} --eye={eye} --toward={toward}",
+                self.method,
+                verdict.missed,
+                verdict.pixels_different,
+                verdict.extra,
+                self.method,
+                view.size[0],
+                view.size[1],
+            );
+        }
+        broken
+    }
+}

@@ -19,6 +19,8 @@ pub struct Memory {
     pub stats: Stats,
     /// May what the last look saw be seen first? It changes the cost, never the answer.
     pub coherence: bool,
+    /// How many occluders methods take that choose them; `None`: as many as suits each.
+    pub(crate) occluders: Option<u32>,
     /// Does the canvas want to know how covers came to their answer?
     pub(crate) trace: bool,
 }
@@ -32,6 +34,7 @@ impl Default for Memory {
             spare_rows: Vec::new(),
             stats: Stats::default(),
             coherence: true,
+            occluders: None,
             trace: false,
         }
     }

@@ -169,7 +169,6 @@ impl Passage {
         Region::in_rect(self, limits, f64::from(self.near), screen_from_local, bounds).is_some()
     }
 
-    #[expect(dead_code, reason = "covers that take occluders come next")]
     /// What is seen of the box around an opening, if it shows its front. Openings are seen however near they are.
     pub(crate) fn region_of_opening(&self, outline: &ConvexPolygon) -> Option<Region> {
         const AT_THE_EYE: f64 = 1e-30;
@@ -189,6 +188,11 @@ impl Passage {
             &bounds,
         )
         .filter(|region| front && !region.rect.is_empty())
+    }
+
+    /// Pixels that stand for a distance of 1 across the line of sight, at a distance of 1 along it.
+    pub(crate) fn focal(&self) -> f64 {
+        self.screen_from_eye.x_axis.x
     }
 
     /// From an item's space to (X, Y, W).

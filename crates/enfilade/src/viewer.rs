@@ -65,6 +65,13 @@ impl Viewer {
         self.memory.recall.forget();
     }
 
+    /// How many occluders methods take that choose them, for each passage; `None`, as many as suits each method, unless
+    /// told. It changes what is called visible, never so that anything visible is missed. 0: only what is out of view
+    /// is left out.
+    pub fn set_occluders(&mut self, occluders: Option<u32>) {
+        self.memory.occluders = occluders;
+    }
+
     /// What can be seen. A view that fails [`View::check`] sees nothing.
     pub fn look(&mut self, scene: &Scene, view: &View) -> &VisibleSet {
         self.run(scene, view, None);

@@ -132,7 +132,11 @@ fn only_methods_know_both_orders_and_covers() {
 
 #[test]
 fn orders_covers_and_methods_know_nothing_of_portals() {
-    for (path, text) in sources(CORE) {
+    // Unit tests in a folder of their own may set up anything, too.
+    for (path, text) in sources(CORE)
+        .into_iter()
+        .filter(|(path, _)| !path.contains("/tests/"))
+    {
         if path.starts_with("order/") || path.starts_with("cover/") || path.starts_with("method/") {
             let of_scenes = mentions(&text).find(|of| of.starts_with("scene"));
             assert_eq!(of_scenes, None, "{path}");

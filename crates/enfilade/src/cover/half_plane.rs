@@ -52,15 +52,38 @@ impl HalfPlane {
         HalfPlane::new(normal * side)
     }
 
-    /// Narrows the columns `x0..x1` of eight rows to those held; `rows` are the y of their centres.
+    /// Does it hold a point?
     #[inline(always)]
-    pub(super) fn narrow<S: Simd>(&self, simd: S, rows: f64x8<S>, x0: &mut f64x8<S>, x1: &mut f64x8<S>) {
+    pub(super) fn holds(&self, x: f64, y: f64) -> bool {
+        let value = x * self.a + (y * self.b + self.c);
+        if self.owns { value >= 0.0 } else { value > 0.0 }
+    }
+
+    /// Is it the side of a line, or of none? Not so where its making overflowed.
+    #[inline(always)]
+    pub(super) fn is_finite(&self) -> bool {
+        self.a.is_finite() && self.b.is_finite() && self.c.is_finite()
+    }
+
+    /// Narrows the columns `x0..x1` of eight rows to those held; `rows` are the y of their centres, and `limits` the
+    /// first column of all and the one after the last: from these, not from what other planes leave, so that several are
+    /// computed at once.
+    #[inline(always)]
+    pub(super) fn narrow<S: Simd>(
+        &self,
+        simd: S,
+        rows: f64x8<S>,
+        limits: [f64x8<S>; 2],
+        x0: &mut f64x8<S>,
+        x1: &mut f64x8<S>,
+    ) {
         let at_row = rows * self.b + self.c;
-        let [zero, one] = [0.0, 1.0].map(|value| f64x8::splat(simd, value));
+        let [first, end] = limits;
+        let [zero, one] = [f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0)];
         // Above zero, or zero where the line is owned: the least number that is held.
         let least = if self.owns { 0.0 } else { f64::from_bits(1) };
         if self.a == 0.0 || self.a.is_nan() {
-            *x1 = at_row.simd_ge(f64x8::splat(simd, least)).select(*x1, *x0);
+            *x1 = at_row.simd_ge(f64x8::splat(simd, least)).select(*x1, first);
             return;
         }
         let held = |column: f64x8<S>| {
@@ -70,12 +93,15 @@ impl HalfPlane {
         // Rounding may put the crossing on the wrong side of a sample's centre. So the column at or before it and
         // the next are asked, and the other side of the line asks them alike.
         let crossing = at_row * self.root - 0.5;
-        let crossing = crossing.simd_gt(*x0).select(crossing, *x0);
-        let column = crossing.simd_lt(*x1).select(crossing, *x1).floor();
+        let crossing = crossing.simd_gt(first).select(crossing, first);
+        let column = crossing.simd_lt(end).select(crossing, end).floor();
         let count = held(column) + held(column + one);
         let column = column + if self.a > 0.0 { one + one - count } else { count };
-        let column = column.simd_lt(*x1).select(column, *x1);
-        *(if self.a > 0.0 { x0 } else { x1 }) = column;
+        if self.a > 0.0 {
+            *x0 = column.simd_gt(*x0).select(column, *x0);
+        } else {
+            *x1 = column.simd_lt(*x1).select(column, *x1);
+        }
     }
 }
 
@@ -89,7 +115,7 @@ mod tests {
         let plane = HalfPlane::new(DVec3::from(normal));
         dispatch!(Level::new(), simd => {
             let [mut x0, mut x1] = [0.0, 8.0].map(|column| f64x8::splat(simd, column));
-            plane.narrow(simd, f64x8::splat(simd, 0.5), &mut x0, &mut x1);
+            plane.narrow(simd, f64x8::splat(simd, 0.5), [x0, x1], &mut x0, &mut x1);
             let [x0, x1]: [[f64; 8]; 2] = [x0.into(), x1.into()];
             (0..8).map(|x| if (x0[0]..x1[0]).contains(&f64::from(x)) { '#' } else { '.' }).collect()
         })

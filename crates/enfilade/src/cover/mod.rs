@@ -1,9 +1,11 @@
 //! Covers: what is already hidden. A cover knows nothing of orders; `method` joins the two.
 
+mod band;
 mod depth_buffer;
 mod depth_pyramid;
 mod half_plane;
 mod mask;
+mod masked_depth;
 mod nothing;
 mod occlusion_tree;
 mod part;
@@ -18,6 +20,7 @@ mod triangle;
 pub use depth_buffer::DepthBuffer;
 pub use depth_pyramid::DepthPyramid;
 pub use mask::Mask;
+pub use masked_depth::MaskedDepth;
 pub use nothing::Nothing;
 pub use occlusion_tree::{Asks, ByBox, ByFaces, OcclusionTree};
 pub use span_buffer::SpanBuffer;

@@ -1,4 +1,4 @@
-//! Where on the screen the part of a triangle can be that a near distance and cutting planes leave.
+//! Where on the screen the part of a polygon can be that a near distance and cutting planes leave.
 
 use crate::aperture::Rect;
 use crate::faces::Cut;
@@ -12,14 +12,14 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// A rectangle within `limits` around what is left of a triangle at W ≥ `near` and inside of all cuts.
+    /// A rectangle within `limits` around what is left of a polygon at W ≥ `near` and inside of all cuts.
     #[cold]
-    pub(super) fn rect(&mut self, triangle: [DVec3; 3], near: f64, cuts: &[Cut], limits: &Rect) -> Rect {
+    pub(super) fn rect(&mut self, polygon: &[DVec3], near: f64, cuts: &[Cut], limits: &Rect) -> Rect {
         self.corners.clear();
-        self.corners.extend(triangle);
+        self.corners.extend_from_slice(polygon);
         if near > 0.0 {
             self.cut(DVec3::Z, near);
-        } else if triangle.iter().any(|corner| corner.z <= 0.0) {
+        } else if polygon.iter().any(|corner| corner.z <= 0.0) {
             return *limits;
         }
         for cut in cuts {

@@ -8,6 +8,7 @@
 //! Exact up to the rounding of f64: edges within 10⁻⁹ pixel, and a shared edge has the same bits on both sides, so
 //! that each sample belongs to exactly one of them. The same bits at every SIMD level: the compiler only widens it.
 
+pub(super) use super::band::{BAND, Band};
 use super::half_plane::HalfPlane;
 use super::part::{Part, greater, smaller};
 use super::triangle::Triangle;
@@ -16,11 +17,8 @@ use crate::faces::{Cut, Faces, Of};
 use crate::passage::Passage;
 use crate::stats::Stats;
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch, f64x8};
+use fearless_simd::{Level, dispatch};
 use glam::DVec3;
-
-/// Rows are handed out by eights, from a multiple of eight.
-pub(super) const BAND: usize = 8;
 
 /// Receives the samples of triangles.
 pub(super) trait Sink {
@@ -33,21 +31,6 @@ pub(super) trait Sink {
 
     /// The samples of some rows that the triangle owns.
     fn band(&mut self, band: &Band, triangle: &Triangle);
-}
-
-/// Runs of samples in up to eight rows, from row `y`, a multiple of eight.
-pub(super) struct Band {
-    pub(super) y: u16,
-    /// The first column and the one after the last, of each row; equal where it holds no sample.
-    pub(super) runs: [[u16; 2]; BAND],
-}
-
-impl Band {
-    /// The rows that hold a sample.
-    #[inline(always)]
-    pub(super) fn rows(&self) -> impl Iterator<Item = (u16, [u16; 2])> + '_ {
-        (self.y..).zip(self.runs).filter(|(_, [x0, x1])| x0 < x1)
-    }
 }
 
 /// Corners of the batch at hand, on the screen.
@@ -213,7 +196,7 @@ impl Batch {
         }
         let rect = if crosses_near || cut.is_some() {
             let cuts = cut.as_ref().map_or(&[][..], |cut| cut.cuts);
-            part.rect([a, b, c], self.near, cuts, &self.rect)
+            part.rect(&[a, b, c], self.near, cuts, &self.rect)
         } else {
             let [p, q, r] = corners.map(|corner| corner.pixel);
             let low = [0, 1].map(|axis| smaller(p[axis], smaller(q[axis], r[axis])));
@@ -281,27 +264,9 @@ fn walk_rows<S: Simd>(
     sink: &mut impl Sink,
     stats: &mut Stats,
 ) {
-    const ROWS: [f64; BAND] = [0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5];
-    let rows = f64x8::from_slice(simd, &ROWS);
     let mut y = rect.y0 - rect.y0 % BAND as u16;
     while y < rect.y1 {
-        let [mut x0, mut x1] = [rect.x0, rect.x1].map(|x| f64x8::splat(simd, f64::from(x)));
-        for plane in planes {
-            plane.narrow(simd, rows + f64::from(y), &mut x0, &mut x1);
-        }
-        let [x0, x1]: [[f64; BAND]; 2] = [x0.into(), x1.into()];
-        let mut band = Band {
-            y,
-            runs: [[0; 2]; BAND],
-        };
-        let mut samples = 0;
-        for row in usize::from(rect.y0.saturating_sub(y))..usize::from(rect.y1 - y).min(BAND) {
-            if x0[row] < x1[row] {
-                samples += u64::from(x1[row] as u16 - x0[row] as u16);
-                band.runs[row] = [x0[row] as u16, x1[row] as u16];
-            }
-        }
-        if samples > 0 {
+        if let Some((band, samples)) = Band::held(simd, y, rect, planes) {
             stats.samples += samples;
             sink.band(&band, triangle);
         }

@@ -1,5 +1,6 @@
 //! Content seen by an order and a cover that holds a picture.
 
+use super::count::count_faces;
 use super::{Method, TooLarge};
 use crate::canvas::Canvas;
 use crate::content::{Alpha, Content, ItemId, Opening};
@@ -101,26 +102,6 @@ where
         memory.put_back(cover);
         memory.put_back(work);
         memory.put_back(scratch);
-    }
-}
-
-/// Counts what an order hands out, and hides nothing.
-struct Count<'a> {
-    faces: u64,
-    marks: &'a mut Marks,
-}
-
-impl Visit for Count<'_> {
-    fn enter(&mut self, _region: &Region) -> Sight {
-        Sight::Partly
-    }
-
-    fn first_time(&mut self, item: ItemId) -> bool {
-        self.marks.first_time(item)
-    }
-
-    fn faces(&mut self, faces: &Faces) {
-        self.faces += faces.count() as u64;
     }
 }
 
@@ -238,16 +219,7 @@ where
     }
 
     fn walk(&self, passage: &Passage, memory: &mut Memory) -> u64 {
-        let mut scratch = memory.take::<O::Scratch>();
-        memory.marks.begin(self.content.items().len());
-        let mut count = Count {
-            faces: 0,
-            marks: &mut memory.marks,
-        };
-        self.order.visit(&self.content, passage, &mut scratch, &mut count);
-        let faces = count.faces;
-        memory.put_back(scratch);
-        faces
+        count_faces(&self.order, &self.content, passage, memory)
     }
 
     fn built(&self) -> Built {

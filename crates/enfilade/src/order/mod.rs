@@ -1,13 +1,16 @@
 //! Orders: what comes next. An order knows nothing of covers; `method` joins the two.
 
 mod bsp;
+mod bvh;
 mod depth_sort;
 mod items;
 mod kd_tree;
 mod octree;
+mod queue;
 mod unordered;
 
 pub use bsp::{Bsp, Direction};
+pub use bvh::BvhOrder;
 pub use depth_sort::{DepthSort, Mean, Min, SortKey};
 pub use kd_tree::KdTreeOrder;
 pub use octree::OctreeOrder;

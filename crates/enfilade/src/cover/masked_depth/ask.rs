@@ -1,0 +1,93 @@
+//! Asks the tiles whether a box can be seen.
+
+use super::grid::Grid;
+use super::outline::Outline;
+use super::tile::{Across, COLUMNS, ROWS, SUB_TILES, columns_within, masks_of_rect, rows_within, tiles};
+use crate::aperture::Rect;
+use crate::cover::band::{BAND, Band};
+use crate::region::{Region, Volume};
+use fearless_simd::prelude::*;
+
+impl Grid {
+    /// May any sample show a box? By its rectangle first, then by its outline, if it is all beyond the near distance.
+    #[inline(always)]
+    pub(super) fn sees<S: Simd>(&self, simd: S, region: &Region, near: f64) -> bool {
+        let rect = region.rect.intersection(&self.rect);
+        if rect.is_empty() {
+            return false;
+        }
+        let Some(first) = self.first_seen(&rect, region.nearest) else {
+            return false;
+        };
+        // No closures here and below: what runs in one does not run at the SIMD level.
+        match Outline::of(&region.volume, near, &rect) {
+            Some(outline) if self.shows_middle(&rect, &outline, &region.volume) => true,
+            Some(outline) => self.sees_outline(simd, &rect, first, region.nearest, &outline),
+            None => true,
+        }
+    }
+
+    /// May the sample at the middle of a box show it? Of boxes that are seen most are by it, and need no more asking.
+    #[inline(always)]
+    fn shows_middle(&self, rect: &Rect, outline: &Outline, volume: &Volume) -> bool {
+        let [x, y, z] = volume.sides;
+        let middle = volume.origin + 0.5 * (x + y + z);
+        let [x, y] = [middle.x / middle.z, middle.y / middle.z];
+        let within = |low: u16, value: f64, high: u16| f64::from(low) <= value && value < f64::from(high);
+        if !(within(rect.x0, x, rect.x1) && within(rect.y0, y, rect.y1)) {
+            return false;
+        }
+        let [x, y] = [x as usize, y as usize];
+        let known = self.tiles[y / ROWS * self.columns + x / COLUMNS].known(x % COLUMNS, y % ROWS);
+        outline.nearness_at([x as f64 + 0.5, y as f64 + 0.5]) >= f64::from(known)
+    }
+
+    /// The first row of tiles in which a sample of `rect` may show something as near as `nearest`.
+    #[inline(always)]
+    pub(super) fn first_seen(&self, rect: &Rect, nearest: f32) -> Option<usize> {
+        let nearness = [nearest; SUB_TILES];
+        for row in tiles(rect.y0, rect.y1, ROWS) {
+            let rows = rows_within(rect.y0, rect.y1, row * ROWS);
+            for column in tiles(rect.x0, rect.x1, COLUMNS) {
+                let index = row * self.columns + column;
+                if nearest < self.farthest[index] {
+                    continue;
+                }
+                let columns = columns_within(rect.x0, rect.x1, column * COLUMNS);
+                if self.tiles[index].sees(&masks_of_rect(columns, rows), &nearness) {
+                    return Some(row);
+                }
+            }
+        }
+        None
+    }
+
+    /// May any sample of `rect` from row `from` of tiles on show a box, by its outline and its front sides?
+    #[inline(always)]
+    fn sees_outline<S: Simd>(
+        &self,
+        simd: S,
+        rect: &Rect,
+        from: usize,
+        nearest: f32,
+        outline: &Outline,
+    ) -> bool {
+        for row in from..tiles(rect.y0, rect.y1, ROWS).end {
+            let Some((band, _)) = Band::held(simd, (row * BAND) as u16, rect, outline.lines()) else {
+                continue;
+            };
+            let across = Across::new(&band);
+            for column in across.tiles() {
+                let index = row * self.columns + column;
+                if nearest < self.farthest[index] {
+                    continue;
+                }
+                let nearness = outline.over_tile([column * COLUMNS, row * ROWS], rect, nearest);
+                if self.tiles[index].sees(&across.samples(column), &nearness) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+}

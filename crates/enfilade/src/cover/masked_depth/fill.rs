@@ -1,0 +1,215 @@
+//! Lets occluders into the tiles.
+//!
+//! Where an occluder is, is decided by the half-planes of its edges, as for the faces of exact covers: of two that share
+//! an edge each sample belongs to exactly one. How near it is, is the least of its plane over a sub-tile.
+//! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, sections 3.1 and 3.3.
+//! Cost: an occluder O(bands of eight rows · corners) + O(tiles it reaches into).
+//! Conservative: nearness is rounded down, and what is before the near distance or the last portal is left out.
+
+use super::grid::Grid;
+use super::tile::{Across, COLUMNS, Nearness, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES};
+use crate::aperture::Rect;
+use crate::cover::band::{BAND, Band};
+use crate::cover::half_plane::HalfPlane;
+use crate::cover::part::{Part, greater, smaller};
+use crate::occluders::Occluder;
+use crate::passage::Passage;
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
+use glam::DVec3;
+
+/// Turns occluders into samples.
+pub(super) struct Fill {
+    level: Level,
+    planes: Vec<HalfPlane>,
+    part: Part,
+}
+
+/// By how much an occluder's plane must be beyond the near distance, relatively: the surface, which alone is there or
+/// not, may be nearer than the plane by any factor below this.
+const BEYOND_NEAR: f64 = 4.0;
+
+/// By how much it must be beyond the last portal, relatively, besides what its corners tell: see [`Fill::set_up`].
+const BEYOND_ENTRY: f64 = 1.0 + 1.0 / (1_u64 << 8) as f64;
+
+/// What the last bits of products and sums of three may come to, relatively to the largest, and ample.
+const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
+
+/// By how much nearness is lowered before it is stored: what rounding to f32 may add, and what multiplying does.
+const ROUND_DOWN: f64 = 1.0 - 1.0 / (1_u64 << 23) as f64;
+
+/// How near an occluder is.
+struct Slope {
+    /// Nearness is at least `at · (x, y, 1)`.
+    at: DVec3,
+    /// And at least this.
+    least: f64,
+}
+
+impl Fill {
+    pub(super) fn at(level: Level) -> Fill {
+        Fill {
+            level,
+            planes: Vec::new(),
+            part: Part::default(),
+        }
+    }
+
+    /// Lets an occluder hide what is behind it; gives the number of samples it covers. One that is not sound, or seen
+    /// edge-on, hides nothing.
+    pub(super) fn hide(&mut self, grid: &mut Grid, occluder: &Occluder, passage: &Passage) -> u64 {
+        dispatch!(self.level, simd => self.hide_at(simd, grid, occluder, passage))
+    }
+
+    #[inline(always)]
+    fn hide_at<S: Simd>(&mut self, simd: S, grid: &mut Grid, occluder: &Occluder, passage: &Passage) -> u64 {
+        let Some((rect, slope)) = self.set_up(occluder, passage, &grid.rect) else {
+            return 0;
+        };
+        let mut covered = 0;
+        let mut y = rect.y0 - rect.y0 % BAND as u16;
+        while y < rect.y1 {
+            if let Some((band, samples)) = Band::held(simd, y, &rect, &self.planes) {
+                covered += samples;
+                grid.cover(&band, &slope);
+            }
+            y += BAND as u16;
+        }
+        covered
+    }
+
+    /// The half-planes that hold the occluder, a rectangle around it, and how near it is.
+    #[inline(always)]
+    fn set_up(&mut self, occluder: &Occluder, passage: &Passage, limits: &Rect) -> Option<(Rect, Slope)> {
+        let Occluder { corners, plane } = *occluder;
+        let near = f64::from(passage.near);
+        let (&first, others) = corners.split_first()?;
+        let at = plane.0 / plane.1;
+        if !(plane.1 > 0.0 && at.is_finite()) {
+            return None;
+        }
+        let [mut nearest, mut farthest] = [f64::INFINITY, f64::NEG_INFINITY];
+        let [mut low, mut high] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+        let mut least = f64::INFINITY;
+        let mut surface = f64::INFINITY;
+        let mut normal = DVec3::ZERO;
+        for (i, &corner) in corners.iter().enumerate() {
+            if !corner.is_finite() {
+                return None;
+            }
+            nearest = smaller(corner.z, nearest);
+            farthest = greater(corner.z, farthest);
+            let per_w = 1.0 / corner.z;
+            for (axis, value) in [corner.x * per_w, corner.y * per_w].into_iter().enumerate() {
+                low[axis] = smaller(value, low[axis]);
+                high[axis] = greater(value, high[axis]);
+            }
+            // What reaches behind the eye only comes nearer there.
+            let here = at.dot(corner);
+            surface = smaller(here, surface);
+            if corner.z > 0.0 || here < 0.0 {
+                least = smaller(if corner.z > 0.0 { here * per_w } else { 0.0 }, least);
+            }
+            if i > 1 {
+                normal += (corners[i - 1] - first).cross(corner - first);
+            }
+        }
+        if others.len() < 2 || farthest <= near {
+            return None;
+        }
+        let crosses_near = nearest <= near * BEYOND_NEAR;
+        let rect = if crosses_near {
+            self.part.rect(corners, near, &[], limits)
+        } else {
+            Rect::around(low, high, limits)
+        };
+        // Which way round it is seen, by its corners and by its plane: edge-on neither can be told.
+        let determinant = normal.dot(first);
+        let told = determinant * normal.dot(at) > 0.0;
+        if rect.is_empty() || !told {
+            return None;
+        }
+        let side = if determinant < 0.0 { -1.0 } else { 1.0 };
+        self.planes.clear();
+        let mut from = corners[corners.len() - 1];
+        for &to in corners {
+            if from != to {
+                self.planes.push(HalfPlane::edge(from, to, side));
+            }
+            from = to;
+        }
+        if crosses_near {
+            let at_near = DVec3::new(0.0, 0.0, 1.0 / (near * BEYOND_NEAR));
+            self.planes.push(HalfPlane::new(at_near - at));
+        }
+        if let Some((entry, distance)) = passage.entry {
+            // Corners stand before the plane by as much as it was pushed back, the surface by twice that at most: with
+            // corners at 1 - s of the way to the plane, (1 - s)⁻³ is more than 1 / (1 - 2s) as long as s is below 1/3.
+            let pushed = if surface > 0.0 {
+                1.0 / surface
+            } else {
+                f64::INFINITY
+            };
+            let beyond = BEYOND_ENTRY * greater(pushed * pushed * pushed, 1.0);
+            self.planes.push(HalfPlane::new(entry - at * (distance * beyond)));
+        }
+        if !self.planes.iter().all(HalfPlane::is_finite) {
+            return None;
+        }
+        let most = at
+            .abs()
+            .dot(DVec3::new(f64::from(limits.x1), f64::from(limits.y1), 1.0));
+        let at = DVec3::new(at.x, at.y, at.z - most * ROUNDING);
+        let least = least * (1.0 - ROUNDING);
+        Some((rect, Slope { at, least }))
+    }
+}
+
+impl Grid {
+    /// Something covers the samples of a band.
+    #[inline(always)]
+    fn cover(&mut self, band: &Band, slope: &Slope) {
+        let across = Across::new(band);
+        let row = usize::from(band.y) / ROWS;
+        for column in across.tiles() {
+            let nearness = slope.over_tile([column * COLUMNS, row * ROWS]);
+            let index = row * self.columns + column;
+            let mut any_nearer = false;
+            for nearness in nearness {
+                any_nearer |= nearness > self.farthest[index];
+            }
+            if !any_nearer {
+                continue;
+            }
+            let tile = &mut self.tiles[index];
+            tile.cover(&across.samples(column), &nearness);
+            self.farthest[index] = tile.farthest();
+        }
+    }
+}
+
+impl Slope {
+    /// The least nearness over each sub-tile of the tile at column and row `at`, rounded down.
+    #[inline(always)]
+    fn over_tile(&self, at: [usize; 2]) -> Nearness {
+        let DVec3 { x, y, z } = self.at;
+        // Linear, so least at a corner.
+        let last = [SUB_COLUMNS as f64 - 0.5, SUB_ROWS as f64 - 0.5];
+        let column = at[0] as f64 + if x < 0.0 { last[0] } else { 0.5 };
+        let row = at[1] as f64 + if y < 0.0 { last[1] } else { 0.5 };
+        let mut all = [0.0; SUB_TILES];
+        for (sub, least) in all.iter_mut().enumerate() {
+            let [across, down] = [sub % 4 * SUB_COLUMNS, sub / 4 * SUB_ROWS];
+            let nearness = (column + across as f64) * x + ((row + down as f64) * y + z);
+            let nearness = greater(nearness, self.least) * ROUND_DOWN;
+            // Below the least normal number rounding is coarser: that is as far as can be.
+            let nearness = smaller(nearness, f64::from(f32::MAX)) as f32;
+            *least = if nearness < f32::MIN_POSITIVE {
+                0.0
+            } else {
+                nearness
+            };
+        }
+        all
+    }
+}

@@ -1,0 +1,57 @@
+//! The tiles of a screen.
+
+use super::tile::{Across, COLUMNS, ROWS, Tile, tiles};
+use crate::aperture::Rect;
+use crate::cover::band::{BAND, Band};
+use crate::passage::Passage;
+
+/// The tiles of the rows and columns of a passage's rectangle, counted from the corner of the screen.
+#[derive(Default)]
+pub(super) struct Grid {
+    pub(super) rect: Rect,
+    pub(super) columns: usize,
+    pub(super) tiles: Vec<Tile>,
+    /// [`Tile::farthest`] of each: most questions are answered by it.
+    pub(super) farthest: Vec<f32>,
+    open: [Vec<[u16; 2]>; BAND],
+}
+
+impl Grid {
+    /// Opens the samples of the aperture, and closes the others of its rectangle.
+    pub(super) fn clear(&mut self, passage: &Passage) {
+        self.rect = passage.aperture.rect();
+        let Rect { x0, y0, x1, y1 } = self.rect;
+        self.columns = usize::from(x1).div_ceil(COLUMNS);
+        let needed = self.columns * usize::from(y1).div_ceil(ROWS);
+        if self.tiles.len() < needed {
+            self.tiles.resize(needed, Tile::CLOSED);
+            self.farthest.resize(needed, f32::INFINITY);
+        }
+        for row in tiles(y0, y1, ROWS) {
+            for column in tiles(x0, x1, COLUMNS) {
+                self.tiles[row * self.columns + column] = Tile::CLOSED;
+            }
+            let y = (row * ROWS) as u16;
+            for (y, open) in (y..).zip(&mut self.open) {
+                passage.aperture.open_in_row(y, open);
+                if !(y0..y1).contains(&y) {
+                    open.clear();
+                }
+            }
+            // The first run of each row, then the second of each.
+            let most = self.open.iter().map(Vec::len).max().unwrap_or(0);
+            for number in 0..most {
+                let runs = std::array::from_fn(|row| self.open[row].get(number).copied().unwrap_or([0; 2]));
+                let band = Band { y, runs };
+                let across = Across::new(&band);
+                for column in across.tiles() {
+                    self.tiles[row * self.columns + column].open(&across.samples(column));
+                }
+            }
+            for column in tiles(x0, x1, COLUMNS) {
+                let index = row * self.columns + column;
+                self.farthest[index] = self.tiles[index].farthest();
+            }
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! The outline of a box on the screen, and how near its front sides are: tighter than a rectangle and one nearness.
+//!
+//! At most six edges part what is seen of a box from what is not, those between a side that faces the eye and one that
+//! does not; only their directions are taken from there, and each line is put where all eight corners are behind it.
+//! What is seen first of a box lies on its front sides, and on the farthest of their planes: rays that meet it have
+//! passed all of them.
+//! Source: the directions as in Schmalstieg, Tobler, Real-time Bounding Box Area Computation, 1999.
+//! Cost: O(1), about as much as setting up four triangles.
+//! Conservative: lines are moved outwards and planes towards the eye by more than rounding may come to.
+
+use super::tile::{COLUMNS, Nearness, SUB_COLUMNS, SUB_ROWS, SUB_TILES};
+use crate::aperture::Rect;
+use crate::cover::half_plane::HalfPlane;
+use crate::cover::part::{greater, smaller};
+use crate::region::Volume;
+use glam::DVec3;
+
+/// What may be seen of a box before anything hides it.
+pub(super) struct Outline {
+    lines: [HalfPlane; 6],
+    line_count: usize,
+    /// Nearness is at most each of these · (x, y, 1).
+    fronts: [DVec3; 3],
+    front_count: usize,
+}
+
+/// How far lines are moved outwards, in pixels.
+const SLACK: f64 = 1.0 / 1024.0;
+
+/// What the last bits of products and sums of three may come to, relatively to the largest, and ample.
+const ROUNDING: f64 = 1.0 / (1_u64 << 46) as f64;
+
+/// As `ROUND_UP` of regions.
+const ROUND_UP: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
+
+impl Outline {
+    /// `None` where the box reaches before the near distance, or the eye may stand in it.
+    #[inline(always)]
+    pub(super) fn of(volume: &Volume, near: f64, limits: &Rect) -> Option<Outline> {
+        let [mut xs, mut ys] = [[0.0; 8], [0.0; 8]];
+        let mut nearest = f64::INFINITY;
+        let mut reach = 0.0;
+        for (corner, (x, y)) in volume.corners().into_iter().zip(xs.iter_mut().zip(&mut ys)) {
+            let per_w = 1.0 / corner.z;
+            [*x, *y] = [corner.x * per_w, corner.y * per_w];
+            nearest = smaller(corner.z, nearest);
+            reach = greater(x.abs() + y.abs(), reach);
+        }
+        // Also where something is not a number.
+        if !(nearest > near && reach < f64::INFINITY) {
+            return None;
+        }
+        let mut outline = Outline {
+            lines: [HalfPlane::NONE; 6],
+            line_count: 0,
+            fronts: [DVec3::ZERO; 3],
+            front_count: 0,
+        };
+        let facing = outline.add_fronts(volume, limits);
+        if outline.front_count == 0 {
+            return None;
+        }
+        for axis in 0..3 {
+            let [i, j] = [(axis + 1) % 3, (axis + 2) % 3];
+            for ends in [[0, 0], [0, 1], [1, 0], [1, 1]] {
+                if (facing[i] == Some(ends[0])) != (facing[j] == Some(ends[1])) {
+                    let from = ends[0] << i | ends[1] << j;
+                    outline.add_line(&xs, &ys, [from, from | 1 << axis], reach);
+                }
+            }
+        }
+        Some(outline)
+    }
+
+    /// Adds the planes of the sides that face the eye. For each axis: does the side at its beginning (0) or its end (1)?
+    #[inline(always)]
+    fn add_fronts(&mut self, volume: &Volume, limits: &Rect) -> [Option<usize>; 3] {
+        let Volume { origin, sides } = *volume;
+        let most = DVec3::new(f64::from(limits.x1), f64::from(limits.y1), 1.0);
+        let mut facing = [None; 3];
+        for axis in 0..3 {
+            let [a, b] = [sides[(axis + 1) % 3], sides[(axis + 2) % 3]];
+            let normal = a.cross(b);
+            // What its parts were before they were subtracted.
+            let [a, b] = [a.abs(), b.abs()];
+            let size = DVec3::new(
+                a.y * b.z + a.z * b.y,
+                a.z * b.x + a.x * b.z,
+                a.x * b.y + a.y * b.x,
+            );
+            let [start, across] = [normal.dot(origin), normal.dot(sides[axis])];
+            let error = size.dot(origin.abs() + sides[axis].abs()) * ROUNDING;
+            let [low, high] = [start + smaller(across, 0.0), start + greater(across, 0.0)];
+            let (normal, distance) = if low > 0.0 {
+                (normal, low)
+            } else {
+                (-normal, -high)
+            };
+            // Not so where both are zero: such a side has no area.
+            let faces_the_eye = distance > 2.0 * error;
+            if !faces_the_eye {
+                continue;
+            }
+            facing[axis] = Some(usize::from((low > 0.0) == (across < 0.0)));
+            let lifted = DVec3::new(normal.x, normal.y, normal.z + size.dot(most) * ROUNDING);
+            self.fronts[self.front_count] = lifted / (distance - error);
+            self.front_count += 1;
+        }
+        facing
+    }
+
+    /// Adds a line in the direction between two corners, all corners on one side of it.
+    #[inline(always)]
+    fn add_line(&mut self, xs: &[f64; 8], ys: &[f64; 8], [from, to]: [usize; 2], reach: f64) {
+        let [a, b] = [ys[from] - ys[to], xs[to] - xs[from]];
+        if self.line_count == self.lines.len() || (a == 0.0 && b == 0.0) {
+            return;
+        }
+        let [mut least, mut greatest] = [f64::INFINITY, f64::NEG_INFINITY];
+        for (x, y) in xs.iter().zip(ys) {
+            let value = a * x + b * y;
+            least = smaller(value, least);
+            greatest = greater(value, greatest);
+        }
+        let own = a * xs[from] + b * ys[from];
+        let slack = (a.abs() + b.abs()) * (SLACK + reach * ROUNDING);
+        let line = if greatest - own >= own - least {
+            HalfPlane::new(DVec3::new(a, b, slack - least))
+        } else {
+            HalfPlane::new(DVec3::new(-a, -b, slack + greatest))
+        };
+        if line.is_finite() {
+            self.lines[self.line_count] = line;
+            self.line_count += 1;
+        }
+    }
+
+    /// The lines that part what is seen of the box from what is not.
+    #[inline(always)]
+    pub(super) fn lines(&self) -> &[HalfPlane] {
+        &self.lines[..self.line_count]
+    }
+
+    /// The nearest that the box may be at a point of the screen; below zero where it is not.
+    #[inline(always)]
+    pub(super) fn nearness_at(&self, [x, y]: [f64; 2]) -> f64 {
+        let mut nearness = f64::INFINITY;
+        for front in &self.fronts[..self.front_count] {
+            nearness = smaller(x * front.x + (y * front.y + front.z), nearness);
+        }
+        for line in self.lines() {
+            nearness = if line.holds(x, y) {
+                nearness
+            } else {
+                f64::NEG_INFINITY
+            };
+        }
+        nearness
+    }
+
+    /// The nearest that the box may be at samples of `rect` in each sub-tile of the tile at column and row `at`, and no
+    /// nearer than `nearest`.
+    #[inline(always)]
+    pub(super) fn over_tile(&self, at: [usize; 2], rect: &Rect, nearest: f32) -> Nearness {
+        let across = COLUMNS / SUB_COLUMNS;
+        let mut all = [0.0; SUB_TILES];
+        for (sub, most) in all.iter_mut().enumerate() {
+            let [x0, y0] = [
+                at[0] + sub % across * SUB_COLUMNS,
+                at[1] + sub / across * SUB_ROWS,
+            ];
+            // Linear, so greatest at a corner.
+            let columns = [
+                greater(x0 as f64, f64::from(rect.x0)) + 0.5,
+                smaller((x0 + SUB_COLUMNS) as f64, f64::from(rect.x1)) - 0.5,
+            ];
+            let rows = [
+                greater(y0 as f64, f64::from(rect.y0)) + 0.5,
+                smaller((y0 + SUB_ROWS) as f64, f64::from(rect.y1)) - 0.5,
+            ];
+            let mut nearness = f64::INFINITY;
+            for front in &self.fronts[..self.front_count] {
+                let column = if front.x > 0.0 { columns[1] } else { columns[0] };
+                let row = if front.y > 0.0 { rows[1] } else { rows[0] };
+                nearness = smaller(column * front.x + (row * front.y + front.z), nearness);
+            }
+            let nearness = (greater(nearness, 0.0) * ROUND_UP) as f32;
+            *most = if nearness < nearest { nearness } else { nearest };
+        }
+        all
+    }
+}

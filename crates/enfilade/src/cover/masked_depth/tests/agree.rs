@@ -1,0 +1,130 @@
+//! Occluders cover the very samples that exact covers give to the same faces.
+
+use super::*;
+use crate::content::{ContentBuilder, ItemId, Material, MaterialId};
+use crate::cover::raster::{Band, Raster, Sink};
+use crate::cover::triangle::Triangle;
+use crate::faces::Faces;
+use crate::geom::Transform;
+use crate::mesh::{Mesh, Part};
+
+/// The samples of a face, by the rasteriser.
+struct Held(Vec<bool>, usize);
+
+impl Sink for Held {
+    fn hides(&mut self, _rect: &Rect, _nearest: f32) -> bool {
+        false
+    }
+
+    fn band(&mut self, band: &Band, _triangle: &Triangle) {
+        for (y, [x0, x1]) in band.rows() {
+            self.0[usize::from(y) * self.1..][usize::from(x0)..usize::from(x1)].fill(true);
+        }
+    }
+}
+
+/// The same face by both: true where the buffer covers less than the rasteriser, which it never exceeds.
+fn lost(corners: &[[f32; 3]], passage: &Passage) -> (Vec<bool>, Polygon, usize) {
+    let mut builder = ContentBuilder::new([Material {
+        double_sided: true,
+        ..Material::opaque([1.0; 3])
+    }]);
+    let order: Vec<u32> = (0..corners.len() as u32).collect();
+    let part = Part {
+        positions: corners,
+        corners: &order,
+        sides: Some(&[corners.len() as u32]),
+        material: MaterialId(0),
+    };
+    let mesh = builder.mesh(Mesh::new(&[part]).expect("flat and convex"));
+    builder.item("face", mesh, Transform::IDENTITY);
+    let content = builder.build().expect("one sound face");
+    let [width, height] = passage.size.map(|side| side as usize);
+    let mut held = Held(vec![false; width * height], width);
+    let faces = Faces::of_cluster(&content, ItemId(0), 0, &passage.screen_from_fragment);
+    Raster::default().run(&faces, passage, &mut held, &mut Stats::default());
+    let corners: Vec<DVec3> = corners
+        .iter()
+        .map(|&corner| DVec3::from(corner.map(f64::from)))
+        .collect();
+    let polygon = Polygon::new(&corners, passage);
+    let mut cover = MaskedDepth::default();
+    Hides::clear(&mut cover, passage);
+    cover.hide(&polygon.occluder(), passage, &mut Stats::default());
+    let mut covered = 0;
+    let mut lost = vec![false; width * height];
+    for (x, y) in samples(cover.grid.rect) {
+        let at = usize::from(y) * width + usize::from(x);
+        let known = cover.known(x, y) > 0.0;
+        assert!(held.0[at] || !known, "{x}, {y} is not of {corners:?}");
+        covered += usize::from(known);
+        lost[at] = held.0[at] && !known;
+    }
+    (lost, polygon, covered)
+}
+
+/// Nearness of a polygon's plane at each sample, and whether that is plainly beyond the near distance.
+fn plainly_there(polygon: &Polygon, passage: &Passage, at: usize) -> bool {
+    let [x, y] = [at % passage.size[0] as usize, at / passage.size[0] as usize];
+    let ray = DVec3::new(x as f64 + 0.5, y as f64 + 0.5, 1.0);
+    polygon.plane.0.dot(ray) / polygon.plane.1 * f64::from(passage.near) * 4.02 < 1.0
+}
+
+#[test]
+fn a_triangle_covers_the_samples_that_it_owns() {
+    let [mut dice, mut total] = [(); 2].map(|()| Dice::new(5));
+    let mut covered = 0;
+    for round in 0..6000 {
+        let mut passage = passage([[77, 43], [64, 64]][round % 2]);
+        passage.near = [0.01, 0.5][round / 2 % 2];
+        let distance = dice.by_ratio(0.02, 100.0);
+        let reach = distance * dice.by_ratio(0.003, 100.0);
+        let center = DVec3::new(dice.between(-1.0, 1.0), dice.between(-0.6, 0.6), -1.0) * distance;
+        let mut corners = [(); 3].map(|()| center + dice.unit() * dice.roll() * reach);
+        if total.roll() < 0.2 {
+            // A sliver.
+            corners[2] = corners[0] + (corners[1] - corners[0]) * dice.between(-0.5, 1.5);
+        }
+        let corners = corners.map(|corner| corner.as_vec3().to_array());
+        let (lost, polygon, now) = lost(&corners, &passage);
+        covered += now;
+        for at in (0..lost.len()).filter(|&at| lost[at]) {
+            assert!(
+                !plainly_there(&polygon, &passage, at),
+                "{at} of {corners:?} in {round}"
+            );
+        }
+    }
+    assert!(covered > 100_000, "{covered}");
+}
+
+#[test]
+fn a_polygon_of_many_corners_covers_the_samples_that_it_owns() {
+    let mut dice = Dice::new(6);
+    let mut covered = 0;
+    for round in 0..2000 {
+        let mut view = View::new([0.0; 3], [0.0, 0.0, -1.0], [80, 50]);
+        view.toward = (DVec3::NEG_Z + 0.8 * dice.unit()).as_vec3().to_array();
+        let passage = Passage::at_the_eye(&view, FragmentId(0), false);
+        let count = 3 + round % 8;
+        let distance = -dice.by_ratio(0.05, 20.0) as f32;
+        let radius = -f64::from(distance) * dice.by_ratio(0.02, 20.0);
+        let [x, y] = [(); 2].map(|()| dice.between(-0.6, 0.6) * radius);
+        let corners: Vec<[f32; 3]> = (0..count)
+            .map(|i| {
+                let angle = i as f64 / count as f64 * std::f64::consts::TAU;
+                [x + radius * angle.cos(), y + radius * angle.sin()].map(|value| value as f32)
+            })
+            .map(|[x, y]| [x, y, distance])
+            .collect();
+        let (lost, polygon, now) = lost(&corners, &passage);
+        covered += now;
+        for at in (0..lost.len()).filter(|&at| lost[at]) {
+            assert!(
+                !plainly_there(&polygon, &passage, at),
+                "{at} of {corners:?} in {round}"
+            );
+        }
+    }
+    assert!(covered > 100_000, "{covered}");
+}

@@ -1,0 +1,170 @@
+//! The buffer against a plain array of one nearness for each sample.
+
+mod agree;
+mod cases;
+mod oracle;
+
+use super::*;
+use crate::aperture::Rect;
+use crate::region::Volume;
+use crate::scene::FragmentId;
+use crate::view::View;
+use glam::{DAffine3, DVec3};
+use oracle::*;
+
+/// A buffer and an oracle that took the same polygons.
+fn filled(passage: &Passage, polygons: &[Polygon]) -> (MaskedDepth, Oracle) {
+    let mut cover = MaskedDepth::default();
+    // Something is left from the last passage.
+    cover.clear(passage);
+    let before = [[-9.0, -9.0, -0.1], [9.0, -9.0, -0.1], [0.0, 9.0, -0.1]].map(DVec3::from);
+    let before = Polygon::new(&before, passage);
+    cover.hide(&before.occluder(), passage, &mut Stats::default());
+    cover.clear(passage);
+    let mut oracle = Oracle::new(passage);
+    for polygon in polygons {
+        cover.hide(&polygon.occluder(), passage, &mut Stats::default());
+        oracle.add(polygon);
+    }
+    (cover, oracle)
+}
+
+impl MaskedDepth {
+    fn known(&self, x: u16, y: u16) -> f32 {
+        let [column, row] = [usize::from(x) / COLUMNS, usize::from(y) / ROWS];
+        let tile = &self.grid.tiles[row * self.grid.columns + column];
+        tile.known(usize::from(x) % COLUMNS, usize::from(y) % ROWS)
+    }
+
+    fn sees_rect(&self, rect: &Rect, nearest: f32) -> bool {
+        self.grid
+            .first_seen(&rect.intersection(&self.grid.rect), nearest)
+            .is_some()
+    }
+}
+
+#[test]
+fn nothing_is_stored_nearer_than_the_truth() {
+    let mut known = 0;
+    for seed in 0..400 {
+        let mut dice = Dice::new(seed);
+        let passage = passages(seed, &mut dice);
+        let count = 1 + (40.0 * dice.roll() * dice.roll()) as usize;
+        let polygons = polygons(&mut dice, &passage, count);
+        let (cover, oracle) = filled(&passage, &polygons);
+        for (x, y) in samples(cover.grid.rect) {
+            let at = oracle.at(x, y);
+            let stored = cover.known(x, y);
+            assert_eq!(
+                stored == f32::INFINITY,
+                !oracle.open[at],
+                "{x}, {y} of scene {seed}"
+            );
+            if oracle.open[at] {
+                assert!(
+                    f64::from(stored) <= oracle.nearness[at],
+                    "{x}, {y} of scene {seed}: {stored} for {}",
+                    oracle.nearness[at]
+                );
+                known += usize::from(stored > 0.0);
+            }
+        }
+    }
+    assert!(known > 100_000, "almost nothing is covered: {known}");
+}
+
+#[test]
+fn a_rectangle_is_hidden_only_where_everything_before_it_is_nearer() {
+    let [mut hidden, mut known] = [0, 0];
+    for seed in 0..200 {
+        let mut dice = Dice::new(seed);
+        let passage = passages(seed, &mut dice);
+        let polygons = polygons(&mut dice, &passage, 25);
+        let (cover, oracle) = filled(&passage, &polygons);
+        let Rect { x0, y0, x1, y1 } = cover.grid.rect;
+        for _ in 0..200 {
+            let column = |dice: &mut Dice| x0 + (f64::from(x1 - x0) * dice.roll()) as u16;
+            let row = |dice: &mut Dice| y0 + (f64::from(y1 - y0) * dice.roll()) as u16;
+            let [left, right] = [column(&mut dice), column(&mut dice)];
+            let [top, bottom] = [row(&mut dice), row(&mut dice)];
+            let rect = Rect {
+                x0: left.min(right),
+                y0: top.min(bottom),
+                x1: left.max(right) + 1,
+                y1: top.max(bottom) + 1,
+            };
+            let nearest = dice.by_ratio(0.01, 30.0) as f32;
+            let seen = oracle.sees(rect, |_, _| Some(f64::from(nearest)));
+            known += u32::from(!seen);
+            if !cover.sees_rect(&rect, nearest) {
+                hidden += 1;
+                assert!(!seen, "{rect:?} at {nearest} of scene {seed}");
+            }
+        }
+    }
+    assert!(hidden > 2000 && hidden * 10 > known * 8, "{hidden} of {known}");
+}
+
+#[test]
+fn a_box_is_hidden_only_where_no_ray_meets_it_first() {
+    let [mut hidden, mut by_rect, mut known] = [0, 0, 0];
+    for seed in 0..300 {
+        let mut dice = Dice::new(seed + 1000);
+        let passage = passages(seed, &mut dice);
+        let polygons = polygons(&mut dice, &passage, 30);
+        let (mut cover, oracle) = filled(&passage, &polygons);
+        for _ in 0..200 {
+            let Some(region) = region_of(&passage, &random_box(&mut dice)) else {
+                continue;
+            };
+            let seen = oracle.sees(oracle.all(), |x, y| {
+                let nearness = nearness_of(&region.volume, x, y)?;
+                let ray = DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, 1.0);
+                let beyond = oracle
+                    .entry
+                    .is_none_or(|(normal, d)| normal.dot(ray) > d * nearness);
+                // What is nearer than the near distance is not seen, but the rest of the box may be.
+                beyond.then_some(nearness.min(1.0 / oracle.near))
+            });
+            known += u32::from(!seen);
+            by_rect += u32::from(!cover.sees_rect(&region.rect, region.nearest));
+            if cover.sees(&region) == Sight::Hidden {
+                hidden += 1;
+                assert!(!seen, "{region:?} of scene {seed}");
+            }
+        }
+    }
+    // So tight it is: of what no ray meets, as much; and the outline is worth its while.
+    assert!(known > 10_000 && hidden * 100 > known * 92, "{hidden} of {known}");
+    assert!(
+        hidden * 100 > by_rect * 140,
+        "{hidden}, {by_rect} by their rectangles"
+    );
+}
+
+#[test]
+fn every_simd_level_says_the_same() {
+    let mut hidden = 0;
+    for seed in 0..60 {
+        let mut dice = Dice::new(seed + 2000);
+        let passage = passages(seed, &mut dice);
+        let polygons = polygons(&mut dice, &passage, 30);
+        let boxes: Vec<DAffine3> = (0..100).map(|_| random_box(&mut dice)).collect();
+        let [(known, seen), widest] = [Level::baseline(), Level::new()].map(|level| {
+            let mut cover = MaskedDepth::at(level);
+            cover.clear(&passage);
+            for polygon in &polygons {
+                cover.hide(&polygon.occluder(), &passage, &mut Stats::default());
+            }
+            let known: Vec<u32> = samples(cover.grid.rect)
+                .map(|(x, y)| cover.known(x, y).to_bits())
+                .collect();
+            let regions = boxes.iter().filter_map(|at| region_of(&passage, at));
+            let seen: Vec<Sight> = regions.map(|region| cover.sees(&region)).collect();
+            (known, seen)
+        });
+        hidden += seen.iter().filter(|&&sight| sight == Sight::Hidden).count();
+        assert!((known, seen) == widest, "scene {seed}");
+    }
+    assert!(hidden > 500, "{hidden}");
+}

@@ -1,0 +1,280 @@
+//! A plain array of one nearness for each sample, and random things to put into it.
+
+use super::*;
+use crate::aperture::Rows;
+use crate::geom::Aabb;
+use crate::geom::ConvexPolygon;
+
+/// Numbers from 0 to 1 that look random; the same for the same seed.
+pub(super) struct Dice(u64);
+
+impl Dice {
+    pub(super) fn new(seed: u64) -> Dice {
+        Dice(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
+    }
+
+    pub(super) fn roll(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.roll()
+    }
+
+    /// From `low` to `high`, as many below the middle by ratio as above.
+    pub(super) fn by_ratio(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.roll())
+    }
+
+    pub(super) fn unit(&mut self) -> DVec3 {
+        let point = DVec3::new(self.roll(), self.roll(), self.roll()) - 0.5;
+        point.normalize_or(DVec3::X)
+    }
+}
+
+/// A convex polygon in the space of a passage, as corners and plane.
+#[derive(Clone, Debug)]
+pub(super) struct Polygon {
+    pub(super) corners: Vec<DVec3>,
+    pub(super) plane: (DVec3, f64),
+}
+
+impl Polygon {
+    /// The plane through corners that are given in the space of the fragment.
+    pub(super) fn new(corners: &[DVec3], passage: &Passage) -> Polygon {
+        let corners: Vec<DVec3> = corners
+            .iter()
+            .map(|&c| passage.screen_from_fragment.transform_point3(c))
+            .collect();
+        let normal = (2..corners.len())
+            .map(|i| (corners[i - 1] - corners[0]).cross(corners[i] - corners[0]))
+            .sum::<DVec3>()
+            .normalize_or_zero();
+        // Behind all corners, as far as rounding goes.
+        let side = if normal.dot(corners[0]) < 0.0 { -1.0 } else { 1.0 };
+        let farthest = corners.iter().map(|c| side * normal.dot(*c)).fold(0.0, f64::max);
+        Polygon {
+            corners,
+            plane: (side * normal, farthest * (1.0 + 1e-12)),
+        }
+    }
+
+    /// A regular polygon that some of the sides of are cut short.
+    pub(super) fn random(dice: &mut Dice, passage: &Passage, center: DVec3, radius: f64) -> Polygon {
+        let [u, v] = [dice.unit(), dice.unit()];
+        let v = u.cross(v).normalize_or(u.any_orthonormal_vector());
+        let u = v.cross(u).normalize_or_zero();
+        let count = 3 + (4.0 * dice.roll()) as usize;
+        let squash = dice.by_ratio(1e-3, 1.0);
+        let corners: Vec<DVec3> = (0..count)
+            .map(|i| {
+                let angle = (i as f64 + dice.between(0.0, 0.9)) / count as f64 * std::f64::consts::TAU;
+                center + radius * (u * angle.cos() + v * (squash * angle.sin()))
+            })
+            .collect();
+        Polygon::new(&corners, passage)
+    }
+
+    pub(super) fn occluder(&self) -> Occluder<'_> {
+        Occluder {
+            corners: &self.corners,
+            plane: self.plane,
+        }
+    }
+}
+
+/// What is at each sample.
+pub(super) struct Oracle {
+    pub(super) size: [u16; 2],
+    pub(super) near: f64,
+    pub(super) entry: Option<(DVec3, f64)>,
+    pub(super) open: Vec<bool>,
+    pub(super) nearness: Vec<f64>,
+}
+
+pub(super) fn samples(rect: Rect) -> impl Iterator<Item = (u16, u16)> {
+    (rect.y0..rect.y1).flat_map(move |y| (rect.x0..rect.x1).map(move |x| (x, y)))
+}
+
+impl Oracle {
+    pub(super) fn new(passage: &Passage) -> Oracle {
+        let size = passage.size.map(|side| side as u16);
+        let mut open = vec![false; usize::from(size[0]) * usize::from(size[1])];
+        let mut runs = Vec::new();
+        for y in 0..size[1] {
+            passage.aperture.open_in_row(y, &mut runs);
+            for &[x0, x1] in &runs {
+                let row = usize::from(y) * usize::from(size[0]);
+                open[row + usize::from(x0)..row + usize::from(x1)].fill(true);
+            }
+        }
+        Oracle {
+            size,
+            near: f64::from(passage.near),
+            entry: passage.entry,
+            nearness: vec![0.0; open.len()],
+            open,
+        }
+    }
+
+    pub(super) fn at(&self, x: u16, y: u16) -> usize {
+        usize::from(y) * usize::from(self.size[0]) + usize::from(x)
+    }
+
+    pub(super) fn all(&self) -> Rect {
+        let [x1, y1] = self.size;
+        Rect { x0: 0, y0: 0, x1, y1 }
+    }
+
+    pub(super) fn add(&mut self, polygon: &Polygon) {
+        let Polygon { corners, plane } = polygon;
+        for (x, y) in samples(self.all()) {
+            let ray = DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, 1.0);
+            let nearness = plane.0.dot(ray) / plane.1;
+            let sides = (0..corners.len()).map(|i| {
+                let [from, to] = [corners[i], corners[(i + 1) % corners.len()]];
+                let normal = from.cross(to);
+                normal.dot(ray) / normal.truncate().length().max(f64::MIN_POSITIVE)
+            });
+            // A little more than it covers, so that what the buffer is held to is no more than the truth.
+            let mut signs = [true, true];
+            for distance in sides {
+                signs[0] &= distance > -1e-7;
+                signs[1] &= distance < 1e-7;
+            }
+            let inside = (signs[0] || signs[1]) && nearness > 0.0 && nearness * self.near < 1.0;
+            let beyond = self
+                .entry
+                .is_none_or(|(normal, d)| normal.dot(ray) > d * nearness);
+            if inside && beyond {
+                let at = self.at(x, y);
+                self.nearness[at] = self.nearness[at].max(nearness);
+            }
+        }
+    }
+
+    /// Does any open sample of `rect` show what is as near as `nearness(x, y)`?
+    pub(super) fn sees(&self, rect: Rect, nearness: impl Fn(u16, u16) -> Option<f64>) -> bool {
+        samples(rect).any(|(x, y)| {
+            let at = self.at(x, y);
+            self.open[at] && nearness(x, y).is_some_and(|nearness| nearness >= self.nearness[at])
+        })
+    }
+}
+
+/// How near a box is at a sample; `None` where a ray through the sample does not meet it.
+pub(super) fn nearness_of(volume: &Volume, x: u16, y: u16) -> Option<f64> {
+    let ray = DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, 1.0);
+    let [mut enter, mut leave] = [0.0_f64, f64::INFINITY];
+    let mut sides = volume.sides;
+    if let Some(flat) = sides.iter().position(|&side| side == DVec3::ZERO) {
+        // A ray meets what is flat in an instant: give it a little time.
+        let [a, b] = [sides[(flat + 1) % 3], sides[(flat + 2) % 3]];
+        sides[flat] = a.cross(b).normalize_or_zero() * (1e-10 * a.length());
+        if sides[flat] == DVec3::ZERO {
+            return None;
+        }
+    }
+    for axis in 0..3 {
+        let normal = sides[(axis + 1) % 3].cross(sides[(axis + 2) % 3]);
+        let along = normal.dot(ray);
+        let start = normal.dot(volume.origin);
+        let end = start + normal.dot(sides[axis]);
+        let [a, b] = [start / along, end / along];
+        enter = enter.max(a.min(b));
+        leave = leave.min(a.max(b));
+    }
+    (enter < leave).then(|| 1.0 / enter)
+}
+
+pub(super) fn passage(size: [u32; 2]) -> Passage {
+    Passage::at_the_eye(&View::new([0.0; 3], [0.0, 0.0, -1.0], size), FragmentId(0), false)
+}
+
+/// Passages of all kinds: the whole screen, behind an outline, behind samples.
+pub(super) fn passages(seed: u64, dice: &mut Dice) -> Passage {
+    let mut passage = passage([[77, 43], [64, 16], [200, 61], [33, 9]][seed as usize % 4]);
+    let [width, height] = passage.size;
+    if seed % 3 == 1 {
+        let corner = [
+            dice.between(-0.8, 0.2) as f32,
+            dice.between(-0.5, 0.2) as f32,
+            -1.0,
+        ];
+        let door = ConvexPolygon::rectangle(corner, [0.7, 0.1, 0.0], [0.1, 0.5, 0.0]).expect("a door");
+        if let Some(behind) = passage
+            .aperture
+            .behind(&door, &passage.screen_from_fragment, None, false)
+        {
+            passage.aperture = behind;
+            passage.entry = Some((DVec3::Z, 1.0));
+        }
+    } else if seed % 3 == 2 {
+        let mut rows = Rows::default();
+        for y in height / 5..height - 1 {
+            let mut x = 0;
+            while x < width {
+                let end = (x + 1 + (30.0 * dice.roll()) as u32).min(width);
+                if dice.roll() < 0.6 {
+                    rows.push(y as u16, x as u16, end as u16);
+                }
+                x = end + 1;
+            }
+        }
+        let door = ConvexPolygon::rectangle([-9.0, -9.0, -1.0], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0]);
+        let behind = passage.aperture.behind(
+            &door.expect("a door"),
+            &passage.screen_from_fragment,
+            Some(rows),
+            false,
+        );
+        passage.aperture = behind.expect("some samples are open");
+    }
+    passage
+}
+
+/// Polygons of all sizes, mostly before the eye, some through the near plane or around the eye.
+pub(super) fn polygons(dice: &mut Dice, passage: &Passage, count: usize) -> Vec<Polygon> {
+    (0..count)
+        .map(|_| {
+            let distance = dice.by_ratio(0.05, 50.0);
+            let at = DVec3::new(dice.between(-1.2, 1.2), dice.between(-0.7, 0.7), -1.0) * distance;
+            let radius = distance * dice.by_ratio(0.02, 3.0);
+            Polygon::random(dice, passage, at, radius)
+        })
+        .collect()
+}
+
+/// What a passage sees of the unit cube, put into the fragment.
+pub(super) fn region_of(passage: &Passage, fragment_from_cube: &DAffine3) -> Option<Region> {
+    let cube = Aabb {
+        min: [0.0; 3],
+        max: [1.0; 3],
+    };
+    Region::of(
+        passage,
+        &(passage.screen_from_fragment * *fragment_from_cube),
+        &cube,
+    )
+}
+
+/// A box somewhere, turned and stretched; one in five is flat, one in twenty a stick.
+pub(super) fn random_box(dice: &mut Dice) -> DAffine3 {
+    let distance = dice.by_ratio(0.05, 80.0);
+    let at = DVec3::new(dice.between(-1.2, 1.2), dice.between(-0.7, 0.7), -1.0) * distance;
+    let turn = DAffine3::from_axis_angle(dice.unit(), dice.between(0.0, 6.0));
+    let mut size = DVec3::from([(); 3].map(|()| distance * dice.by_ratio(0.005, 0.6)));
+    if dice.roll() < 0.2 {
+        size.x = 0.0;
+    }
+    if dice.roll() < 0.05 {
+        size.z = 0.0;
+    }
+    DAffine3::from_translation(at)
+        * turn
+        * DAffine3::from_scale(size)
+        * DAffine3::from_translation(-DVec3::splat(0.5))
+}

@@ -8,11 +8,12 @@ use crate::report::{Sink, rounded};
 use crate::text::{bytes, count, ms, plural, point};
 use crate::values::Choice;
 use anyhow::Result;
-use enfilade::{Aabb, Alpha, Content, Material, Scene};
+use enfilade::{Aabb, Alpha, Content, Material, OccluderSet, Scene};
 use serde::Serialize;
 use std::collections::HashSet;
 use std::fmt::Write;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// What is in a scene.
 #[derive(Debug, Serialize)]
@@ -33,6 +34,7 @@ struct Inventory {
     fragments: Vec<FragmentEntry>,
     portals: usize,
     openings: usize,
+    occluders: Occluders,
     bytes: u64,
     load_ms: f64,
     warnings: Vec<String>,
@@ -44,6 +46,21 @@ struct Materials {
     mask: usize,
     blend: usize,
     double_sided: usize,
+}
+
+/// Large convex polygons made of coplanar faces, to hide what is behind them.
+#[derive(Debug, Default, Serialize)]
+struct Occluders {
+    /// Of each mesh once.
+    polygons: u64,
+    /// Of all items.
+    polygons_placed: u64,
+    /// Triangles merged into them, of each mesh once.
+    triangles_merged: u64,
+    /// Of all opaque faces of all items, the part that they cover, 0 to 1.
+    area_share: f64,
+    bytes: u64,
+    build_ms: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -133,6 +150,7 @@ impl Inventory {
             fragments: fragments(scene),
             portals: scene.portals().len(),
             openings: contents.iter().map(|content| content.openings().len()).sum(),
+            occluders: Occluders::of(&contents),
             bytes: scene.bytes(),
             load_ms: rounded(opened.load_ms),
             cameras: opened.cameras.into_iter().map(CameraEntry::from).collect(),
@@ -212,12 +230,60 @@ impl Inventory {
         }
         say("portals", count(self.portals as u64));
         say("openings", count(self.openings as u64));
+        let Occluders {
+            polygons,
+            triangles_merged,
+            area_share,
+            build_ms,
+            ..
+        } = self.occluders;
+        say(
+            "occluders",
+            format!(
+                "{} of {} triangles, {:.1} % of all opaque area; found in {} ms",
+                count(polygons),
+                count(triangles_merged),
+                100.0 * area_share,
+                ms(build_ms)
+            ),
+        );
         say("memory", bytes(self.bytes));
         say("loaded in", format!("{} ms", ms(self.load_ms)));
         for warning in &self.warnings {
             say("warning", warning.clone());
         }
         text
+    }
+}
+
+impl Occluders {
+    fn of(contents: &[&Content]) -> Occluders {
+        let start = Instant::now();
+        let sets: Vec<OccluderSet> = contents
+            .iter()
+            .map(|content| OccluderSet::build(content))
+            .collect();
+        let build_ms = rounded(1e3 * start.elapsed().as_secs_f64());
+        let mut occluders = Occluders {
+            build_ms,
+            ..Occluders::default()
+        };
+        let (mut area, mut opaque_area) = (0.0, 0.0);
+        for (set, content) in sets.iter().zip(contents) {
+            let summary = set.summary(content);
+            occluders.polygons += summary.polygons;
+            occluders.polygons_placed += summary.placed;
+            occluders.triangles_merged += summary.triangles;
+            occluders.bytes += summary.bytes;
+            area += summary.area;
+            opaque_area += summary.opaque_area;
+        }
+        occluders.area_share = rounded(if opaque_area > 0.0 {
+            area / opaque_area
+        } else {
+            0.0
+        });
+        occluders
     }
 }
 

@@ -77,7 +77,7 @@ fn values_out_of_range_are_refused() {
     refused(&folder, "look scene.glb --threads 0", &["--threads"]);
     refused(&folder, "look scene.glb --survey 0", &["--survey"]);
     refused(&folder, "look scene.glb --memory much", &["2GB"]);
-    refused(&folder, "look scene.glb --check=16", &["strict"]);
+    refused(&folder, "look scene.glb --check=65", &["1 to 64"]);
     refused(
         &folder,
         "look @enfilade --memory 1 --size 64x36",

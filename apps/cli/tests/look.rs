@@ -258,4 +258,12 @@ fn info_says_what_is_in_a_file() {
         "{text}"
     );
     assert!(folder.json("info @enfilade")["openings"].as_u64() > Some(0));
+    // Six sides of a box, two triangles each.
+    let occluders = &info["occluders"];
+    let counts = ["polygons", "polygons_placed", "triangles_merged", "area_share"].map(|key| &occluders[key]);
+    assert_eq!(json!(counts), json!([6, 24, 12, 1.0]), "{occluders}");
+    assert!(
+        text.contains("6 of 12 triangles, 100.0 % of all opaque area"),
+        "{text}"
+    );
 }

@@ -2,6 +2,7 @@
 
 use crate::geom::ConvexPolygon;
 use glam::{DAffine3, DVec3};
+use smallvec::{SmallVec, smallvec};
 
 /// A rectangle of samples: columns `x0..x1`, rows `y0..y1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -69,6 +70,11 @@ pub struct Rows {
 }
 
 impl Rows {
+    pub(crate) fn clear(&mut self) {
+        self.starts.clear();
+        self.runs.clear();
+    }
+
     /// Adds columns `x0..x1` of row `y`; rows must come top to bottom.
     pub fn push(&mut self, y: u16, x0: u16, x1: u16) {
         if self.starts.is_empty() {
@@ -117,17 +123,23 @@ impl Rows {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Aperture {
     /// Corners on the screen, in pixels, y down.
-    outline: Vec<[f64; 2]>,
+    outline: SmallVec<[[f64; 2]; MOST_CORNERS]>,
     rect: Rect,
     rows: Option<Rows>,
 }
+
+/// Corners of an outline, hardly ever more.
+const MOST_CORNERS: usize = 16;
+
+/// Corners as (X, Y, W).
+type Corners = SmallVec<[DVec3; MOST_CORNERS]>;
 
 impl Aperture {
     /// The whole screen.
     pub fn screen(size: [u32; 2]) -> Aperture {
         let [width, height] = size.map(f64::from);
         Aperture {
-            outline: vec![[0.0, 0.0], [0.0, height], [width, height], [width, 0.0]],
+            outline: smallvec![[0.0, 0.0], [0.0, height], [width, height], [width, 0.0]],
             rect: Rect {
                 x0: 0,
                 y0: 0,
@@ -170,8 +182,12 @@ impl Aperture {
     ///
     /// Clipped in eye space by the planes through the eye and this outline's edges, never divided before: what is
     /// behind the eye is gone then, and an opening that the eye stands in is still seen through.
-    fn clip(&self, opening: &ConvexPolygon, screen_from_here: &DAffine3) -> Vec<[f64; 2]> {
-        let mut corners: Vec<DVec3> = opening
+    fn clip(
+        &self,
+        opening: &ConvexPolygon,
+        screen_from_here: &DAffine3,
+    ) -> SmallVec<[[f64; 2]; MOST_CORNERS]> {
+        let mut corners: Corners = opening
             .corners()
             .iter()
             .map(|&corner| screen_from_here.transform_point3(DVec3::from(corner.map(f64::from))))
@@ -187,7 +203,8 @@ impl Aperture {
             // The eye stands on the outline itself: anything of this aperture may be seen through it.
             return self.outline.clone();
         }
-        let mut outline: Vec<[f64; 2]> = corners.iter().map(|c| [c.x / c.z, c.y / c.z]).collect();
+        let mut outline: SmallVec<[[f64; 2]; MOST_CORNERS]> =
+            corners.iter().map(|c| [c.x / c.z, c.y / c.z]).collect();
         let twice_area: f64 = (0..outline.len())
             .map(|i| {
                 let [a, b] = [outline[i], outline[(i + 1) % outline.len()]];
@@ -204,6 +221,11 @@ impl Aperture {
     /// known by its samples.
     pub fn outline(&self) -> &[[f64; 2]] {
         &self.outline
+    }
+
+    /// The samples it owned, to be filled anew.
+    pub(crate) fn take_rows(&mut self) -> Option<Rows> {
+        self.rows.take()
     }
 
     /// The smallest rectangle around its samples.
@@ -244,8 +266,8 @@ impl Aperture {
 }
 
 /// The part of a polygon on the side of a plane through the eye to which `plane` points.
-fn clip_by(plane: DVec3, corners: &[DVec3]) -> Vec<DVec3> {
-    let mut kept = Vec::with_capacity(corners.len() + 1);
+fn clip_by(plane: DVec3, corners: &[DVec3]) -> Corners {
+    let mut kept = Corners::new();
     for (i, &corner) in corners.iter().enumerate() {
         let next = corners[(i + 1) % corners.len()];
         let [here, there] = [plane.dot(corner), plane.dot(next)];

@@ -73,10 +73,10 @@ pub use geom::{Aabb, ConvexPolygon, Transform};
 pub use memory::Memory;
 pub use mesh::{Cluster, Mesh, MeshError, Part};
 pub use method::{
-    BspFront, BspPainter, HierarchicalS, HierarchicalZ, Method, PainterMean, PainterMin, Paired, SBuffer,
-    TooLarge, ZBuffer,
+    BspFront, BspPainter, Culled, HierarchicalS, HierarchicalZ, Masked, Method, Mobsp, PainterMean,
+    PainterMin, Paired, SBuffer, Svbsp, TooLarge, ZBuffer,
 };
-pub use occluders::{Measure, Occluder};
+pub use occluders::{Choice, Chosen, Measure, Occluder, OccluderRoom, OccluderSet, OccluderSummary};
 pub use passage::{Passage, PassageId};
 pub use query::{Standpoint, survey};
 pub use region::{Region, Sight};

@@ -1,21 +1,26 @@
 //! The working memory of one camera.
 
+use crate::aperture::Rows;
 use crate::content::ItemId;
 use crate::passage::Passage;
 use crate::stats::Stats;
 use glam::DVec3;
 use std::any::{Any, TypeId};
-use std::collections::HashMap;
 
 /// What looking needs besides the scene: buffers, reused passage after passage, and what the last look saw.
 pub struct Memory {
-    scratch: HashMap<TypeId, Box<dyn Any + Send>>,
+    /// A handful: searched one by one.
+    scratch: Vec<(TypeId, Box<dyn Any + Send>)>,
     pub(crate) marks: Marks,
     pub(crate) recall: Recall,
+    /// Rows of samples to be filled anew.
+    pub(crate) spare_rows: Vec<Rows>,
     /// Counts of the look at hand.
     pub stats: Stats,
     /// May what the last look saw be seen first? It changes the cost, never the answer.
     pub coherence: bool,
+    /// How many occluders methods take that choose them; `None`: as many as suits each.
+    pub(crate) occluders: Option<u32>,
     /// Does the canvas want to know how covers came to their answer?
     pub(crate) trace: bool,
 }
@@ -23,11 +28,13 @@ pub struct Memory {
 impl Default for Memory {
     fn default() -> Memory {
         Memory {
-            scratch: HashMap::new(),
+            scratch: Vec::new(),
             marks: Marks::default(),
             recall: Recall::default(),
+            spare_rows: Vec::new(),
             stats: Stats::default(),
             coherence: true,
+            occluders: None,
             trace: false,
         }
     }
@@ -36,13 +43,17 @@ impl Default for Memory {
 impl Memory {
     /// Takes the one buffer of a type out, to be put back by [`Memory::put_back`]: so that two may be in use.
     pub fn take<T: Default + Send + 'static>(&mut self) -> Box<T> {
-        let kept = self.scratch.remove(&TypeId::of::<T>());
+        let place = self
+            .scratch
+            .iter()
+            .position(|(kind, _)| *kind == TypeId::of::<T>());
+        let kept = place.map(|place| self.scratch.swap_remove(place).1);
         kept.and_then(|any| any.downcast().ok()).unwrap_or_default()
     }
 
     /// Keeps a buffer for the next passage.
     pub fn put_back<T: Send + 'static>(&mut self, scratch: Box<T>) {
-        self.scratch.insert(TypeId::of::<T>(), scratch);
+        self.scratch.push((TypeId::of::<T>(), scratch));
     }
 }
 
@@ -75,12 +86,16 @@ impl Marks {
 /// this stays as small as what one look sees.
 #[derive(Default)]
 pub(crate) struct Recall {
-    last: HashMap<u64, Remembered>,
-    now: HashMap<u64, Remembered>,
+    /// Sorted by chain.
+    last: Vec<Remembered>,
+    now: Vec<Remembered>,
+    /// Lists to be filled anew.
+    spare: Vec<Vec<(ItemId, u32)>>,
 }
 
 /// What was seen through a passage, and from where.
 struct Remembered {
+    chain: u64,
     eye: DVec3,
     back: DVec3,
     /// In order, each once.
@@ -90,27 +105,56 @@ struct Remembered {
 impl Recall {
     pub(crate) fn begin_look(&mut self) {
         std::mem::swap(&mut self.last, &mut self.now);
-        self.now.clear();
+        let forgotten = self.now.drain(..).map(|remembered| remembered.clusters);
+        // Those that were lent have left nothing behind.
+        self.spare.extend(forgotten.filter(|list| list.capacity() > 0));
+        self.last.sort_unstable_by_key(|remembered| remembered.chain);
     }
 
     /// What the last look saw through the same portals, if the eye has hardly moved since: from elsewhere most of it
-    /// is hidden, and seeing it first would cost more than it hides. `size` is that of the fragment.
+    /// is hidden, and seeing it first would cost more than it hides. `size` is that of the fragment. To be given back.
     pub(crate) fn seen_last(&mut self, passage: &Passage, size: f32) -> Vec<(ItemId, u32)> {
         const STEP: f64 = 0.02;
         const TURN: f64 = 0.8;
         let (eye, back) = passage.stance();
-        let near = |last: &Remembered| {
-            last.eye.distance(eye) <= STEP * f64::from(size) && last.back.dot(back) >= TURN
+        let found = self.last.binary_search_by_key(&passage.chain, |last| last.chain);
+        let Some(last) = found.ok().map(|place| &mut self.last[place]) else {
+            return self.list();
         };
-        self.last
-            .remove(&passage.chain)
-            .filter(near)
-            .map_or_else(Vec::new, |last| last.clusters)
+        let mut clusters = std::mem::take(&mut last.clusters);
+        if last.eye.distance(eye) > STEP * f64::from(size) || last.back.dot(back) < TURN {
+            clusters.clear();
+        }
+        clusters
     }
 
-    pub(crate) fn remember(&mut self, passage: &Passage, clusters: Vec<(ItemId, u32)>) {
+    /// An empty list; to be given back.
+    pub(crate) fn list(&mut self) -> Vec<(ItemId, u32)> {
+        let mut list = self.spare.pop().unwrap_or_default();
+        list.clear();
+        list
+    }
+
+    pub(crate) fn give_back(&mut self, list: Vec<(ItemId, u32)>) {
+        self.spare.push(list);
+    }
+
+    /// Remembers what is seen now, and takes `used` back.
+    pub(crate) fn remember(
+        &mut self,
+        passage: &Passage,
+        clusters: impl Iterator<Item = (ItemId, u32)>,
+        mut used: Vec<(ItemId, u32)>,
+    ) {
+        used.clear();
+        used.extend(clusters);
         let (eye, back) = passage.stance();
-        self.now.insert(passage.chain, Remembered { eye, back, clusters });
+        self.now.push(Remembered {
+            chain: passage.chain,
+            eye,
+            back,
+            clusters: used,
+        });
     }
 
     pub(crate) fn forget(&mut self) {

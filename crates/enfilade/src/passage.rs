@@ -122,20 +122,19 @@ impl Passage {
 
     /// The plane of an outline in screen space: normal of unit length, and distance.
     fn plane_of(&self, outline: &ConvexPolygon) -> (DVec3, f64) {
-        let corners: Vec<DVec3> = outline
-            .corners()
-            .iter()
-            .map(|&c| {
-                self.screen_from_fragment
-                    .transform_point3(DVec3::from(c.map(f64::from)))
-            })
-            .collect();
+        let corner = |&c: &[f32; 3]| {
+            let corner = DVec3::from(c.map(f64::from));
+            self.screen_from_fragment.transform_point3(corner)
+        };
+        let corners = outline.corners();
         // Newell's sum, from one corner so that far outlines lose nothing.
-        let normal: DVec3 = (1..corners.len() - 1)
-            .map(|i| (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]))
+        let first = corner(&corners[0]);
+        let normal: DVec3 = corners[1..]
+            .windows(2)
+            .map(|pair| (corner(&pair[0]) - first).cross(corner(&pair[1]) - first))
             .sum::<DVec3>()
             .normalize_or_zero();
-        (normal, normal.dot(corners[0]))
+        (normal, normal.dot(first))
     }
 
     /// From the space of the fragment to eye space: x right, y up, z back.
@@ -170,7 +169,6 @@ impl Passage {
         Region::in_rect(self, limits, f64::from(self.near), screen_from_local, bounds).is_some()
     }
 
-    #[expect(dead_code, reason = "covers that take occluders come next")]
     /// What is seen of the box around an opening, if it shows its front. Openings are seen however near they are.
     pub(crate) fn region_of_opening(&self, outline: &ConvexPolygon) -> Option<Region> {
         const AT_THE_EYE: f64 = 1e-30;
@@ -190,6 +188,11 @@ impl Passage {
             &bounds,
         )
         .filter(|region| front && !region.rect.is_empty())
+    }
+
+    /// Pixels that stand for a distance of 1 across the line of sight, at a distance of 1 along it.
+    pub(crate) fn focal(&self) -> f64 {
+        self.screen_from_eye.x_axis.x
     }
 
     /// From an item's space to (X, Y, W).

@@ -18,6 +18,17 @@ pub struct Seen {
     pub(crate) samples_owned: u64,
     /// Is every sample of glass wanted, or only which glass is seen?
     pub(crate) paints: bool,
+    /// Buffers to work with, and rows to fill.
+    pub(crate) report: ReportBuffers,
+    pub(crate) spare_rows: Vec<Rows>,
+}
+
+/// What covers work with to report; kept from one passage to the next.
+#[derive(Debug, Default)]
+pub(crate) struct ReportBuffers {
+    pub(crate) owners: Vec<(ItemId, u32)>,
+    pub(crate) row: Vec<(u16, u16, Owner)>,
+    pub(crate) spans: Vec<Span>,
 }
 
 /// An item that may be seen, and which of its clusters.
@@ -60,6 +71,18 @@ impl Seen {
         self.openings.push(SeenOpening { opening, rows });
     }
 
+    /// Adds samples `x0..x1` of row `y` to those that an opening owns; rows come top to bottom.
+    pub(crate) fn add_to_opening(&mut self, opening: OpeningId, y: u16, x0: u16, x1: u16) {
+        let mut all = self.openings.iter_mut();
+        if let Some(seen) = all.find(|seen| seen.opening == opening) {
+            seen.rows.get_or_insert_default().push(y, x0, x1);
+        } else {
+            let mut rows = self.spare_rows.pop().unwrap_or_default();
+            rows.push(y, x0, x1);
+            self.opening(opening, Some(rows));
+        }
+    }
+
     /// Reports that glass, or a cut-out, is in front at a sample; `nearness` is 1 / distance along the line of
     /// sight. It is painted after what is seen through the openings.
     #[inline]
@@ -78,30 +101,12 @@ impl Seen {
 
     /// The clusters of the reported items, in order, each once; of items reported whole, all that are known: the only
     /// one.
-    pub(crate) fn clusters_of_items(&self) -> Vec<(ItemId, u32)> {
-        let mut all = Vec::with_capacity(self.items.len().max(self.clusters.len()));
-        for seen in &self.items {
-            let clusters = &self.clusters[seen.clusters[0] as usize..seen.clusters[1] as usize];
-            all.extend(
-                if clusters.is_empty() { &[0] } else { clusters }
-                    .iter()
-                    .map(|&cluster| (seen.item, cluster)),
-            );
-        }
-        all
-    }
-
-    #[expect(dead_code, reason = "covers that take occluders come next")]
-    /// Moves the clusters of the reported items into `all`, in order, each once; of items reported whole, all of theirs
-    /// (the only one).
-    pub(crate) fn take_clusters(&mut self, all: &mut Vec<(ItemId, u32)>) {
-        all.clear();
-        for seen in self.items.drain(..) {
+    pub(crate) fn clusters_of_items(&self) -> impl Iterator<Item = (ItemId, u32)> {
+        self.items.iter().flat_map(|seen| {
             let clusters = &self.clusters[seen.clusters[0] as usize..seen.clusters[1] as usize];
             let clusters = if clusters.is_empty() { &[0] } else { clusters };
-            all.extend(clusters.iter().map(|&cluster| (seen.item, cluster)));
-        }
-        self.clusters.clear();
+            clusters.iter().map(|&cluster| (seen.item, cluster))
+        })
     }
 
     /// Reports what was gathered through the same passage.

@@ -18,6 +18,8 @@ pub struct Stats {
     pub samples: u64,
     /// Clusters that were seen first because the last look saw them.
     pub clusters_primed: u64,
+    /// Occluders that covers took.
+    pub occluders: u64,
     /// What s-buffers compared.
     pub spans: SpanStats,
     /// Samples reported as owned by a face; each is shaded once.
@@ -46,7 +48,7 @@ pub struct SpanStats {
 
 impl Stats {
     /// Every counter with its name, in a fixed order.
-    pub fn each(&self) -> [(&'static str, u64); 15] {
+    pub fn each(&self) -> [(&'static str, u64); 16] {
         [
             ("boxes_tested", self.boxes_tested),
             ("boxes_hidden", self.boxes_hidden),
@@ -55,6 +57,7 @@ impl Stats {
             ("triangles_hidden", self.triangles_hidden),
             ("samples", self.samples),
             ("clusters_primed", self.clusters_primed),
+            ("occluders", self.occluders),
             ("spans_compared", self.spans.compared),
             ("spans_by_cache", self.spans.by_cache),
             ("spans_by_neighbour", self.spans.by_neighbour),

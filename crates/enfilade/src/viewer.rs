@@ -65,6 +65,13 @@ impl Viewer {
         self.memory.recall.forget();
     }
 
+    /// How many occluders methods take that choose them, for each passage; `None`, as many as suits each method, unless
+    /// told. It changes what is called visible, never so that anything visible is missed. 0: only what is out of view
+    /// is left out.
+    pub fn set_occluders(&mut self, occluders: Option<u32>) {
+        self.memory.occluders = occluders;
+    }
+
     /// What can be seen. A view that fails [`View::check`] sees nothing.
     pub fn look(&mut self, scene: &Scene, view: &View) -> &VisibleSet {
         self.run(scene, view, None);
@@ -172,7 +179,12 @@ struct Look<'a> {
 
 impl Look<'_> {
     fn begin(mut self, view: &View) {
-        self.set.passages.clear();
+        let rows = self.set.passages.drain(..).filter_map(|mut passage| {
+            let mut rows = passage.aperture.take_rows()?;
+            rows.clear();
+            Some(rows)
+        });
+        self.memory.spare_rows.extend(rows);
         self.set.items.clear();
         self.set.clusters.clear();
         self.set.complete = true;
@@ -203,6 +215,7 @@ impl Look<'_> {
         let fragment = scene.fragment(self.set.passage(id).fragment);
         let mut seen = self.spare.pop().unwrap_or_default();
         seen.clear(self.canvas.is_some());
+        std::mem::swap(&mut seen.spare_rows, &mut self.memory.spare_rows);
         self.enter(id);
         let passage = self.set.passage(id);
         if let Some(gathered) = &self.gathered
@@ -216,9 +229,10 @@ impl Look<'_> {
             None => fragment.gather(passage, self.memory, &mut seen),
         }
         self.take_in(id, &seen);
-        for opening in std::mem::take(&mut seen.openings) {
-            self.follow(id, opening);
-        }
+        std::mem::swap(&mut seen.spare_rows, &mut self.memory.spare_rows);
+        let mut openings = std::mem::take(&mut seen.openings);
+        openings.drain(..).for_each(|opening| self.follow(id, opening));
+        seen.openings = openings;
         if !seen.glass.is_empty() {
             self.enter(id);
             if let Some(canvas) = self.canvas.as_deref_mut() {

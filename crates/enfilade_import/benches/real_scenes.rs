@@ -1,94 +1,49 @@
-//! Every method on real scenes, over the 16 views of the survey at 1280x720: median times of a look, and by how much
-//! each is faster than the z-buffer of the same run.
+//! What looking costs: every method, over the 16 views of the survey at 1280x720, and by how much each is faster than
+//! the z-buffer of the same run.
 //!
-//! A wrong number of visible items is an error, not a time. The timing rule is that of `enfilade look`: one walk over
-//! all views to warm up, then three; the median of three for each view, then the median over the views.
-#![allow(
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a bench prints its table"
-)]
+//! A wrong number of visible items is an error, not a time. The methods look in turn, view by view: one round to warm
+//! up, then three; the median of three for each view, then the median over the views.
+#![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
-use enfilade::{Method, Scene, SceneBuilder, View, Viewer, survey};
-use enfilade_import::{ReadOptions, read};
-use std::path::Path;
-use std::time::Instant;
+mod common;
 
-/// Files, and how many items every exact method sees, over all views.
-const SCENES: [(&str, usize); 4] = [
-    ("sponza_crytek.glb", 974),
-    ("ifc_office_a.glb", 414),
-    ("city_san_francisco.glb", 1_502),
-    ("country_kitchen.glb", 616),
-];
+use common::{ROOMS, folder, in_turn, median_of, open};
+use enfilade::{Contract, Method, Viewer};
 
-const VIEWS: usize = 16;
-const SIZE: [u32; 2] = [1280, 720];
+const ROUNDS: usize = 3;
+
+/// Scenes that are no rooms, and the items that every exact method sees of them, over all views.
+const OTHERS: [(&str, usize); 2] = [("city_san_francisco.glb", 243), ("country_kitchen.glb", 545)];
 
 fn main() {
-    let Some(folder) = std::env::var_os("ENFILADE_SCENES") else {
-        eprintln!("skipped: ENFILADE_SCENES names no folder of .glb files");
-        return;
-    };
+    let Some(folder) = folder() else { return };
     println!(
         "{:24}{:16}{:>10}{:>16}",
         "scene", "method", "look ms", "than z-buffer"
     );
-    for (file, expected) in SCENES {
-        let import = read(&Path::new(&folder).join(file), &ReadOptions::default());
-        let mut scene = SceneBuilder::new();
-        scene.add(
-            file,
-            import.unwrap_or_else(|error| panic!("{error}")).content,
-            Method::ZBuffer,
-        );
-        let scene = scene.build().expect("one fragment");
-        let places = survey(&scene, VIEWS);
-        let views: Vec<View> = places
-            .iter()
-            .map(|at| View::new(at.eye, at.toward, SIZE))
-            .collect();
-        let baseline = look(&scene, Method::ZBuffer, &views, file, expected);
-        for method in Method::ALL {
-            let ms = match method {
-                Method::ZBuffer => baseline,
-                _ => look(&scene, method, &views, file, expected),
-            };
+    let rooms = ROOMS.iter().map(|known| (known.file, known.items));
+    for (file, expected) in rooms.chain(OTHERS) {
+        let place = open(&folder, file);
+        let views = &place.views;
+        let scenes = Method::ALL.map(|method| place.seen_by(method).expect("they are not that large"));
+        let mut contenders: Vec<Box<dyn FnMut(usize)>> = Vec::new();
+        for (method, scene) in Method::ALL.iter().zip(&scenes) {
+            let mut viewer = Viewer::new();
+            if method.contract() == Contract::Exact {
+                let seen = views.iter().map(|view| viewer.look(scene, view).items().len());
+                assert_eq!(seen.sum::<usize>(), expected, "{method} on {file}");
+            }
+            contenders.push(Box::new(move |view| {
+                viewer.look(scene, &views[view]);
+            }));
+        }
+        let times = in_turn(views.len(), ROUNDS, &mut contenders);
+        let middle = |number: usize| median_of(times[number].iter().copied());
+        let baseline = Method::ALL.iter().position(|&method| method == Method::ZBuffer);
+        let baseline = middle(baseline.expect("one of all"));
+        for (number, method) in Method::ALL.iter().enumerate() {
+            let ms = middle(number);
             println!("{file:24}{:16}{ms:10.2}{:15.1}x", method.name(), baseline / ms);
         }
     }
-}
-
-/// The median look over all views, in milliseconds.
-fn look(scene: &Scene, method: Method, views: &[View], file: &str, expected: usize) -> f64 {
-    let scene = scene
-        .with_method(method, Method::DEFAULT_LIMIT)
-        .expect("they are not that large");
-    let mut viewer = Viewer::new();
-    let seen: usize = views
-        .iter()
-        .map(|view| viewer.look(&scene, view).items().len())
-        .sum();
-    assert_eq!(seen, expected, "{method} on {file}");
-    let mut times = vec![[0.0; 3]; views.len()];
-    for pass in 0..3 {
-        for (view, times) in views.iter().zip(&mut times) {
-            let start = Instant::now();
-            viewer.look(&scene, view);
-            times[pass] = start.elapsed().as_secs_f64() * 1e3;
-        }
-    }
-    median(
-        times
-            .into_iter()
-            .map(|mut times| median(&mut times))
-            .collect::<Vec<f64>>()
-            .as_mut_slice(),
-    )
-}
-
-/// The value in the middle, or between the two in the middle.
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
 }

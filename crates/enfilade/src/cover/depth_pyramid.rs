@@ -35,6 +35,8 @@ struct Depths {
     tiles: Tiles,
     /// Cells of 2×2 tiles, then of 2×2 cells of the level below each.
     levels: Vec<Level>,
+    /// Levels that this passage needs; there may be more, to be used again.
+    height: usize,
 }
 
 #[derive(Default)]
@@ -103,9 +105,9 @@ impl Paints for DepthPyramid {
         seen: &mut Seen,
         canvas: Option<&mut dyn Canvas>,
     ) {
-        let mut report = Report::new(content, canvas.map(|canvas| canvas as &mut dyn Canvas));
+        let mut report = Report::new(content, seen, canvas.map(|canvas| canvas as &mut dyn Canvas));
         self.depths.tiles.report(&mut report);
-        report.finish(seen);
+        report.finish();
     }
 }
 
@@ -129,14 +131,14 @@ impl Depths {
             cells.resize(columns * rows, Cell { farthest: 0, stale });
             level += 1;
         }
-        self.levels.truncate(level);
+        self.height = level;
     }
 
     /// Is any sample of `rect` no nearer than `bits`?
     fn sees(&mut self, rect: &Rect, bits: u32) -> bool {
         let mut level = 0;
         let [mut first, mut last] = cells(rect, level);
-        while (last[0] - first[0] > 1 || last[1] - first[1] > 1) && level < self.levels.len() {
+        while (last[0] - first[0] > 1 || last[1] - first[1] > 1) && level < self.height {
             level += 1;
             [first, last] = cells(rect, level);
         }
@@ -268,7 +270,7 @@ impl Sink for Depths {
 
     #[inline(always)]
     fn band(&mut self, band: &Band, triangle: &Triangle) {
-        let levels = &mut self.levels;
+        let levels = &mut self.levels[..self.height];
         self.tiles.keep_nearest(
             band,
             triangle,

@@ -7,6 +7,7 @@ mod half_plane;
 mod mask;
 mod masked_depth;
 mod nothing;
+mod occlusion_tree;
 mod part;
 mod raster;
 mod report;
@@ -21,6 +22,7 @@ pub use depth_pyramid::DepthPyramid;
 pub use mask::Mask;
 pub use masked_depth::MaskedDepth;
 pub use nothing::Nothing;
+pub use occlusion_tree::{Asks, ByBox, ByFaces, OcclusionTree};
 pub use span_buffer::SpanBuffer;
 
 use crate::canvas::Canvas;

@@ -4,39 +4,37 @@ use super::samples::{OPEN, Sample, owner_of};
 use super::trace::Trace;
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, Span};
-use crate::content::{Content, ItemId, Owner};
-use crate::seen::{GlassSample, Seen, SeenOpening, report_owners};
+use crate::content::{Content, Owner};
+use crate::seen::{GlassSample, ReportBuffers, Seen, report_owners};
 
 /// Gathers runs of owners, left to right and row after row.
 pub(super) struct Report<'a> {
     content: &'a Content,
+    seen: &'a mut Seen,
     canvas: Option<&'a mut dyn Canvas>,
     /// The run at hand: the lower half of its samples, and its columns.
     lower_half: u32,
     x0: u16,
     x1: u16,
     last: Option<Owner>,
-    owners: Vec<(ItemId, u32)>,
-    openings: Vec<SeenOpening>,
-    row: Vec<(u16, u16, Owner)>,
-    spans: Vec<Span>,
-    samples_owned: u64,
+    buffers: ReportBuffers,
 }
 
 impl<'a> Report<'a> {
-    pub(super) fn new(content: &'a Content, canvas: Option<&'a mut dyn Canvas>) -> Report<'a> {
+    pub(super) fn new(
+        content: &'a Content,
+        seen: &'a mut Seen,
+        canvas: Option<&'a mut dyn Canvas>,
+    ) -> Report<'a> {
         Report {
             content,
+            buffers: std::mem::take(&mut seen.report),
+            seen,
             canvas,
             lower_half: OPEN as u32,
             x0: 0,
             x1: 0,
             last: None,
-            owners: Vec::new(),
-            openings: Vec::new(),
-            row: Vec::new(),
-            spans: Vec::new(),
-            samples_owned: 0,
         }
     }
 
@@ -77,12 +75,13 @@ impl<'a> Report<'a> {
                 && self.last != Some(owner)
             {
                 let cluster = self.content.mesh_of(item).cluster_of(face) as u32;
-                if self.owners.last() != Some(&(item, cluster)) {
-                    self.owners.push((item, cluster));
+                let owners = &mut self.buffers.owners;
+                if owners.last() != Some(&(item, cluster)) {
+                    owners.push((item, cluster));
                 }
             }
             self.last = Some(owner);
-            self.row.push((self.x0, self.x1, owner));
+            self.buffers.row.push((self.x0, self.x1, owner));
         }
         self.x0 = self.x1;
     }
@@ -91,32 +90,23 @@ impl<'a> Report<'a> {
     pub(super) fn end_row(&mut self, y: u16, rect: &Rect, trace: Option<&Trace>) {
         self.end_run();
         [self.x0, self.x1] = [0, 0];
-        self.spans.clear();
-        for (x0, x1, owner) in self.row.drain(..) {
-            let Owner::Opening(opening) = owner else {
-                self.samples_owned += u64::from(x1 - x0);
-                self.spans.push(Span {
-                    x0,
-                    x1,
-                    owner,
-                    see_through: false,
-                });
+        let ReportBuffers { row, spans, .. } = &mut self.buffers;
+        spans.clear();
+        for (x0, x1, owner) in row.drain(..) {
+            if let Owner::Opening(opening) = owner {
+                self.seen.add_to_opening(opening, y, x0, x1);
                 continue;
-            };
-            let known = self.openings.iter().position(|seen| seen.opening == opening);
-            let place = known.unwrap_or_else(|| {
-                self.openings.push(SeenOpening {
-                    opening,
-                    rows: Some(Default::default()),
-                });
-                self.openings.len() - 1
-            });
-            if let Some(rows) = &mut self.openings[place].rows {
-                rows.push(y, x0, x1);
             }
+            self.seen.samples_owned += u64::from(x1 - x0);
+            spans.push(Span {
+                x0,
+                x1,
+                owner,
+                see_through: false,
+            });
         }
         if let Some(canvas) = &mut self.canvas {
-            canvas.row(y, &self.spans);
+            canvas.row(y, spans);
             if let Some(trace) = trace {
                 trace.tell(y, rect, *canvas);
             }
@@ -124,15 +114,15 @@ impl<'a> Report<'a> {
     }
 
     /// Reports what was seen, glass included.
-    pub(super) fn finish(mut self, seen: &mut Seen) {
+    pub(super) fn finish(mut self) {
+        let (seen, owners) = (self.seen, &mut self.buffers.owners);
         let same_face = |a: &GlassSample, b: &GlassSample| (a.item, a.face) == (b.item, b.face);
         for run in seen.glass.chunk_by(same_face) {
             let GlassSample { item, face, .. } = run[0];
-            self.owners
-                .push((item, self.content.mesh_of(item).cluster_of(face) as u32));
+            owners.push((item, self.content.mesh_of(item).cluster_of(face) as u32));
         }
-        seen.samples_owned += self.samples_owned;
-        report_owners(&mut self.owners, self.content, seen);
-        seen.openings.append(&mut self.openings);
+        report_owners(owners, self.content, seen);
+        owners.clear();
+        seen.report = self.buffers;
     }
 }

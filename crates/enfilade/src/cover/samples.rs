@@ -129,13 +129,13 @@ impl Samples {
 
     /// Reports and paints the owners that are left.
     pub(super) fn report(&self, content: &Content, seen: &mut Seen, canvas: Option<&mut dyn Canvas>) {
-        let mut report = Report::new(content, canvas.map(|canvas| canvas as &mut dyn Canvas));
+        let mut report = Report::new(content, seen, canvas.map(|canvas| canvas as &mut dyn Canvas));
         let Rect { x0, y0, x1, y1 } = self.rect;
         for y in y0..y1 {
             report.samples(x0, self.row(y, x0, x1));
             report.end_row(y, &self.rect, self.trace.as_ref());
         }
-        report.finish(seen);
+        report.finish();
     }
 
     /// Bits of the nearness at a sample.

@@ -24,6 +24,8 @@ pub(super) struct Tiles {
     tiles: Vec<Tile>,
     /// Triangles that own whole tiles.
     triangles: Vec<Triangle>,
+    /// For each row of tiles, the columns that are open in all its rows.
+    open: Vec<[u16; 2]>,
 }
 
 #[derive(Clone, Copy)]
@@ -69,7 +71,9 @@ impl Tiles {
             farthest: 0,
             stale: true,
         });
-        let mut open = vec![[x0, x1]; self.rows];
+        let mut open = std::mem::take(&mut self.open);
+        open.clear();
+        open.resize(self.rows, [x0, x1]);
         self.samples.open(passage, |y, runs| {
             let band = &mut open[usize::from(y) >> TILE_SHIFT];
             *band = match *runs {
@@ -77,10 +81,11 @@ impl Tiles {
                 _ => [x1, x0],
             };
         });
+        self.open = open;
         if trace {
             return;
         }
-        for (row, open) in open.into_iter().enumerate().skip(usize::from(y0) >> TILE_SHIFT) {
+        for (row, open) in self.open.iter().enumerate().skip(usize::from(y0) >> TILE_SHIFT) {
             for column in usize::from(x0) >> TILE_SHIFT..self.columns {
                 let tile = self.rect(column, row);
                 if open[0] <= tile.x0 && tile.x1 <= open[1] {

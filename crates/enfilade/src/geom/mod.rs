@@ -2,12 +2,16 @@
 
 mod aabb;
 mod bsp;
+mod cross;
+mod kd_tree;
 mod octree;
 mod polygon;
 mod transform;
 
 pub use aabb::Aabb;
 pub use bsp::{BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
+pub(crate) use cross::cross;
+pub use kd_tree::KdTree;
 pub use octree::{Copies, Octree, Step};
 pub use polygon::{ConvexPolygon, PolygonError};
 pub use transform::Transform;

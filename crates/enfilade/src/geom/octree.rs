@@ -206,6 +206,11 @@ impl Octree {
         (!self.nodes.is_empty()).then_some(0)
     }
 
+    /// How many nodes there are; children have higher numbers than their parents.
+    pub(crate) fn node_count(&self) -> usize {
+        self.nodes.len()
+    }
+
     /// The box of a node.
     pub fn bounds(&self, node: u32) -> &Aabb {
         &self.nodes[node as usize].bounds

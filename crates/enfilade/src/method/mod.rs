@@ -1,13 +1,20 @@
 //! Methods: an order times a cover. Only this module knows both.
 
+mod count;
+mod culled;
 mod paired;
 
+pub use culled::Culled;
 pub use paired::Paired;
 
 use crate::content::Content;
-use crate::cover::{Cover, DepthBuffer, DepthPyramid, Mask, Nothing, SpanBuffer};
+use crate::cover::{
+    ByBox, ByFaces, Cover, DepthBuffer, DepthPyramid, Mask, MaskedDepth, Nothing, OcclusionTree, SpanBuffer,
+};
 use crate::fragment::{Contract, Fragment};
-use crate::order::{Bsp, DepthSort, FarToNear, Mean, Min, NearToFar, OctreeOrder, Unordered};
+use crate::order::{
+    Bsp, BvhOrder, DepthSort, FarToNear, KdTreeOrder, Mean, Min, NearToFar, OctreeOrder, Unordered,
+};
 use crate::view::View;
 use std::fmt;
 use std::sync::Arc;
@@ -48,6 +55,18 @@ pub type HierarchicalZ = Paired<OctreeOrder, DepthPyramid>;
 /// scenes of high complexity, section 3.
 pub type HierarchicalS = Paired<OctreeOrder, SpanBuffer>;
 
+/// Masked occlusion culling: chosen occluders in a buffer of two nearnesses for each 8×4 samples, and a BVH held against
+/// it. Hasselgren, Andersson, Akenine-Möller, HPG 2016.
+pub type Masked = Culled<BvhOrder, MaskedDepth>;
+
+/// Occlusion tree: what chosen occluders hide as one tree of planes, and the faces of a kd-tree's boxes held against it.
+/// Bittner, Havran, Slavík, CGI 1998.
+pub type Svbsp = Culled<KdTreeOrder, OcclusionTree<ByFaces>>;
+
+/// As [`Svbsp`], but boxes are only held against the planes: cheaper, and sees more. Boreskov, Better occlusion culling
+/// in modern computer games.
+pub type Mobsp = Culled<KdTreeOrder, OcclusionTree<ByBox>>;
+
 /// How a fragment is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -68,6 +87,12 @@ pub enum Method {
     HierarchicalZ,
     /// See [`HierarchicalS`](crate::HierarchicalS).
     HierarchicalS,
+    /// See [`Masked`](crate::Masked).
+    Masked,
+    /// See [`Svbsp`](crate::Svbsp).
+    Svbsp,
+    /// See [`Mobsp`](crate::Mobsp).
+    Mobsp,
 }
 
 /// A method would need too much memory; told by an estimate, before anything is built.
@@ -104,7 +129,7 @@ impl TooLarge {
 
 impl Method {
     /// Every method there is.
-    pub const ALL: [Method; 8] = [
+    pub const ALL: [Method; 11] = [
         Method::PainterMin,
         Method::PainterMean,
         Method::Bsp,
@@ -113,6 +138,9 @@ impl Method {
         Method::SBuffer,
         Method::HierarchicalZ,
         Method::HierarchicalS,
+        Method::Masked,
+        Method::Svbsp,
+        Method::Mobsp,
     ];
 
     /// What one fragment's method may build unless told otherwise, in bytes: 1 GB.
@@ -129,6 +157,9 @@ impl Method {
             Method::SBuffer => "s-buffer",
             Method::HierarchicalZ => "hierarchical-z",
             Method::HierarchicalS => "hierarchical-s",
+            Method::Masked => "masked",
+            Method::Svbsp => "svbsp",
+            Method::Mobsp => "mobsp",
         }
     }
 
@@ -147,6 +178,8 @@ impl Method {
             | Method::SBuffer
             | Method::HierarchicalZ
             | Method::HierarchicalS => Contract::Exact,
+            Method::Masked => Contract::Conservative,
+            Method::Svbsp | Method::Mobsp => Contract::Strict,
         }
     }
 
@@ -164,6 +197,9 @@ impl Method {
             Method::SBuffer => Arc::new(SBuffer::build(self, content, limit_bytes)?),
             Method::HierarchicalZ => Arc::new(HierarchicalZ::build(self, content, limit_bytes)?),
             Method::HierarchicalS => Arc::new(HierarchicalS::build(self, content, limit_bytes)?),
+            Method::Masked => Arc::new(Masked::build(self, content, limit_bytes)?),
+            Method::Svbsp => Arc::new(Svbsp::build(self, content, limit_bytes)?),
+            Method::Mobsp => Arc::new(Mobsp::build(self, content, limit_bytes)?),
         })
     }
 
@@ -175,6 +211,9 @@ impl Method {
             Method::ZBuffer => DepthBuffer::needs_bytes(size),
             Method::SBuffer | Method::HierarchicalS => SpanBuffer::needs_bytes(size),
             Method::HierarchicalZ => DepthPyramid::needs_bytes(size),
+            Method::Masked => MaskedDepth::needs_bytes(size),
+            Method::Svbsp => OcclusionTree::<ByFaces>::needs_bytes(size),
+            Method::Mobsp => OcclusionTree::<ByBox>::needs_bytes(size),
         }
     }
 }

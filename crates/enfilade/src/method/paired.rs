@@ -1,5 +1,6 @@
 //! Content seen by an order and a cover that holds a picture.
 
+use super::count::count_faces;
 use super::{Method, TooLarge};
 use crate::canvas::Canvas;
 use crate::content::{Alpha, Content, ItemId, Opening};
@@ -60,14 +61,14 @@ where
         mut canvas: Option<&mut dyn Canvas>,
     ) {
         let mut cover = memory.take::<C>();
-        let mut waiting = memory.take::<Waiting>();
+        let mut work = memory.take::<Work>();
         let mut scratch = memory.take::<O::Scratch>();
         let size = self.content.bounds().longest_side();
         let primes = C::PRIMES && memory.coherence;
         let last = if primes {
             memory.recall.seen_last(passage, size)
         } else {
-            Vec::new()
+            memory.recall.list()
         };
         cover.clear(passage, memory.trace);
         memory.marks.begin(self.content.items().len());
@@ -76,13 +77,13 @@ where
             cover: &mut *cover,
             marks: &mut memory.marks,
             stats: &mut memory.stats,
-            waiting: &mut waiting.0,
+            work: &mut work,
             primed: &last,
             canvas: reborrow(&mut canvas),
         };
         walk.prime(&self.content);
         self.order.visit(&self.content, passage, &mut scratch, &mut walk);
-        for (item, cluster) in waiting.0.drain(..) {
+        for (item, cluster) in work.waiting.drain(..) {
             let screen_from_item = passage.screen_from(&self.content.item(item).transform());
             let bounds = self.content.mesh_of(item).clusters()[cluster as usize].bounds;
             let region = Region::of(passage, &screen_from_item, &bounds);
@@ -94,31 +95,13 @@ where
         cover.finish(&self.content, passage, seen, canvas);
         memory.stats.samples_owned += seen.samples_owned;
         if primes {
-            memory.recall.remember(passage, seen.clusters_of_items());
+            memory.recall.remember(passage, seen.clusters_of_items(), last);
+        } else {
+            memory.recall.give_back(last);
         }
         memory.put_back(cover);
-        memory.put_back(waiting);
+        memory.put_back(work);
         memory.put_back(scratch);
-    }
-}
-
-/// Counts what an order hands out, and hides nothing.
-struct Count<'a> {
-    faces: u64,
-    marks: &'a mut Marks,
-}
-
-impl Visit for Count<'_> {
-    fn enter(&mut self, _region: &Region) -> Sight {
-        Sight::Partly
-    }
-
-    fn first_time(&mut self, item: ItemId) -> bool {
-        self.marks.first_time(item)
-    }
-
-    fn faces(&mut self, faces: &Faces) {
-        self.faces += faces.count() as u64;
     }
 }
 
@@ -130,9 +113,14 @@ fn reborrow<'a>(canvas: &'a mut Option<&mut dyn Canvas>) -> Option<&'a mut dyn C
     }
 }
 
-/// Clusters of faces that do not hide: they are held against the cover when all that hides is in it.
+/// Lists that are kept from one passage to the next.
 #[derive(Default)]
-struct Waiting(Vec<(ItemId, u32)>);
+struct Work {
+    /// Clusters of faces that do not hide: they are held against the cover when all that hides is in it.
+    waiting: Vec<(ItemId, u32)>,
+    /// What goes in before the walk, and how near it comes.
+    first: Vec<(f32, ItemId, u32)>,
+}
 
 /// Joins an order's walk to a cover.
 struct Walk<'a, C> {
@@ -140,7 +128,7 @@ struct Walk<'a, C> {
     cover: &'a mut C,
     marks: &'a mut Marks,
     stats: &'a mut Stats,
-    waiting: &'a mut Vec<(ItemId, u32)>,
+    work: &'a mut Work,
     /// What goes in before the walk, in order.
     primed: &'a [(ItemId, u32)],
     canvas: Option<&'a mut dyn Canvas>,
@@ -149,27 +137,25 @@ struct Walk<'a, C> {
 impl<C: Paints> Walk<'_, C> {
     /// Lets the cover see first what the last look saw; what has left the picture since is left out.
     fn prime(&mut self, content: &Content) {
-        let mut in_view: Vec<_> = self
-            .primed
-            .iter()
-            .filter_map(|&(item, cluster)| {
-                let screen_from_item = self.passage.screen_from(&content.item(item).transform());
-                let bounds = &content.mesh_of(item).clusters()[cluster as usize].bounds;
-                let region = Region::of(self.passage, &screen_from_item, bounds)?;
-                Some((region.nearest, item, cluster))
-            })
-            .collect();
-        in_view.sort_by(|a, b| b.0.total_cmp(&a.0));
-        for (_, item, cluster) in in_view {
+        let mut first = std::mem::take(&mut self.work.first);
+        first.extend(self.primed.iter().filter_map(|&(item, cluster)| {
+            let screen_from_item = self.passage.screen_from(&content.item(item).transform());
+            let bounds = &content.mesh_of(item).clusters()[cluster as usize].bounds;
+            let region = Region::of(self.passage, &screen_from_item, bounds)?;
+            Some((region.nearest, item, cluster))
+        }));
+        first.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+        for (_, item, cluster) in first.drain(..) {
             let screen_from_item = self.passage.screen_from(&content.item(item).transform());
             self.take(&Faces::of_cluster(content, item, cluster, &screen_from_item));
         }
+        self.work.first = first;
         self.stats.clusters_primed += self.primed.len() as u64;
     }
 
     fn take(&mut self, faces: &Faces) {
         match (faces.alpha, faces.of) {
-            (Alpha::Mask | Alpha::Blend, Of::Item(item, cluster)) => self.waiting.push((item, cluster)),
+            (Alpha::Mask | Alpha::Blend, Of::Item(item, cluster)) => self.work.waiting.push((item, cluster)),
             _ => {
                 self.cover
                     .add(faces, self.passage, self.stats, reborrow(&mut self.canvas));
@@ -233,16 +219,7 @@ where
     }
 
     fn walk(&self, passage: &Passage, memory: &mut Memory) -> u64 {
-        let mut scratch = memory.take::<O::Scratch>();
-        memory.marks.begin(self.content.items().len());
-        let mut count = Count {
-            faces: 0,
-            marks: &mut memory.marks,
-        };
-        self.order.visit(&self.content, passage, &mut scratch, &mut count);
-        let faces = count.faces;
-        memory.put_back(scratch);
-        faces
+        count_faces(&self.order, &self.content, passage, memory)
     }
 
     fn built(&self) -> Built {

@@ -1,25 +1,299 @@
-//! Occluders: faces that are worth testing others against.
+//! Occluders: few large convex polygons that hide what the faces of a content hide.
+//!
+//! When they are built, faces of one mesh that lie in one plane and hang together become a sheet ([`sheets`]); a sheet
+//! becomes one polygon where its outline is convex ([`outline`]), else several that may overlap ([`pieces`]). A look
+//! then takes the best few ([`choose`]) and sees them on the screen ([`screen`]).
+//! Source: Coorg, Teller, Real-Time Occlusion Culling for Models with Large Occluders, I3D 1997, for few large ones,
+//!     chosen anew for each look; Boreskov, Hierarchical s-buffer for scenes of high complexity, for leaving small ones
+//!     out.
+//! Cost: building O(n log n) for each mesh, however many items are copies of it.
+//! Exact, not simplified: what is hidden by an occluder is hidden by the faces it stands for. A point is behind one
+//! where it is on the inner side of the planes through the eye and each edge, and behind the occluder's plane; and that
+//! is pushed back, away from the eye, by [`Polygon::slack`], for corners of f32 do not lie in one plane.
+//! Only opaque faces become occluders. What the maker of a scene marks as detail would be left out beside them, in
+//! [`soup::Soup::of`]; nothing is marked so far.
 
-use glam::DVec3;
+mod choose;
+mod flat;
+mod measure;
+mod outline;
+mod pieces;
+mod screen;
+mod sheets;
+mod soup;
+mod summary;
+#[cfg(test)]
+mod tests;
 
-/// Which occluders are worth most.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Measure {
-    /// Those that cover most of the screen.
-    ProjectedArea,
-    /// Those with the greatest area · cosine / distance²: about the solid angle. Bittner, Havran, Slavík, Hierarchical
-    /// Visibility Culling with Occlusion Trees, CGI 1998.
-    AreaAngle,
+pub use choose::{Choice, Chosen};
+pub use measure::Measure;
+pub use screen::{Occluder, OccluderRoom};
+pub use summary::OccluderSummary;
+
+use crate::content::Content;
+use crate::geom::{Aabb, Copies, Octree};
+use crate::mesh::Mesh;
+use glam::{DMat3, DVec3};
+use outline::{EXACT, Outline};
+use pieces::{PieceOf, pieces};
+use sheets::Sheet;
+use soup::Soup;
+
+/// An occluder smaller than this part of its mesh's box, seen from its broadest side, is small: the facets of a column
+/// hide little that the column's others do not.
+const LEAST_SHARE: f64 = 1.0 / 128.0;
+
+/// Of small ones, a mesh keeps the largest, as many as it has clusters, if they are no smaller than this: a mesh may be
+/// a whole city.
+const LEAST_OF_ALL: f64 = 1.0 / 16_384.0;
+
+/// Polygons or items in a leaf of a tree, at most.
+const FEW: usize = 8;
+
+/// The occluders of a content: of each mesh once, in the space of the mesh.
+#[derive(Debug, Default)]
+pub struct OccluderSet {
+    polygons: Vec<Polygon>,
+    corners: Vec<DVec3>,
+    /// By mesh.
+    meshes: Vec<OfMesh>,
+    /// Over the items that have any.
+    tree: Octree,
+    /// For each node of the tree, the area of the largest below it, in the space of the fragment, or more.
+    largest: Vec<f64>,
 }
 
-/// A convex polygon that hides what is behind it, as a passage sees it.
-///
-/// Hidden is what lies inside the pyramid from the eye over the polygon, strictly beyond its plane.
+/// A convex polygon.
 #[derive(Clone, Copy, Debug)]
+pub(crate) struct Polygon {
+    first_corner: u32,
+    corners: u32,
+    /// Of unit length; it is seen from where this points to.
+    normal: DVec3,
+    /// Of its plane from the origin, along the normal.
+    distance: f64,
+    /// How far off the plane a corner of its faces stands, at most.
+    slack: f64,
+    /// How far it keeps from the outline of its faces; 0 where it is bounded by true edges, and hides for every eye.
+    inset: f64,
+    area: f64,
+    /// The part of the area that no earlier polygon of the same faces covers.
+    added: f64,
+    /// Triangles merged into it, and into no earlier one.
+    triangles: u32,
+    centre: DVec3,
+    /// Around its corners.
+    bounds: Aabb,
+    double_sided: bool,
+}
 
-pub struct Occluder<'a> {
-    /// Corners as (X, Y, W), where the eye is the origin; counter-clockwise as the eye sees them.
-    pub(crate) corners: &'a [DVec3],
-    /// n and d: what is behind the plane has n · p > d. d is above 0, for the eye is before it.
-    pub(crate) plane: (DVec3, f64),
+/// The occluders of a mesh.
+#[derive(Debug, Default)]
+struct OfMesh {
+    /// The first, among all, and the one after the last.
+    polygons: [u32; 2],
+    /// Over the polygons, counted from the first.
+    tree: Octree,
+    /// For each node of the tree, the area of the largest below it.
+    largest: Vec<f64>,
+    /// Of all opaque faces.
+    opaque_area: f64,
+}
+
+impl OccluderSet {
+    /// About how many bytes [`OccluderSet::build`] works with.
+    pub(crate) fn needs_bytes(content: &Content) -> u64 {
+        /// For a face of the largest mesh, what finding its neighbours takes; the set itself is far smaller.
+        const BYTES_PER_FACE: u64 = 256;
+        let faces = content.meshes().iter().map(|mesh| u64::from(mesh.face_count()));
+        faces.max().unwrap_or(0) * BYTES_PER_FACE + content.items().len() as u64 * 16
+    }
+
+    /// Finds the occluders of all meshes.
+    pub fn build(content: &Content) -> OccluderSet {
+        let mut set = OccluderSet::default();
+        for mesh in content.meshes() {
+            let of_mesh = set.add_mesh(mesh, content);
+            set.meshes.push(of_mesh);
+        }
+        set.polygons.shrink_to_fit();
+        set.corners.shrink_to_fit();
+        let areas: Vec<f64> = content
+            .items()
+            .iter()
+            .map(|item| {
+                let largest = set.meshes[item.mesh.0 as usize]
+                    .largest
+                    .first()
+                    .copied()
+                    .unwrap_or(0.0);
+                largest * greatest_stretch(cofactor(&item.transform().0.matrix3)) * (1.0 + EXACT)
+            })
+            .collect();
+        // An item that its place flattens hides nothing, and its areas are nothing.
+        let bounds: Vec<Aabb> = (content.items().iter().zip(&areas))
+            .map(|(item, &area)| {
+                if area > 0.0 && item.transform().inverse().is_some() {
+                    item.bounds
+                } else {
+                    Aabb::EMPTY
+                }
+            })
+            .collect();
+        set.tree = Octree::build(&bounds, FEW, Copies::One);
+        set.largest = largest_below(&set.tree, |item| areas[item as usize]);
+        set
+    }
+
+    fn add_mesh(&mut self, mesh: &Mesh, content: &Content) -> OfMesh {
+        let first = self.polygons.len();
+        let Some(soup) = Soup::of(mesh, content) else {
+            return OfMesh {
+                polygons: [first as u32; 2],
+                ..OfMesh::default()
+            };
+        };
+        let [x, y, z] = mesh.bounds().size().map(f64::from);
+        let broadest = (x * y).max(y * z).max(z * x);
+        let mut found = Vec::new();
+        soup.sheets(LEAST_OF_ALL * broadest, |sheet| {
+            found_in(&soup, &sheet, LEAST_OF_ALL * broadest, &mut found);
+        });
+        found.sort_by(|a, b| b.0.area.total_cmp(&a.0.area));
+        let large = found.partition_point(|(polygon, _)| polygon.area >= LEAST_SHARE * broadest);
+        found.truncate(large + mesh.clusters().len());
+        for (polygon, corners) in found {
+            self.polygons.push(Polygon {
+                first_corner: self.corners.len() as u32,
+                ..polygon
+            });
+            self.corners.extend(corners);
+        }
+        let polygons = &self.polygons[first..];
+        let boxes: Vec<Aabb> = polygons.iter().map(|polygon| polygon.bounds).collect();
+        let tree = Octree::build(&boxes, FEW, Copies::One);
+        OfMesh {
+            polygons: [first as u32, self.polygons.len() as u32],
+            largest: largest_below(&tree, |polygon| polygons[polygon as usize].area),
+            tree,
+            opaque_area: (0..soup.face_count() as u32).map(|face| soup.area(face)).sum(),
+        }
+    }
+
+    fn corners_of(&self, polygon: &Polygon) -> &[DVec3] {
+        &self.corners[polygon.first_corner as usize..(polygon.first_corner + polygon.corners) as usize]
+    }
+
+    /// Memory in bytes.
+    pub fn bytes(&self) -> u64 {
+        let meshes = self
+            .meshes
+            .iter()
+            .map(|mesh| mesh.tree.bytes() + size_of_val(&*mesh.largest) as u64);
+        (size_of_val(&*self.polygons)
+            + size_of_val(&*self.corners)
+            + size_of_val(&*self.meshes)
+            + size_of_val(&*self.largest)) as u64
+            + self.tree.bytes()
+            + meshes.sum::<u64>()
+    }
+}
+
+/// Adds the polygons of a sheet that have `least_area` or more.
+fn found_in(soup: &Soup, sheet: &Sheet, least_area: f64, found: &mut Vec<(Polygon, Vec<DVec3>)>) {
+    let Some(outline) = Outline::of(soup, sheet) else {
+        return;
+    };
+    let pieces = match outline.as_one() {
+        None => pieces(soup, sheet, &outline, least_area),
+        Some(corners) => {
+            let area = area(&corners);
+            vec![PieceOf {
+                corners,
+                inset: 0.0,
+                area,
+                added: area,
+                triangles: sheet.faces.iter().map(|&face| soup.triangles(face)).sum(),
+            }]
+        }
+    };
+    for piece in pieces.into_iter().filter(|piece| piece.area >= least_area) {
+        let corners = &piece.corners;
+        let far = corners
+            .iter()
+            .map(|corner| corner.abs().max_element())
+            .fold(0.0, f64::max);
+        let polygon = Polygon {
+            first_corner: 0,
+            corners: corners.len() as u32,
+            normal: sheet.normal,
+            distance: sheet.distance,
+            // What f64 rounds goes on top: corners that were computed, and eyes that will be.
+            slack: sheet.slack + EXACT * far,
+            inset: piece.inset,
+            area: piece.area,
+            added: piece.added,
+            triangles: piece.triangles.min(u64::from(u32::MAX)) as u32,
+            centre: corners.iter().sum::<DVec3>() / corners.len() as f64,
+            bounds: box_around(corners),
+            double_sided: sheet.double_sided,
+        };
+        found.push((polygon, piece.corners));
+    }
+}
+
+/// For each node of a tree, the greatest area below it.
+fn largest_below(tree: &Octree, area: impl Fn(u32) -> f64) -> Vec<f64> {
+    let mut largest = vec![0.0; tree.node_count()];
+    // Children have higher numbers than their parents.
+    for node in (0..largest.len()).rev() {
+        let own = tree.things(node as u32).iter().map(|&thing| area(thing));
+        let below = tree.children(node as u32).map(|child| largest[child as usize]);
+        largest[node] = own.chain(below).fold(0.0, f64::max);
+    }
+    largest
+}
+
+/// The map of normals times areas that goes with a map of points.
+fn cofactor(matrix: &DMat3) -> DMat3 {
+    let DMat3 {
+        x_axis: x,
+        y_axis: y,
+        z_axis: z,
+    } = *matrix;
+    DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y))
+}
+
+/// By how much a map lengthens a vector, at most; exact where it is alike in all directions.
+fn greatest_stretch(matrix: DMat3) -> f64 {
+    let gram = matrix.transpose() * matrix;
+    let rows = [gram.x_axis, gram.y_axis, gram.z_axis].map(|row| row.abs().element_sum());
+    rows.into_iter().fold(0.0, f64::max).sqrt()
+}
+
+fn area(corners: &[DVec3]) -> f64 {
+    let first = corners[0];
+    let sum: DVec3 = corners
+        .windows(2)
+        .map(|pair| (pair[0] - first).cross(pair[1] - first))
+        .sum();
+    0.5 * sum.length()
+}
+
+/// The least box of f32 that holds all points.
+fn box_around(points: &[DVec3]) -> Aabb {
+    let below = |value: f64| {
+        let rounded = value as f32;
+        if f64::from(rounded) > value {
+            rounded.next_down()
+        } else {
+            rounded
+        }
+    };
+    points.iter().fold(Aabb::EMPTY, |held, point| {
+        held.union(&Aabb {
+            min: point.to_array().map(below),
+            max: point.to_array().map(|value| -below(-value)),
+        })
+    })
 }

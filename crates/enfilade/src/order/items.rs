@@ -3,39 +3,55 @@
 use super::Visit;
 use crate::content::{Alpha, Content, ItemId, OpeningId};
 use crate::faces::Faces;
-use crate::geom::Step;
+use crate::geom::{Aabb, Step};
 use crate::passage::{Passage, eye_in};
 use crate::region::{Region, Sight};
 
 /// Hands out what may be seen of one item, unless that was done already.
 pub(super) fn hand_out(content: &Content, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
-    let placed = content.item(item);
     let mesh = content.mesh_of(item);
     let clusters = mesh.clusters();
     if clusters.is_empty() || !visit.first_time(item) {
         return;
     }
-    let screen_from_item = passage.screen_from(&placed.transform());
-    if clusters.len() == 1 {
-        if may_be_seen(passage, &screen_from_item, &mesh.bounds(), visit) {
-            visit.faces(&Faces::of_cluster(content, item, 0, &screen_from_item));
-        }
-        return;
+    let screen_from_item = passage.screen_from(&content.item(item).transform());
+    match sight(passage, &screen_from_item, &mesh.bounds(), visit) {
+        Sight::Hidden => return,
+        Sight::Partly if clusters.len() > 1 => {}
+        _ => return hand_out_clusters(content, item, &screen_from_item, visit),
     }
+    let mut is_root = true;
     mesh.walk(eye_in(&screen_from_item).into(), |step| match step {
+        // It has the box of the whole mesh.
+        Step::Node(_) if std::mem::take(&mut is_root) => true,
         Step::Node(bounds) => may_be_seen(passage, &screen_from_item, bounds, visit),
         Step::Thing(cluster) => {
-            if may_be_seen(
-                passage,
-                &screen_from_item,
-                &clusters[cluster as usize].bounds,
-                visit,
-            ) {
+            let bounds = &clusters[cluster as usize].bounds;
+            if may_be_seen(passage, &screen_from_item, bounds, visit) {
                 visit.faces(&Faces::of_cluster(content, item, cluster, &screen_from_item));
             }
             true
         }
     });
+}
+
+/// Hands out all of an item, unless that was done already: for one in a box that is seen fully.
+pub(super) fn hand_out_whole(content: &Content, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
+    if visit.first_time(item) {
+        let screen_from_item = passage.screen_from(&content.item(item).transform());
+        hand_out_clusters(content, item, &screen_from_item, visit);
+    }
+}
+
+fn hand_out_clusters(
+    content: &Content,
+    item: ItemId,
+    screen_from_item: &glam::DAffine3,
+    visit: &mut impl Visit,
+) {
+    for cluster in 0..content.mesh_of(item).clusters().len() as u32 {
+        visit.faces(&Faces::of_cluster(content, item, cluster, screen_from_item));
+    }
 }
 
 /// Hands out what may be seen of an item's faces that do not hide: for orders that sort only those that do.
@@ -78,8 +94,18 @@ pub(super) fn opening_faces<'a>(content: &'a Content, passage: &'a Passage, open
 pub(super) fn may_be_seen(
     passage: &Passage,
     screen_from_local: &glam::DAffine3,
-    bounds: &crate::geom::Aabb,
+    bounds: &Aabb,
     visit: &mut impl Visit,
 ) -> bool {
-    Region::of(passage, screen_from_local, bounds).is_some_and(|region| visit.enter(&region) != Sight::Hidden)
+    sight(passage, screen_from_local, bounds, visit) != Sight::Hidden
+}
+
+/// How much of a box can be seen; nothing where it is out of view.
+pub(super) fn sight(
+    passage: &Passage,
+    screen_from_local: &glam::DAffine3,
+    bounds: &Aabb,
+    visit: &mut impl Visit,
+) -> Sight {
+    Region::of(passage, screen_from_local, bounds).map_or(Sight::Hidden, |region| visit.enter(&region))
 }

@@ -4,6 +4,7 @@ mod bsp;
 mod bvh;
 mod depth_sort;
 mod items;
+mod kd_tree;
 mod octree;
 mod queue;
 mod unordered;
@@ -11,6 +12,7 @@ mod unordered;
 pub use bsp::{Bsp, Direction};
 pub use bvh::BvhOrder;
 pub use depth_sort::{DepthSort, Mean, Min, SortKey};
+pub use kd_tree::KdTreeOrder;
 pub use octree::OctreeOrder;
 pub use unordered::Unordered;
 

@@ -34,6 +34,17 @@ pub(super) enum Place {
     Unsure,
 }
 
+impl Place {
+    /// Where the other lies.
+    fn turned(self) -> Place {
+        match self {
+            Place::Before { apart } => Place::Behind { apart },
+            Place::Behind { apart } => Place::Before { apart },
+            same => same,
+        }
+    }
+}
+
 /// Corners come from a product of f64: this, relative to the sums of what is added, is more than rounding can do.
 const ROUNDING: f64 = 1.0 / (1_u64 << 46) as f64;
 /// Farther from a plane than this many times the rounding, a face does not touch it.
@@ -73,13 +84,20 @@ impl Face {
     }
 
     /// Where it lies with respect to another, told from which side of each other's plane their corners are.
+    ///
+    /// The plane of the higher is asked first, whoever came first: of two that are nearly in one plane, one may lie in
+    /// the other's plane, and the other not in its.
     pub(super) fn place(&self, other: &Face) -> Place {
-        match self.beside_plane_of(other) {
-            Place::Unsure => match other.beside_plane_of(self) {
-                Place::Before { apart } => Place::Behind { apart },
-                Place::Behind { apart } => Place::Before { apart },
-                other => other,
-            },
+        if self.triangle.owner <= other.triangle.owner {
+            self.place_of_lower(other)
+        } else {
+            other.place_of_lower(self).turned()
+        }
+    }
+
+    fn place_of_lower(&self, higher: &Face) -> Place {
+        match self.beside_plane_of(higher) {
+            Place::Unsure => higher.beside_plane_of(self).turned(),
             sure => sure,
         }
     }
@@ -126,5 +144,33 @@ impl Face {
             }
         });
         sides == [1; 3] || sides == [-1; 3]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn face(owner: u32, corners: [[f64; 3]; 3]) -> Face {
+        let triangle = Triangle {
+            owner,
+            nearness: DVec3::ZERO,
+            least: 0.0,
+            greatest: 0.0,
+        };
+        Face::new(triangle, corners.map(DVec3::from), 0)
+    }
+
+    #[test]
+    fn who_came_first_does_not_decide_what_is_before() {
+        // The small one lies in the plane of the large one, as far as rounding can tell, but not the other way round.
+        let large = [[-1000.0, 0.0, 1.0], [1000.0, 0.0, 1.0], [0.0, 1000.0, 1.0]];
+        let small = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0 + 1e-14]];
+        let [a, b] = [face(0, large), face(1, small)];
+        assert_ne!(a.beside_plane_of(&b), b.beside_plane_of(&a).turned());
+        for [lower, higher] in [[large, small], [small, large]] {
+            let [lower, higher] = [face(0, lower), face(1, higher)];
+            assert_eq!(lower.place(&higher), higher.place(&lower).turned());
+        }
     }
 }

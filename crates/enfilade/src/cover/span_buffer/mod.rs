@@ -50,6 +50,15 @@ pub struct SpanBuffer {
     /// The turns of the faces of the batch at hand, by their number there.
     turns: Vec<u32>,
     trace: Option<Trace>,
+    dropping: Dropping,
+}
+
+/// What dropping hidden faces works with.
+#[derive(Default)]
+struct Dropping {
+    owns: Vec<bool>,
+    /// Where each face that owns a sample is afterwards.
+    places: Vec<u32>,
 }
 
 /// Faces kept beyond twice those that own a sample, before the others are dropped.
@@ -122,7 +131,7 @@ impl Paints for SpanBuffer {
         seen: &mut Seen,
         canvas: Option<&mut dyn Canvas>,
     ) {
-        let mut report = Report::new(content, canvas.map(|canvas| canvas as &mut dyn Canvas));
+        let mut report = Report::new(content, seen, canvas.map(|canvas| canvas as &mut dyn Canvas));
         let rect = self.rows.rect;
         for y in rect.y0..rect.y1 {
             let spans = self.rows.rows[usize::from(y)].spans.iter();
@@ -135,20 +144,21 @@ impl Paints for SpanBuffer {
             }
             report.end_row(y, &rect, self.trace.as_ref());
         }
-        report.finish(seen);
+        report.finish();
     }
 }
 
 impl SpanBuffer {
     /// Drops the faces that own no sample any more.
     fn drop_hidden(&mut self) {
-        let owns = mark_owners(&self.rows, &self.kept);
-        let mut places = Vec::with_capacity(owns.len());
+        let Dropping { owns, places } = &mut self.dropping;
+        mark_owners(&self.rows, &self.kept, owns);
         let mut left = 0;
-        for &owns in &owns {
-            places.push(left);
+        places.clear();
+        places.extend(owns.iter().map(|&owns| {
             left += u32::from(owns);
-        }
+            left - u32::from(owns)
+        }));
         let mut owner = owns.iter();
         self.kept.retain(|_| owner.next().is_some_and(|&owns| owns));
         let mut owner = owns.iter();

@@ -224,8 +224,9 @@ impl Row {
 }
 
 /// Which faces own a sample: marks them, so that the others may be dropped.
-pub(super) fn mark_owners(rows: &Rows, faces: &[Face]) -> Vec<bool> {
-    let mut owns = vec![false; faces.len()];
+pub(super) fn mark_owners(rows: &Rows, faces: &[Face], owns: &mut Vec<bool>) {
+    owns.clear();
+    owns.resize(faces.len(), false);
     for y in rows.rect.y0..rows.rect.y1 {
         for span in rows.rows[usize::from(y)]
             .spans
@@ -235,5 +236,4 @@ pub(super) fn mark_owners(rows: &Rows, faces: &[Face]) -> Vec<bool> {
             owns[span.face as usize] = true;
         }
     }
-    owns
 }

@@ -9,7 +9,6 @@
 
 mod build;
 mod choose;
-mod cross;
 mod link;
 mod score;
 mod side;

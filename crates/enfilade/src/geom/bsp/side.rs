@@ -7,7 +7,7 @@
 //! near to their plane, and the splitter's own corners too. So no exact arithmetic is needed.
 //! Cost: O(corners).
 
-use super::cross::{cross, edge};
+use crate::geom::cross::{cross, edge};
 use glam::DVec3;
 
 /// What counts as on a plane, as a part of the greatest coordinate: 32 units in the last place, some four times what

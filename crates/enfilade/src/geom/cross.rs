@@ -8,17 +8,17 @@
 use glam::DVec3;
 
 /// An edge: what is in f64, and what was rounded away.
-pub(super) type Edge = (DVec3, DVec3);
+pub(crate) type Edge = (DVec3, DVec3);
 
 /// From `from` to `to`, exactly.
-pub(super) fn edge(from: DVec3, to: DVec3) -> Edge {
+pub(crate) fn edge(from: DVec3, to: DVec3) -> Edge {
     let rounded = to - from;
     let back = rounded - to;
     (rounded, (to - (rounded - back)) - (from + back))
 }
 
 /// The cross product of two edges.
-pub(super) fn cross(a: Edge, b: Edge) -> DVec3 {
+pub(crate) fn cross(a: Edge, b: Edge) -> DVec3 {
     let ((a, a_rest), (b, b_rest)) = (a, b);
     let main = DVec3::new(
         minor(a.y, b.z, a.z, b.y),

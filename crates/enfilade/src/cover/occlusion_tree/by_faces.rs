@@ -1,0 +1,138 @@
+//! How a box is asked after by its faces: those it shows to the eye are filtered down the tree.
+//!
+//! All of them hidden: the box is. All of them seen, and those on its far side too: it is seen whole, for whatever is
+//! inside would hide some of its far side.
+
+use super::insert::clip;
+use super::line::SLIT;
+use super::pieces::{Piece, Reach};
+use super::{ByFaces, Found, Link, OcclusionTree, Plane};
+use crate::region::{Sight, Volume};
+use glam::DVec3;
+
+/// What a number computed from three products of coordinates may be wrong by, as a part of the product of the greatest:
+/// some hundred units in the last place.
+const ROUNDING: f64 = 1.0 / (1_u64 << 46) as f64;
+
+/// Which faces of a box the eye sees.
+struct Faces {
+    /// Four corners each, around the face.
+    corners: [[DVec3; 4]; 6],
+    /// Does the face look toward the eye, as far as one can say?
+    front: [bool; 6],
+}
+
+impl OcclusionTree<ByFaces> {
+    pub(super) fn sees_volume(&mut self, volume: &Volume) -> Sight {
+        let Some(faces) = Faces::of(volume) else {
+            return Sight::Partly;
+        };
+        self.pieces.clear();
+        let mut found = Found::default();
+        for front in [true, false] {
+            for (corners, _) in faces
+                .corners
+                .iter()
+                .zip(faces.front)
+                .filter(|face| face.1 == front)
+            {
+                self.filter(*corners, &mut found);
+                if found.both() {
+                    return Sight::Partly;
+                }
+            }
+            if !found.lit {
+                return Sight::Hidden;
+            }
+        }
+        Sight::Fully
+    }
+
+    /// Filters a face down the tree until it has come to a lit leaf and to a shadow.
+    fn filter(&mut self, corners: [DVec3; 4], found: &mut Found) {
+        let whole = self.pieces.add(corners);
+        let Some(inside) = clip(&self.tree.aperture, &mut self.pieces, whole) else {
+            found.shadow = true;
+            return;
+        };
+        found.shadow |= inside != whole;
+        self.waiting.clear();
+        self.waiting.push((self.tree.root, inside));
+        while let Some((link, piece)) = self.waiting.pop() {
+            match link {
+                Link::Lit => found.lit = true,
+                Link::Shadow => found.shadow = true,
+                Link::Node(node) => self.pass_face(node, piece, found),
+            }
+            if found.both() {
+                return;
+            }
+        }
+    }
+
+    /// Sends a piece of a face past a node.
+    fn pass_face(&mut self, node: u32, piece: Piece, found: &mut Found) {
+        let node = &self.tree.nodes[node as usize];
+        match &node.plane {
+            Plane::Line(line) => {
+                let mut reach = self.pieces.measure(piece, SLIT, |corner| line.height(corner));
+                let mut halves = [piece; 2];
+                if reach.inside && reach.outside {
+                    halves = self.pieces.split(piece);
+                } else if !reach.inside && !reach.outside {
+                    // Seen edge-on, or tiny: where it lies counts, be it ever so little off.
+                    let Reach { inside, outside } =
+                        self.pieces.measure(piece, 0.0, |corner| line.height(corner));
+                    reach = Reach {
+                        inside: inside || !outside,
+                        outside: outside || !inside,
+                    };
+                }
+                self.waiting
+                    .extend(reach.inside.then_some((node.inside, halves[0])));
+                self.waiting
+                    .extend(reach.outside.then_some((node.outside, halves[1])));
+            }
+            Plane::Back(back) => {
+                let reach = self.pieces.measure(piece, 0.0, |corner| back.height(corner));
+                found.shadow |= reach.inside || !reach.outside;
+                if reach.outside {
+                    let before = if reach.inside {
+                        self.pieces.half(piece, -1.0)
+                    } else {
+                        piece
+                    };
+                    self.waiting.push((node.outside, before));
+                }
+            }
+        }
+    }
+}
+
+impl Faces {
+    /// `None` where the eye may be inside.
+    fn of(volume: &Volume) -> Option<Faces> {
+        let Volume { origin, sides } = volume;
+        let mut corners = [[DVec3::ZERO; 4]; 6];
+        let mut front = [false; 6];
+        let mut is_outside = false;
+        let size = |v: DVec3| v.x.abs() + v.y.abs() + v.z.abs();
+        for axis in 0..3 {
+            let [along, up, across] = [sides[(axis + 1) % 3], sides[(axis + 2) % 3], sides[axis]];
+            let normal = along.cross(up);
+            let off = ROUNDING * size(along) * size(up) * (size(*origin) + size(across));
+            let heights = [normal.dot(*origin), normal.dot(*origin + across)];
+            // The eye has height 0: outside if both faces are certainly on one side of it, and then the nearer is
+            // seen. What is edge-on, as far as one can say, is asked after too.
+            let beyond = heights.iter().all(|&h| h > off) || heights.iter().all(|&h| h < -off);
+            is_outside |= beyond;
+            let low_first = heights[0].abs() <= heights[1].abs();
+            for (face, first) in [low_first, !low_first].into_iter().enumerate() {
+                let corner = if face == 0 { *origin } else { *origin + across };
+                corners[2 * axis + face] = [corner, corner + along, corner + along + up, corner + up];
+                front[2 * axis + face] = (beyond && first) || heights[face].abs() <= off;
+            }
+        }
+        is_outside.then_some(Faces { corners, front })
+    }
+}

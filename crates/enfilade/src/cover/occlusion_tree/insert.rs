@@ -1,0 +1,200 @@
+//! How an occluder gets into the tree.
+//!
+//! It is cut by the planes it meets; what comes to a lit leaf stands there from then on: a node for each edge that
+//! bounds the occluder there, one for its own plane, and a shadow behind that.
+
+use super::line::{Back, Line, SLIT};
+use super::pieces::{Piece, Pieces, Reach};
+use super::{Edge, Link, MOST_NODES, OcclusionTree, Place, Plane, Side, Tree};
+use crate::occluders::Occluder;
+use glam::DVec3;
+
+/// How much nearer than what an occluder lies behind it must be, relatively: nothing is worth a shadow before one in
+/// the same wall.
+const NEARER: f64 = 1.0 / (1 << 20) as f64;
+
+/// How far inside its lines the middle of a piece must be for an edge to be left out, as a part of the piece's size.
+///
+/// Say the lines that are left let something out of the occluder, at q. The way there from the middle leaves the
+/// occluder at some edge, still in the leaf. If that edge was not left out, its line stops q: so it was, and at that
+/// place it is within `SLIT` of a line above. That line, which the middle is inside of by this part of the size, has
+/// lost all but `SLIT` on the way: so q is farther by no more than `SLIT` over this part.
+const THICK: f64 = 1.0 / (1 << 10) as f64;
+
+/// What is entered before this plane, n · p ≥ d, does not hide.
+pub(super) type Entry = (DVec3, f64);
+
+impl<A> OcclusionTree<A> {
+    /// Lets what of an occluder is beyond `near` and the entry plane hide what is behind it.
+    pub(super) fn insert(&mut self, occluder: &Occluder, near: f64, entry: Option<Entry>) {
+        self.pieces.clear();
+        self.edges.clear();
+        let Some(back) = Back::new(occluder.plane, self.tree.far) else {
+            return;
+        };
+        let Some(piece) = self.outline(occluder, near, entry) else {
+            return;
+        };
+        let Some(piece) = clip(&self.tree.aperture, &mut self.pieces, piece) else {
+            return;
+        };
+        self.entering.push((None, piece));
+        while let Some((place, piece)) = self.entering.pop() {
+            match self.tree.at(place) {
+                Link::Shadow => {}
+                Link::Lit => {
+                    if self.tree.nodes.len() + self.edges.len() < MOST_NODES {
+                        settle(
+                            &mut self.tree,
+                            &self.edges,
+                            back,
+                            place,
+                            self.pieces.corners(piece),
+                        );
+                    }
+                }
+                Link::Node(node) => self.pass(node, piece),
+            }
+        }
+    }
+
+    /// The occluder's edges, and its outline, beyond `near` and the entry plane; `None` where it hides nothing.
+    fn outline(&mut self, occluder: &Occluder, near: f64, entry: Option<Entry>) -> Option<Piece> {
+        let corners = occluder.corners;
+        for (i, &from) in corners.iter().enumerate() {
+            let to = corners[(i + 1) % corners.len()];
+            if from != to {
+                let line = Line::through(from, to)?;
+                self.edges.push(Edge { from, to, line });
+            }
+        }
+        if self.edges.len() < 3 {
+            // Nothing would bound what is behind it.
+            return None;
+        }
+        let mut piece = self.pieces.add(corners.iter().copied());
+        let before: [Option<Entry>; 2] = [Some((DVec3::Z, near)), entry];
+        for (normal, distance) in before.into_iter().flatten() {
+            let reach = self
+                .pieces
+                .measure(piece, 0.0, |corner| normal.dot(corner) - distance);
+            if reach.outside {
+                piece = self.pieces.half(piece, 1.0);
+                let [from, to] = self.pieces.cut_edge(piece)?;
+                let line = Line::through(from, to)?;
+                self.edges.push(Edge { from, to, line });
+            } else if !reach.inside {
+                return None;
+            }
+        }
+        Some(piece)
+    }
+
+    /// Sends a piece past a node.
+    fn pass(&mut self, node: u32, piece: Piece) {
+        let [inside, outside] = [Side::Inside, Side::Outside].map(|side| Some((node, side)));
+        match &self.tree.nodes[node as usize].plane {
+            Plane::Line(line) => {
+                let reach = self.pieces.measure(piece, SLIT, |corner| line.height(corner));
+                match reach {
+                    Reach {
+                        inside: true,
+                        outside: true,
+                    } => {
+                        let halves = self.pieces.split(piece);
+                        self.entering.extend([inside, outside].into_iter().zip(halves));
+                    }
+                    Reach { inside: true, .. } => self.entering.push((inside, piece)),
+                    Reach { outside: true, .. } => self.entering.push((outside, piece)),
+                    // Too thin to hide anything.
+                    _ => {}
+                }
+            }
+            Plane::Back(back) => {
+                let before = |corner| -back.height(corner) - NEARER * back.distance;
+                let reach = self.pieces.measure(piece, 0.0, before);
+                if reach.inside {
+                    let nearer = if reach.outside {
+                        self.pieces.half(piece, 1.0)
+                    } else {
+                        piece
+                    };
+                    self.entering.push((outside, nearer));
+                }
+            }
+        }
+    }
+}
+
+/// What of a piece is within the aperture; `None` where nothing is.
+pub(super) fn clip(aperture: &[Line], pieces: &mut Pieces, mut piece: Piece) -> Option<Piece> {
+    for line in aperture {
+        let reach = pieces.measure(piece, SLIT, |corner| line.height(corner));
+        if reach.outside {
+            if !reach.inside {
+                return None;
+            }
+            piece = pieces.half(piece, 1.0);
+        }
+    }
+    Some(piece)
+}
+
+/// Puts the occluder's planes where its piece came to a lit leaf.
+fn settle(tree: &mut Tree, edges: &[Edge], back: Back, place: Place, piece: &[DVec3]) {
+    if piece.len() < 3 {
+        return;
+    }
+    let thick = is_thick(tree, edges, place, piece);
+    let mut below = place;
+    for edge in edges {
+        let is_above = tree
+            .lines_above(place)
+            .any(|(line, sign)| edge.line.normal == sign * line.normal);
+        if is_above || (thick && is_gone(tree, place, edge)) {
+            continue;
+        }
+        let node = tree.hang(below, Plane::Line(edge.line), Link::Lit);
+        below = Some((node, Side::Inside));
+    }
+    tree.hang(below, Plane::Back(back), Link::Shadow);
+}
+
+/// Is the middle of a piece well inside of all that bounds it?
+fn is_thick(tree: &Tree, edges: &[Edge], place: Place, piece: &[DVec3]) -> bool {
+    let [mut min, mut max, mut middle] =
+        [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3], [0.0; 3]].map(DVec3::from);
+    for corner in piece {
+        let on_screen = *corner / corner.z;
+        min = min.min(on_screen);
+        max = max.max(on_screen);
+        middle += on_screen;
+    }
+    middle /= piece.len() as f64;
+    let size = max - min;
+    let least = THICK * (size.x + size.y) + SLIT;
+    let is_inside = |(line, sign): (&Line, f64)| sign * line.height(middle) >= least;
+    size.x + size.y > 0.0
+        && edges.iter().map(|edge| (&edge.line, 1.0)).all(is_inside)
+        && tree.lines_above(place).all(is_inside)
+}
+
+/// Is every place of an edge outside of a line above, or in it?
+fn is_gone(tree: &Tree, place: Place, edge: &Edge) -> bool {
+    // What is left of the edge, from 0 to 1; what is behind the eye is not seen.
+    let mut left = [0.0, 1.0];
+    let mut keep = |[at_from, at_to]: [f64; 2]| {
+        let meets = at_from / (at_from - at_to);
+        match [at_from > 0.0, at_to > 0.0] {
+            [true, true] => {}
+            [true, false] => left[1] = meets.min(left[1]),
+            [false, true] => left[0] = meets.max(left[0]),
+            [false, false] => left = [1.0, 0.0],
+        }
+        left[0] >= left[1]
+    };
+    keep([edge.from.z, edge.to.z])
+        || tree
+            .lines_above(place)
+            .any(|(line, sign)| keep([edge.from, edge.to].map(|end| sign * line.height(end) - SLIT * end.z)))
+}

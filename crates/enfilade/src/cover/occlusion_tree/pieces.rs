@@ -1,0 +1,176 @@
+//! Convex polygons at work, and how a plane cuts one in two.
+//!
+//! Corners as near to a plane as counts as on it belong to both halves, so together they are never less than the whole.
+//! Source: Sutherland, Hodgman. Reentrant Polygon Clipping. 1974; done for both sides at once.
+//! Cost: O(corners).
+
+use glam::DVec3;
+
+/// A polygon at work: a run of corners.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Piece {
+    first: u32,
+    count: u32,
+}
+
+/// On which sides of a plane a piece has corners that do not count as on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Reach {
+    pub(super) inside: bool,
+    pub(super) outside: bool,
+}
+
+/// The corners of all pieces at work.
+#[derive(Default)]
+pub(super) struct Pieces {
+    corners: Vec<DVec3>,
+    /// How far inside each corner of the piece is that was measured last; 0 where it counts as on the plane.
+    heights: Vec<f64>,
+    /// Where, among its corners, the edge begins that the last half got by being cut off.
+    cut: Option<u32>,
+}
+
+impl Pieces {
+    /// Forgets all pieces.
+    pub(super) fn clear(&mut self) {
+        self.corners.clear();
+    }
+
+    /// Takes in a polygon.
+    pub(super) fn add(&mut self, corners: impl IntoIterator<Item = DVec3>) -> Piece {
+        let first = self.corners.len() as u32;
+        self.corners.extend(corners);
+        self.since(first)
+    }
+
+    pub(super) fn corners(&self, of: Piece) -> &[DVec3] {
+        &self.corners[of.first as usize..(of.first + of.count) as usize]
+    }
+
+    /// On which sides of a plane a piece is, given how far inside a point is; corners no more than `slit` · W off count
+    /// as on it.
+    pub(super) fn measure(&mut self, piece: Piece, slit: f64, height: impl Fn(DVec3) -> f64) -> Reach {
+        let Pieces { corners, heights, .. } = self;
+        heights.clear();
+        let mut reach = Reach {
+            inside: false,
+            outside: false,
+        };
+        for &corner in &corners[piece.first as usize..(piece.first + piece.count) as usize] {
+            let [height, slit] = [height(corner), slit * corner.z];
+            let off = if height > slit || height < -slit {
+                height
+            } else {
+                0.0
+            };
+            reach.inside |= off > 0.0;
+            reach.outside |= off < 0.0;
+            heights.push(off);
+        }
+        reach
+    }
+
+    /// What is inside, and what is outside, of the plane by which `piece` was measured last.
+    pub(super) fn split(&mut self, piece: Piece) -> [Piece; 2] {
+        [1.0, -1.0].map(|sign| self.half(piece, sign))
+    }
+
+    /// What is inside of the plane by which `piece` was measured last, or with sign −1 what is outside.
+    pub(super) fn half(&mut self, piece: Piece, sign: f64) -> Piece {
+        let Pieces {
+            corners,
+            heights,
+            cut,
+        } = self;
+        let first = corners.len() as u32;
+        *cut = None;
+        for here in 0..piece.count as usize {
+            let next = (here + 1) % piece.count as usize;
+            let [at, to] = [here, next].map(|place| corners[piece.first as usize + place]);
+            let [above, next_above] = [here, next].map(|place| sign * heights[place]);
+            if above >= 0.0 {
+                corners.push(at);
+            }
+            if (above > 0.0 && next_above < 0.0) || (above < 0.0 && next_above > 0.0) {
+                corners.push(crossing([at, to], [above, next_above]));
+            }
+            if above >= 0.0 && next_above < 0.0 {
+                *cut = Some(corners.len() as u32 - 1 - first);
+            }
+        }
+        self.since(first)
+    }
+
+    /// The ends of the edge that the last half got by being cut off.
+    pub(super) fn cut_edge(&self, half: Piece) -> Option<[DVec3; 2]> {
+        let corners = self.corners(half);
+        let from = self.cut? as usize;
+        Some([corners[from], corners[(from + 1) % corners.len()]])
+    }
+
+    fn since(&self, first: u32) -> Piece {
+        Piece {
+            first,
+            count: self.corners.len() as u32 - first,
+        }
+    }
+}
+
+/// Where an edge with ends on both sides of a plane meets it.
+///
+/// A sum of both ends with positive weights: where one is far off and the other at hand, what is near loses nothing. And
+/// the same bits whichever way the edge runs.
+fn crossing([a, b]: [DVec3; 2], [a_above, b_above]: [f64; 2]) -> DVec3 {
+    let [to_a, to_b] = [a_above.abs(), b_above.abs()];
+    (a * to_b + b * to_a) / (to_a + to_b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SQUARE: [[f64; 3]; 4] = [[0.0, 0.0, 1.0], [4.0, 0.0, 1.0], [4.0, 4.0, 1.0], [0.0, 4.0, 1.0]];
+
+    #[test]
+    fn a_square_is_cut_into_two_that_meet() {
+        let mut pieces = Pieces::default();
+        let whole = pieces.add(SQUARE.map(DVec3::from));
+        let reach = pieces.measure(whole, 1e-6, |corner| corner.x - corner.z);
+        assert!(reach.inside && reach.outside);
+        let [right, left] = pieces.split(whole);
+        let [from, to] = pieces.cut_edge(left).expect("it was cut off");
+        assert!(from.x == 1.0 && to.x == 1.0 && from.y < to.y);
+        let least = |piece: Piece| pieces.corners(piece).iter().map(|c| c.x).fold(9.0, f64::min);
+        let greatest = |piece: Piece| pieces.corners(piece).iter().map(|c| c.x).fold(-9.0, f64::max);
+        assert_eq!(
+            [least(right), greatest(right), least(left), greatest(left)],
+            [1.0, 4.0, 0.0, 1.0]
+        );
+    }
+
+    #[test]
+    fn a_corner_on_the_plane_belongs_to_both_halves() {
+        let mut pieces = Pieces::default();
+        let whole = pieces.add(SQUARE.map(DVec3::from));
+        pieces.measure(whole, 1e-6, |corner| corner.x - corner.y + 1e-7);
+        for half in pieces.split(whole) {
+            assert_eq!(pieces.corners(half).len(), 3);
+        }
+    }
+
+    #[test]
+    fn what_only_touches_a_plane_is_on_one_side() {
+        let mut pieces = Pieces::default();
+        let whole = pieces.add(SQUARE.map(DVec3::from));
+        let reach = pieces.measure(whole, 1e-6, |corner| corner.x + 1e-7);
+        assert!(reach.inside && !reach.outside);
+    }
+
+    #[test]
+    fn an_edge_from_the_feet_to_the_horizon_is_cut_where_it_is() {
+        let [near, far] = [DVec3::new(0.1, -3.0, 0.01), DVec3::new(1e9, 2e9, 1e7)];
+        let height = |p: DVec3| p.y + 200.0 * p.z;
+        let at = crossing([near, far], [height(near), height(far)]);
+        assert!((height(at) / at.z).abs() < 1e-10, "{at}");
+    }
+}

@@ -1,0 +1,212 @@
+//! What the tests of occlusion trees share: shapes as the eye sees them, and chance.
+
+mod odd;
+mod oracle;
+mod walls;
+
+use super::*;
+use crate::region::Volume;
+
+/// A screen of 1000 × 800 pixels.
+const SCREEN: [[f64; 2]; 4] = [[0.0, 0.0], [0.0, 800.0], [1000.0, 800.0], [1000.0, 0.0]];
+const NEAR: f64 = 1e-12;
+
+/// (X, Y, W) of a point right of, above and ahead of the eye.
+fn on_screen([right, up, ahead]: [f64; 3]) -> DVec3 {
+    let focal = 700.0;
+    DVec3::new(focal * right + 500.0 * ahead, -focal * up + 400.0 * ahead, ahead)
+}
+
+/// A convex polygon as a passage sees it.
+#[derive(Clone, Debug)]
+struct Polygon {
+    corners: Vec<DVec3>,
+    plane: (DVec3, f64),
+}
+
+impl Polygon {
+    /// Whichever way the corners run; `None` where the eye is in its plane.
+    fn new(corners: &[[f64; 3]]) -> Option<Polygon> {
+        let mut corners: Vec<DVec3> = corners.iter().map(|&c| on_screen(c)).collect();
+        let first = corners[0];
+        let normal: DVec3 = corners[1..]
+            .windows(2)
+            .map(|pair| (pair[0] - first).cross(pair[1] - first))
+            .sum::<DVec3>()
+            .normalize();
+        let distance = normal.dot(first);
+        if distance.abs() < 1e-13 * first.length() {
+            return None;
+        }
+        // In this space y points down: what runs counter-clockwise as the eye sees it has its normal toward the eye.
+        if distance > 0.0 {
+            corners.reverse();
+        }
+        let plane = if distance > 0.0 {
+            (normal, distance)
+        } else {
+            (-normal, -distance)
+        };
+        Some(Polygon { corners, plane })
+    }
+
+    fn occluder(&self) -> Occluder<'_> {
+        Occluder {
+            corners: &self.corners,
+            plane: self.plane,
+        }
+    }
+
+    /// Does it hide a point? `slack`: how many pixels off its edges still count.
+    fn hides(&self, point: DVec3, slack: f64) -> bool {
+        let (normal, distance) = self.plane;
+        let beyond = normal.dot(point) > distance * (1.0 - slack * 1e-6);
+        let inside = |(i, &from): (usize, &DVec3)| {
+            let line = self.corners[(i + 1) % self.corners.len()].cross(from);
+            line.dot(point) / line.x.hypot(line.y) > -slack * point.z
+        };
+        beyond && self.corners.iter().enumerate().all(inside)
+    }
+}
+
+fn square(center: [f64; 3], half: f64) -> Polygon {
+    let [x, y, z] = center;
+    let corners =
+        [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[a, b]| [x + a * half, y + b * half, z]);
+    Polygon::new(&corners).expect("the eye is before it")
+}
+
+/// A box along the axes of the eye.
+fn volume(min: [f64; 3], max: [f64; 3]) -> Volume {
+    let side = |axis: usize| {
+        let mut to = min;
+        to[axis] = max[axis];
+        on_screen(to) - on_screen(min)
+    };
+    Volume {
+        origin: on_screen(min),
+        sides: [side(0), side(1), side(2)],
+    }
+}
+
+/// Both trees with the same in them.
+#[derive(Default)]
+struct Both {
+    faces: OcclusionTree<ByFaces>,
+    boxes: OcclusionTree<ByBox>,
+}
+
+impl Both {
+    fn new(occluders: &[Polygon]) -> Both {
+        let mut both = Both::default();
+        both.fill(&SCREEN, occluders);
+        both
+    }
+
+    /// Starts over; `outline` is counter-clockwise on the screen.
+    fn fill(&mut self, outline: &[[f64; 2]], occluders: &[Polygon]) {
+        self.faces.tree.open(outline, &Rect::default());
+        self.boxes.tree.open(outline, &Rect::default());
+        for polygon in occluders {
+            self.hide(&polygon.occluder(), NEAR, None);
+        }
+    }
+
+    fn hide(&mut self, occluder: &Occluder, near: f64, entry: Option<(DVec3, f64)>) {
+        self.faces.insert(occluder, near, entry);
+        self.boxes.insert(occluder, near, entry);
+    }
+
+    fn see(&mut self, volume: &Volume) -> [Sight; 2] {
+        [self.faces.sees_volume(volume), self.boxes.sees_volume(volume)]
+    }
+}
+
+/// Pseudo-random numbers, the same every time.
+struct Chance(u64);
+
+impl Chance {
+    /// From `low` to `high`.
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        low + (high - low) * (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn below(&mut self, count: usize) -> usize {
+        (self.between(0.0, count as f64) as usize).min(count - 1)
+    }
+
+    fn point(&mut self, spread: f64, ahead: [f64; 2]) -> [f64; 3] {
+        let z = self.between(ahead[0], ahead[1]);
+        [
+            self.between(-spread, spread) * z,
+            self.between(-spread, spread) * z,
+            z,
+        ]
+    }
+
+    fn direction(&mut self) -> DVec3 {
+        loop {
+            let v = DVec3::from([(); 3].map(|()| self.between(-1.0, 1.0)));
+            if (0.01..1.0).contains(&v.length()) {
+                return v.normalize();
+            }
+        }
+    }
+
+    /// A convex polygon somewhere, at any slope.
+    fn polygon(&mut self, ahead: [f64; 2], size: [f64; 2]) -> Option<Polygon> {
+        let center = DVec3::from(self.point(0.8, ahead));
+        let along = self.direction();
+        let up = along.cross(self.direction()).normalize_or_zero();
+        let half = center.z * self.between(size[0], size[1]);
+        let mut angles: Vec<f64> = (0..3 + self.below(4))
+            .map(|_| self.between(0.0, std::f64::consts::TAU))
+            .collect();
+        angles.sort_by(f64::total_cmp);
+        let corners: Vec<[f64; 3]> = angles
+            .iter()
+            .map(|angle| (center + half * (along * angle.cos() + up * angle.sin())).into())
+            .collect();
+        Polygon::new(&corners)
+    }
+
+    fn volume(&mut self, ahead: [f64; 2]) -> Volume {
+        let center = DVec3::from(self.point(0.8, ahead));
+        let size = center.z * self.between(0.001, 0.3);
+        let half = DVec3::from([(); 3].map(|()| size * self.between(0.0, 1.0)));
+        volume((center - half).into(), (center + half).into())
+    }
+
+    /// Its corners, and places on it.
+    fn places(&mut self, of: &Volume) -> Vec<DVec3> {
+        let mut places: Vec<[f64; 3]> = (0..8_u32)
+            .map(|corner| [0, 1, 2].map(|axis| f64::from(corner >> axis & 1)))
+            .collect();
+        for _ in 0..40 {
+            let mut place = [(); 3].map(|()| self.between(0.0, 1.0));
+            place[self.below(3)] = self.below(2) as f64;
+            places.push(place);
+        }
+        places
+            .into_iter()
+            .map(|[a, b, c]| of.origin + of.sides[0] * a + of.sides[1] * b + of.sides[2] * c)
+            .collect()
+    }
+}
+
+/// Is it seen by an eye that only the screen bounds?
+fn in_view(point: &DVec3) -> bool {
+    let [x, y] = [point.x / point.z, point.y / point.z];
+    point.z > NEAR && (0.0..1000.0).contains(&x) && (0.0..800.0).contains(&y)
+}
+
+fn shuffled<T: Clone>(all: &[T], chance: &mut Chance) -> Vec<T> {
+    let mut all = all.to_vec();
+    for i in (1..all.len()).rev() {
+        all.swap(i, chance.below(i + 1));
+    }
+    all
+}

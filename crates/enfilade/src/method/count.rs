@@ -1,0 +1,47 @@
+//! What an order costs alone.
+
+use crate::content::{Content, ItemId};
+use crate::faces::Faces;
+use crate::memory::{Marks, Memory};
+use crate::order::{Order, Visit};
+use crate::passage::Passage;
+use crate::region::{Region, Sight};
+
+/// Counts what an order hands out, and hides nothing.
+struct Count<'a> {
+    faces: u64,
+    marks: &'a mut Marks,
+}
+
+impl Visit for Count<'_> {
+    fn enter(&mut self, _region: &Region) -> Sight {
+        Sight::Partly
+    }
+
+    fn first_time(&mut self, item: ItemId) -> bool {
+        self.marks.first_time(item)
+    }
+
+    fn faces(&mut self, faces: &Faces) {
+        self.faces += faces.count() as u64;
+    }
+}
+
+/// Goes through an order, and gives the number of faces handed out.
+pub(super) fn count_faces<O: Order>(
+    order: &O,
+    content: &Content,
+    passage: &Passage,
+    memory: &mut Memory,
+) -> u64 {
+    let mut scratch = memory.take::<O::Scratch>();
+    memory.marks.begin(content.items().len());
+    let mut count = Count {
+        faces: 0,
+        marks: &mut memory.marks,
+    };
+    order.visit(content, passage, &mut scratch, &mut count);
+    let faces = count.faces;
+    memory.put_back(scratch);
+    faces
+}

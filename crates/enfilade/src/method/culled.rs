@@ -1,0 +1,212 @@
+//! Content seen by an order and a cover that holds no picture: occluders first, then what they leave.
+//!
+//! Drawn by a z-buffer, which gets what may be seen and nothing else: the picture is exact though the set is not.
+
+use super::count::count_faces;
+use super::{Method, TooLarge};
+use crate::canvas::Canvas;
+use crate::content::{Alpha, Content, ItemId, Opening, OpeningId};
+use crate::cover::{DepthBuffer, Hides, Paints};
+use crate::faces::{Faces, Of};
+use crate::fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
+use crate::geom::Aabb;
+use crate::memory::{Marks, Memory};
+use crate::occluders::{Choice, OccluderRoom, OccluderSet};
+use crate::order::{Gives, Order, Visit};
+use crate::passage::Passage;
+use crate::region::{Region, Sight};
+use crate::seen::{Seen, report_owners};
+use crate::stats::Stats;
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+/// Content seen by an order and a cover that holds no picture.
+pub struct Culled<O, C> {
+    method: Method,
+    content: Arc<Content>,
+    occluders: Arc<OccluderSet>,
+    order: O,
+    cover: PhantomData<fn() -> C>,
+}
+
+impl<O, C> Culled<O, C>
+where
+    O: Order,
+    C: Hides,
+    O::Gives: Gives<C::CullNeeds>,
+{
+    pub(super) fn build(method: Method, content: Arc<Content>, limit: u64) -> Result<Self, TooLarge> {
+        let needs_bytes = O::needs_bytes(&content) + OccluderSet::needs_bytes(&content);
+        if needs_bytes > limit {
+            return Err(TooLarge::new(method, needs_bytes, limit));
+        }
+        let order = O::build(&content, limit).ok_or_else(|| TooLarge::new(method, needs_bytes, limit))?;
+        Ok(Culled {
+            method,
+            occluders: content.share(|| OccluderSet::build(&content)),
+            order,
+            content,
+            cover: PhantomData,
+        })
+    }
+}
+
+/// What is found by a walk: clusters and openings that nothing hides.
+#[derive(Default)]
+struct Found {
+    clusters: Vec<(ItemId, u32)>,
+    openings: Vec<OpeningId>,
+}
+
+/// Joins an order's walk to a cover.
+struct Walk<'a, C> {
+    passage: &'a Passage,
+    content: &'a Content,
+    cover: &'a mut C,
+    marks: &'a mut Marks,
+    stats: &'a mut Stats,
+    found: &'a mut Found,
+}
+
+impl<C: Hides> Visit for Walk<'_, C> {
+    fn enter(&mut self, region: &Region) -> Sight {
+        self.stats.boxes_tested += 1;
+        let sight = self.cover.sees(region);
+        self.stats.boxes_hidden += u64::from(sight == Sight::Hidden);
+        sight
+    }
+
+    fn first_time(&mut self, item: ItemId) -> bool {
+        self.marks.first_time(item)
+    }
+
+    fn faces(&mut self, faces: &Faces) {
+        match faces.of {
+            Of::Item(item, cluster) => self.found.clusters.push((item, cluster)),
+            Of::Opening(opening) => {
+                let outline = &self.content.openings()[usize::from(opening.0)].outline;
+                let region = self.passage.region_of_opening(outline);
+                if region.is_some_and(|region| self.enter(&region) != Sight::Hidden) {
+                    self.found.openings.push(opening);
+                }
+            }
+        }
+    }
+}
+
+impl<O, C> Fragment for Culled<O, C>
+where
+    O: Order,
+    C: Hides,
+    O::Gives: Gives<C::CullNeeds>,
+{
+    fn bounds(&self) -> Aabb {
+        self.content.bounds()
+    }
+
+    fn openings(&self) -> &[Opening] {
+        self.content.openings()
+    }
+
+    fn contract(&self) -> Contract {
+        self.method.contract()
+    }
+
+    fn draws_what_was_gathered(&self) -> bool {
+        true
+    }
+
+    fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
+        let mut cover = memory.take::<C>();
+        let mut scratch = memory.take::<O::Scratch>();
+        let mut choice = memory.take::<Choice>();
+        let mut room = memory.take::<OccluderRoom>();
+        let mut found = memory.take::<Found>();
+        cover.clear(passage);
+        let budget = memory.occluders.unwrap_or(C::OCCLUDERS) as usize;
+        let set = &self.occluders;
+        for chosen in set.choose(&self.content, passage, C::MEASURE, budget, &mut choice) {
+            if let Some(occluder) = set.on_screen(&self.content, passage, chosen, &mut room) {
+                memory.stats.occluders += 1;
+                cover.hide(&occluder, passage, &mut memory.stats);
+            }
+        }
+        memory.marks.begin(self.content.items().len());
+        let mut walk = Walk {
+            passage,
+            content: &self.content,
+            cover: &mut *cover,
+            marks: &mut memory.marks,
+            stats: &mut memory.stats,
+            found: &mut found,
+        };
+        self.order.visit(&self.content, passage, &mut scratch, &mut walk);
+        report_owners(&mut found.clusters, &self.content, seen);
+        found.clusters.clear();
+        for opening in found.openings.drain(..) {
+            seen.opening(opening, None);
+        }
+        memory.put_back(cover);
+        memory.put_back(scratch);
+        memory.put_back(choice);
+        memory.put_back(room);
+        memory.put_back(found);
+    }
+
+    fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: &mut dyn Canvas) {
+        let mut cover = memory.take::<DepthBuffer>();
+        let mut found = memory.take::<Found>();
+        found.clusters.extend(seen.clusters_of_items());
+        seen.items.clear();
+        seen.clusters.clear();
+        cover.clear(passage, memory.trace);
+        let stats = &mut memory.stats;
+        let before = seen.samples_owned;
+        if !passage.flat {
+            for opening in (0..self.content.openings().len() as u16).map(OpeningId) {
+                let faces = Faces::of_opening(&self.content, opening, &passage.screen_from_fragment);
+                cover.add(&faces, passage, stats, None);
+            }
+        }
+        let hides = |&(item, cluster): &(ItemId, u32)| {
+            let cluster = &self.content.mesh_of(item).clusters()[cluster as usize];
+            self.content.material_of(cluster).alpha == Alpha::Opaque
+        };
+        for opaque in [true, false] {
+            for &(item, cluster) in found.clusters.iter().filter(|found| hides(found) == opaque) {
+                let screen_from_item = passage.screen_from(&self.content.item(item).transform());
+                let faces = Faces::of_cluster(&self.content, item, cluster, &screen_from_item);
+                if opaque {
+                    cover.add(&faces, passage, stats, None);
+                } else {
+                    cover.look_through(&faces, passage, stats, seen);
+                }
+            }
+        }
+        cover.finish(&self.content, passage, seen, Some(canvas));
+        stats.samples_owned += seen.samples_owned - before;
+        found.clusters.clear();
+        memory.put_back(cover);
+        memory.put_back(found);
+    }
+
+    fn cast(&self, ray: &Ray) -> Option<Hit> {
+        self.content.cast(ray)
+    }
+
+    fn surface(&self, item: ItemId, face: u32) -> Surface {
+        self.content.surface(item, face)
+    }
+
+    fn walk(&self, passage: &Passage, memory: &mut Memory) -> u64 {
+        count_faces(&self.order, &self.content, passage, memory)
+    }
+
+    fn built(&self) -> Built {
+        self.order.built(&self.content)
+    }
+
+    fn bytes(&self) -> u64 {
+        self.content.bytes() + self.order.bytes() + self.occluders.bytes()
+    }
+}

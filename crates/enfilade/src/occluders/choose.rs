@@ -1,0 +1,278 @@
+//! Which occluders a look takes: the best few of all, by a measure of what they hide.
+//!
+//! What waits (nodes over the items, items, nodes over their polygons, polygons) stands in one queue by the most that
+//! anything in its box can measure; what is measured itself, by that. So polygons come out best first, and what is far,
+//! small or out of view is never entered.
+//! Source: Coorg, Teller, Real-Time Occlusion Culling for Models with Large Occluders, I3D 1997, section 3.3; the queue is
+//!     that of Hart, Nilsson, Raphael, A Formal Basis for the Heuristic Determination of Minimum Cost Paths, 1968.
+//! Cost: O(boxes met · log waiting), about a few for each occluder chosen; no memory is asked for once warm.
+//! The answer is that of measuring every polygon of every item, to the last of them.
+
+use super::measure::{Chooser, Entered, Measure};
+use super::{OccluderSet, Polygon, cofactor, greatest_stretch};
+use crate::content::{Content, ItemId};
+use crate::geom::Aabb;
+use crate::passage::Passage;
+use glam::DVec3;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// An occluder that was chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chosen {
+    /// The item whose faces it stands for.
+    pub item: ItemId,
+    /// Which polygon of the item's mesh, counted from 0.
+    pub polygon: u32,
+    /// By the measure that was asked for; all that waited measured no more.
+    pub value: f64,
+    /// The place among all polygons of the set.
+    place: u32,
+}
+
+#[cfg(test)]
+impl Chosen {
+    /// A polygon of the first item, which is a copy of the first mesh.
+    pub(super) fn for_tests(place: u32) -> Chosen {
+        Chosen {
+            item: ItemId(0),
+            polygon: place,
+            value: 1.0,
+            place,
+        }
+    }
+}
+
+/// What choosing needs, kept from one look to the next, and what was chosen.
+#[derive(Debug, Default)]
+pub struct Choice {
+    waiting: BinaryHeap<Waiting>,
+    entered: Vec<Entered>,
+    corners: Vec<DVec3>,
+    chosen: Vec<Chosen>,
+    /// How many boxes and polygons were held against the passage.
+    met: u64,
+}
+
+impl Choice {
+    /// What was chosen last, the best first.
+    pub fn chosen(&self) -> &[Chosen] {
+        &self.chosen
+    }
+
+    /// How many boxes and polygons were looked at for it.
+    pub fn met(&self) -> u64 {
+        self.met
+    }
+}
+
+#[derive(Debug)]
+struct Waiting {
+    most: f64,
+    what: What,
+}
+
+/// Of what may measure the same, boxes come first, so that all that measures the same is known when one of it is taken;
+/// then lower numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum What {
+    Node(u32),
+    Item(u32),
+    /// A node over a mesh's polygons; the item by its place in [`Choice::entered`].
+    MeshNode {
+        entered: u32,
+        node: u32,
+    },
+    /// A polygon that was not measured yet.
+    Polygon {
+        entered: u32,
+        place: u32,
+    },
+    Measured {
+        item: u32,
+        place: u32,
+    },
+}
+
+impl Ord for Waiting {
+    fn cmp(&self, other: &Waiting) -> Ordering {
+        self.most.total_cmp(&other.most).then(other.what.cmp(&self.what))
+    }
+}
+
+impl PartialOrd for Waiting {
+    fn partial_cmp(&self, other: &Waiting) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Waiting {
+    fn eq(&self, other: &Waiting) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Waiting {}
+
+impl OccluderSet {
+    /// The best `budget` occluders that `passage` sees, the best first.
+    pub fn choose<'a>(
+        &self,
+        content: &Content,
+        passage: &Passage,
+        measure: Measure,
+        budget: usize,
+        choice: &'a mut Choice,
+    ) -> &'a [Chosen] {
+        choice.waiting.clear();
+        choice.entered.clear();
+        choice.chosen.clear();
+        choice.met = 0;
+        let chooser = Chooser::new(self, content, passage, measure);
+        if let Some(root) = self.tree.root().filter(|_| budget > 0) {
+            let most = chooser.most(
+                &passage.screen_from_fragment,
+                self.tree.bounds(root),
+                self.largest[0],
+                chooser.eye,
+                1.0,
+            );
+            choice.push(most, What::Node(root));
+        }
+        while let Some(Waiting { most, what }) = choice.waiting.pop() {
+            match what {
+                What::Node(node) => chooser.enter_node(node, choice),
+                What::Item(item) => chooser.enter_item(ItemId(item), choice),
+                What::MeshNode { entered, node } => chooser.enter_mesh_node(entered, node, choice),
+                What::Polygon { entered, place } => chooser.measure(entered, place, choice),
+                What::Measured { item, place } => {
+                    let item = ItemId(item);
+                    let first = self.meshes[content.item(item).mesh.0 as usize].polygons[0];
+                    choice.chosen.push(Chosen {
+                        item,
+                        polygon: place - first,
+                        value: most,
+                        place,
+                    });
+                    if choice.chosen.len() == budget {
+                        break;
+                    }
+                }
+            }
+        }
+        &choice.chosen
+    }
+
+    /// What [`OccluderSet::choose`] must answer, by measuring everything.
+    #[cfg(test)]
+    pub(super) fn choose_from_all(
+        &self,
+        content: &Content,
+        passage: &Passage,
+        measure: Measure,
+        budget: usize,
+    ) -> Vec<Chosen> {
+        let chooser = Chooser::new(self, content, passage, measure);
+        let mut corners = Vec::new();
+        let mut all = Vec::new();
+        for (number, item) in content.items().iter().enumerate() {
+            let item_id = ItemId(number as u32);
+            let placed = Entered::of(item_id, content, passage);
+            let [first, end] = self.meshes[item.mesh.0 as usize].polygons;
+            for place in first..end {
+                let polygon = &self.polygons[place as usize];
+                let value = self
+                    .seen_from(polygon, placed.eye)
+                    .filter(|_| item.transform().inverse().is_some())
+                    .and_then(|_| chooser.value(&placed, polygon, &mut corners));
+                all.extend(value.map(|value| Chosen {
+                    item: item_id,
+                    polygon: place - first,
+                    value,
+                    place,
+                }));
+            }
+        }
+        all.sort_by(|a, b| {
+            b.value
+                .total_cmp(&a.value)
+                .then((a.item, a.place).cmp(&(b.item, b.place)))
+        });
+        all.truncate(budget);
+        all
+    }
+
+    pub(super) fn polygon(&self, chosen: &Chosen) -> &Polygon {
+        &self.polygons[chosen.place as usize]
+    }
+}
+
+impl Choice {
+    fn push(&mut self, most: Option<f64>, what: What) {
+        self.met += 1;
+        if let Some(most) = most {
+            self.waiting.push(Waiting { most, what });
+        }
+    }
+}
+
+impl Chooser<'_> {
+    fn enter_node(&self, node: u32, choice: &mut Choice) {
+        let (set, screen) = (self.set, &self.passage.screen_from_fragment);
+        for child in set.tree.children(node) {
+            let most = self.most(
+                screen,
+                set.tree.bounds(child),
+                set.largest[child as usize],
+                self.eye,
+                1.0,
+            );
+            choice.push(most, What::Node(child));
+        }
+        for &item in set.tree.things(node) {
+            let placed = self.content.item(ItemId(item));
+            let largest = set.meshes[placed.mesh.0 as usize].largest[0];
+            let area = largest * greatest_stretch(cofactor(&placed.transform().0.matrix3));
+            let most = self.most(screen, &placed.bounds, area, self.eye, 1.0);
+            choice.push(most, What::Item(item));
+        }
+    }
+
+    fn enter_item(&self, item: ItemId, choice: &mut Choice) {
+        choice.entered.push(Entered::of(item, self.content, self.passage));
+        self.enter_mesh_node(choice.entered.len() as u32 - 1, 0, choice);
+    }
+
+    fn enter_mesh_node(&self, entered: u32, node: u32, choice: &mut Choice) {
+        let placed = choice.entered[entered as usize];
+        let mesh = &self.set.meshes[self.content.item(placed.item).mesh.0 as usize];
+        let most = |bounds: &Aabb, area: f64| {
+            self.most(
+                &placed.screen_from_item,
+                bounds,
+                area * placed.stretch,
+                placed.eye,
+                placed.shrink,
+            )
+        };
+        for child in mesh.tree.children(node) {
+            let most = most(mesh.tree.bounds(child), mesh.largest[child as usize]);
+            choice.push(most, What::MeshNode { entered, node: child });
+        }
+        for &polygon in mesh.tree.things(node) {
+            let place = mesh.polygons[0] + polygon;
+            let polygon = &self.set.polygons[place as usize];
+            if self.set.seen_from(polygon, placed.eye).is_some() {
+                let most = most(&polygon.bounds, polygon.area);
+                choice.push(most, What::Polygon { entered, place });
+            }
+        }
+    }
+
+    fn measure(&self, entered: u32, place: u32, choice: &mut Choice) {
+        let placed = &choice.entered[entered as usize];
+        let item = placed.item.0;
+        let value = self.value(placed, &self.set.polygons[place as usize], &mut choice.corners);
+        choice.push(value, What::Measured { item, place });
+    }
+}

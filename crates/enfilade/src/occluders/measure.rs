@@ -1,0 +1,180 @@
+//! What an occluder measures, and the most that anything in a box can.
+//!
+//! Source: Coorg, Teller, Real-Time Occlusion Culling for Models with Large Occluders, I3D 1997, section 3.3, for the
+//!     area-angle measure.
+//! Cost: O(corners) for a polygon, O(1) for a box.
+//! The bound of a box is never below what a polygon in it measures, roundings included.
+
+use super::screen::clip;
+use super::{OccluderSet, Polygon, cofactor, greatest_stretch};
+use crate::content::{Content, ItemId};
+use crate::geom::Aabb;
+use crate::passage::{Passage, eye_in};
+use crate::region::Region;
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+
+/// What makes an occluder a good one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Measure {
+    /// A · (N · V) / D² with A its area, N its normal, V the direction from its middle to the eye and D the distance:
+    /// about the solid angle that it hides. V is not the line of sight: by that the walls of a corridor would count for
+    /// nothing.
+    AreaAngle,
+    /// Pixels that it hides inside the aperture's rectangle.
+    ProjectedArea,
+}
+
+/// Pixels that an occluder must hide inside the aperture's rectangle to be taken at all, by whichever measure. One of
+/// fewer hides hardly a sample, and costs a cover as much as any.
+const LEAST_PIXELS: f64 = 16.0;
+
+/// An item whose polygons are looked at.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entered {
+    pub(super) item: ItemId,
+    pub(super) screen_from_item: DAffine3,
+    fragment_from_item: DAffine3,
+    /// The map of normals times areas into the space of the fragment.
+    areas: DMat3,
+    /// By how much that lengthens, at most.
+    pub(super) stretch: f64,
+    /// The eye in the space of the item.
+    pub(super) eye: DVec3,
+    /// By how much the map back from the fragment lengthens, at most.
+    pub(super) shrink: f64,
+}
+
+impl Entered {
+    pub(super) fn of(item: ItemId, content: &Content, passage: &Passage) -> Entered {
+        let fragment_from_item = content.item(item).transform();
+        let screen_from_item = passage.screen_from(&fragment_from_item);
+        let areas = cofactor(&fragment_from_item.0.matrix3);
+        Entered {
+            item,
+            screen_from_item,
+            areas,
+            stretch: greatest_stretch(areas) * ROUND_UP,
+            eye: eye_in(&screen_from_item),
+            shrink: greatest_stretch(fragment_from_item.0.matrix3.inverse()) * ROUND_UP,
+            fragment_from_item: fragment_from_item.0,
+        }
+    }
+}
+
+/// More than f64 rounds in bounds and measures: a bound must not fall below what it bounds.
+const ROUND_UP: f64 = 1.0 + 1e-9;
+
+/// What holds for one choice.
+pub(super) struct Chooser<'a> {
+    pub(super) set: &'a OccluderSet,
+    pub(super) content: &'a Content,
+    pub(super) passage: &'a Passage,
+    measure: Measure,
+    /// The eye in the space of the fragment.
+    pub(super) eye: DVec3,
+    /// Pixels that an area of 1 at distance 1 along the line of sight can cover, at most.
+    pixels: f64,
+}
+
+impl<'a> Chooser<'a> {
+    pub(super) fn new(
+        set: &'a OccluderSet,
+        content: &'a Content,
+        passage: &'a Passage,
+        measure: Measure,
+    ) -> Chooser<'a> {
+        let focal = passage.focal();
+        let rect = passage.aperture.rect();
+        let [width, height] = passage.size.map(f64::from);
+        // The farthest corner of the aperture from the middle of the screen: there areas look largest.
+        let off = [
+            f64::from(rect.x1).max(width - f64::from(rect.x0)) - 0.5 * width,
+            f64::from(rect.y1).max(height - f64::from(rect.y0)) - 0.5 * height,
+        ];
+        let secant = (1.0 + (off[0] * off[0] + off[1] * off[1]) / (focal * focal)).sqrt();
+        // Portals may scale.
+        let scale = greatest_stretch(passage.eye_from_fragment().0.matrix3);
+        Chooser {
+            set,
+            content,
+            passage,
+            measure,
+            eye: eye_in(&passage.screen_from_fragment),
+            pixels: focal * focal * secant * scale * scale * ROUND_UP,
+        }
+    }
+
+    /// The most that a polygon in a box can measure whose area in the fragment is `area` at most; `None` where none is
+    /// worth taking. `eye` is in the space of the box, of which one unit is `shrink`⁻¹ or more of the fragment's.
+    pub(super) fn most(
+        &self,
+        screen_from_local: &DAffine3,
+        bounds: &Aabb,
+        area: f64,
+        eye: DVec3,
+        shrink: f64,
+    ) -> Option<f64> {
+        let (all, near) = (self.passage.aperture.rect(), f64::from(self.passage.near));
+        let region = Region::in_rect(self.passage, all, near, screen_from_local, bounds)?;
+        let nearest = f64::from(region.nearest).min(1.0 / near);
+        // The rectangle is of samples; half a pixel beyond the outermost on each side belongs to the area.
+        let side = |from: u16, to: u16| f64::from(to.saturating_sub(from)) + 2.0;
+        let rect = side(region.rect.x0, region.rect.x1) * side(region.rect.y0, region.rect.y1);
+        let pixels = rect.min(area * self.pixels * nearest * nearest);
+        if pixels < LEAST_PIXELS {
+            return None;
+        }
+        Some(match self.measure {
+            Measure::ProjectedArea => pixels * ROUND_UP,
+            Measure::AreaAngle => {
+                let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
+                let distance = eye.clamp(min, max).distance(eye) / shrink;
+                area / (distance * distance) * ROUND_UP
+            }
+        })
+    }
+
+    /// What a polygon measures; `None` where it is not worth taking.
+    pub(super) fn value(&self, placed: &Entered, polygon: &Polygon, corners: &mut Vec<DVec3>) -> Option<f64> {
+        corners.clear();
+        let all = self.set.corners_of(polygon).iter();
+        corners.extend(all.map(|&corner| placed.screen_from_item.transform_point3(corner)));
+        let pixels = pixels(corners, self.passage);
+        if pixels < LEAST_PIXELS {
+            return None;
+        }
+        Some(match self.measure {
+            Measure::ProjectedArea => pixels,
+            Measure::AreaAngle => {
+                let way = placed.fragment_from_item.transform_point3(polygon.centre) - self.eye;
+                let distance = way.length();
+                polygon.area * (placed.areas * polygon.normal).dot(way).abs()
+                    / (distance * distance * distance)
+            }
+        })
+    }
+}
+
+/// The area of a polygon on the screen, in pixels: inside the aperture's rectangle, not nearer than the near distance,
+/// and beyond the last portal. The corners are used up.
+fn pixels(corners: &mut Vec<DVec3>, passage: &Passage) -> f64 {
+    let rect = passage.aperture.rect();
+    let [x0, y0, x1, y1] = [rect.x0, rect.y0, rect.x1, rect.y1].map(f64::from);
+    clip(corners, DVec3::Z, f64::from(passage.near));
+    for (normal, edge) in [(DVec3::X, x0), (DVec3::Y, y0), (-DVec3::X, -x1), (-DVec3::Y, -y1)] {
+        clip(corners, normal - DVec3::Z * edge, 0.0);
+    }
+    if let Some((normal, distance)) = passage.entry {
+        clip(corners, normal, distance);
+    }
+    let Some(&first) = corners.first() else { return 0.0 };
+    let first = (first / first.z).truncate();
+    let mut before = DVec2::ZERO;
+    let mut doubled = 0.0;
+    for corner in &corners[1..] {
+        let at = (*corner / corner.z).truncate() - first;
+        doubled += before.perp_dot(at);
+        before = at;
+    }
+    0.5 * doubled.abs()
+}

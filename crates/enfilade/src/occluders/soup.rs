@@ -1,0 +1,208 @@
+//! The opaque faces of a mesh: each place one corner, and what is across every edge.
+//!
+//! Corners in one place are one corner, whatever their index, and faces hang together where they share both ends of an
+//! edge; so nothing lies between them, not even a crack.
+//! Cost: O(n log n) for sorting corners and edges.
+
+use crate::content::{Alpha, Content};
+use crate::mesh::Mesh;
+use glam::DVec3;
+
+/// The opaque faces of a mesh, and what is across their edges.
+pub(super) struct Soup {
+    /// Corners, each place once.
+    pub(super) points: Vec<DVec3>,
+    /// Where each face's corners begin, and the end of the last.
+    starts: Vec<u32>,
+    /// Faces' corners, as places in `points`.
+    corners: Vec<u32>,
+    /// Twice the area times the normal.
+    normals: Vec<DVec3>,
+    pub(super) double_sided: Vec<bool>,
+    /// For each corner, the edge that begins there.
+    pub(super) edges: Vec<u32>,
+    /// For each edge, the run in `sharers`.
+    pub(super) runs: Vec<u32>,
+    /// The faces along each edge.
+    pub(super) sharers: Vec<u32>,
+}
+
+impl Soup {
+    /// The opaque faces of a mesh; `None` where it has none.
+    pub(super) fn of(mesh: &Mesh, content: &Content) -> Option<Soup> {
+        let opaque = |cluster: &&crate::mesh::Cluster| content.material_of(cluster).alpha == Alpha::Opaque;
+        let (mut starts, mut corners, mut double_sided) = (vec![0], Vec::new(), Vec::new());
+        for cluster in mesh.clusters().iter().filter(opaque) {
+            let both = content.material_of(cluster).double_sided;
+            for face in cluster.faces.clone() {
+                corners.extend_from_slice(mesh.face(face));
+                starts.push(corners.len() as u32);
+                double_sided.push(both);
+            }
+        }
+        if double_sided.is_empty() {
+            return None;
+        }
+        let points = weld(mesh.positions(), &mut corners);
+        let normals = starts
+            .windows(2)
+            .map(|ends| {
+                twice_area(
+                    corners[ends[0] as usize..ends[1] as usize]
+                        .iter()
+                        .map(|&c| points[c as usize]),
+                )
+            })
+            .collect();
+        let (edges, runs, sharers) = share_edges(&starts, &corners);
+        Some(Soup {
+            points,
+            starts,
+            corners,
+            normals,
+            double_sided,
+            edges,
+            runs,
+            sharers,
+        })
+    }
+
+    pub(super) fn face_count(&self) -> usize {
+        self.double_sided.len()
+    }
+
+    /// Where a face's corners are among all.
+    pub(super) fn range(&self, face: u32) -> std::ops::Range<usize> {
+        self.starts[face as usize] as usize..self.starts[face as usize + 1] as usize
+    }
+
+    /// A face's corners, as places in `points`.
+    pub(super) fn face(&self, face: u32) -> &[u32] {
+        &self.corners[self.range(face)]
+    }
+
+    /// Twice the area times the normal.
+    pub(super) fn normal(&self, face: u32) -> DVec3 {
+        self.normals[face as usize]
+    }
+
+    /// The first three corners of a face, the least first.
+    fn least_corners(&self, face: u32) -> [u32; 3] {
+        let corners = self.face(face);
+        let mut least = [corners[0], corners[1], corners[2]];
+        least.sort_unstable();
+        least
+    }
+
+    pub(super) fn area(&self, face: u32) -> f64 {
+        0.5 * self.normals[face as usize].length()
+    }
+
+    /// How many triangles a face has.
+    pub(super) fn triangles(&self, face: u32) -> u64 {
+        self.range(face).len() as u64 - 2
+    }
+
+    /// The edges that bound some faces of one sheet, from and to, as places in `points`; inside is on the left as seen
+    /// from where `normal` points. Edges between two of the faces are none.
+    pub(super) fn boundary(&self, faces: &[u32], normal: DVec3) -> Vec<[u32; 2]> {
+        // A face that is there twice bounds what it bounds once.
+        let mut once: Vec<([u32; 3], u32)> = faces
+            .iter()
+            .map(|&face| (self.least_corners(face), face))
+            .collect();
+        once.sort_unstable();
+        once.dedup_by(|b, a| a.0 == b.0 && self.range(a.1).len() == 3 && self.range(b.1).len() == 3);
+        // By edge: how often it is walked up, from the lesser end, less how often down.
+        let mut walked: Vec<(u32, i32, [u32; 2])> = Vec::new();
+        for (_, face) in once {
+            let corners = self.face(face);
+            let flipped = self.double_sided[face as usize] && self.normal(face).dot(normal) < 0.0;
+            for (place, corner) in self.range(face).enumerate() {
+                let ends = [corners[place], corners[(place + 1) % corners.len()]];
+                let up = (ends[0] < ends[1]) != flipped;
+                let ends = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+                walked.push((self.edges[corner], if up { 1 } else { -1 }, ends));
+            }
+        }
+        walked.sort_unstable();
+        walked
+            .chunk_by(|a, b| a.0 == b.0)
+            .filter_map(|run| {
+                let [least, greatest] = run[0].2;
+                match run.iter().map(|walk| walk.1).sum::<i32>() {
+                    _ if least == greatest => None,
+                    0 => None,
+                    1.. => Some([least, greatest]),
+                    _ => Some([greatest, least]),
+                }
+            })
+            .collect()
+    }
+}
+
+/// Gives corners in one place one number; returns the places.
+fn weld(positions: &[[f32; 3]], corners: &mut [u32]) -> Vec<DVec3> {
+    let mut used = vec![false; positions.len()];
+    corners.iter().for_each(|&corner| used[corner as usize] = true);
+    // −0 is in the same place as 0.
+    let bits = |index: u32| positions[index as usize].map(|value| (value + 0.0).to_bits());
+    let mut sorted: Vec<([u32; 3], u32)> = (0..positions.len() as u32)
+        .filter(|&index| used[index as usize])
+        .map(|index| (bits(index), index))
+        .collect();
+    sorted.sort_unstable();
+    let mut number = vec![0; positions.len()];
+    let mut points = Vec::new();
+    for run in sorted.chunk_by(|a, b| a.0 == b.0) {
+        run.iter()
+            .for_each(|&(_, index)| number[index as usize] = points.len() as u32);
+        points.push(DVec3::from(run[0].0.map(|bits| f64::from(f32::from_bits(bits)))));
+    }
+    corners
+        .iter_mut()
+        .for_each(|corner| *corner = number[*corner as usize]);
+    points
+}
+
+/// For each corner the edge that begins there; and for each edge the faces along it, as runs.
+fn share_edges(starts: &[u32], corners: &[u32]) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
+    let mut sorted: Vec<(u64, u32, u32)> = Vec::with_capacity(corners.len());
+    for (face, ends) in starts.windows(2).enumerate() {
+        for corner in ends[0]..ends[1] {
+            let next = if corner + 1 == ends[1] {
+                ends[0]
+            } else {
+                corner + 1
+            };
+            let [from, to] = [corner, next].map(|corner| u64::from(corners[corner as usize]));
+            sorted.push((from.min(to) << 32 | from.max(to), face as u32, corner));
+        }
+    }
+    sorted.sort_unstable();
+    let mut edges = vec![0; corners.len()];
+    let mut runs = vec![0];
+    for run in sorted.chunk_by(|a, b| a.0 == b.0) {
+        let edge = runs.len() as u32 - 1;
+        run.iter()
+            .for_each(|&(_, _, corner)| edges[corner as usize] = edge);
+        runs.push(runs[runs.len() - 1] + run.len() as u32);
+    }
+    let sharers = sorted.into_iter().map(|(_, face, _)| face).collect();
+    (edges, runs, sharers)
+}
+
+/// Newell's sum: twice the area times the normal, from the first corner so that far faces lose nothing.
+fn twice_area(mut corners: impl Iterator<Item = DVec3>) -> DVec3 {
+    let (Some(first), Some(second)) = (corners.next(), corners.next()) else {
+        return DVec3::ZERO;
+    };
+    let mut before = second - first;
+    let mut sum = DVec3::ZERO;
+    for corner in corners {
+        let after = corner - first;
+        sum += before.cross(after);
+        before = after;
+    }
+    sum
+}

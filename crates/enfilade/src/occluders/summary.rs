@@ -1,0 +1,101 @@
+//! What the occluders of a content come to, in numbers.
+
+use super::{OccluderSet, cofactor, greatest_stretch};
+use crate::content::{Alpha, Content, Item};
+use crate::mesh::Mesh;
+use glam::{DMat3, DVec3};
+
+/// What the occluders of a content come to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct OccluderSummary {
+    /// Polygons, of each mesh once.
+    pub polygons: u64,
+    /// Polygons of all items.
+    pub placed: u64,
+    /// Triangles that they stand for, of each mesh once.
+    pub triangles: u64,
+    /// The area that they cover, of all items, what several cover counted once; in square scene units.
+    pub area: f64,
+    /// The area of all opaque faces of all items.
+    pub opaque_area: f64,
+    /// Memory.
+    pub bytes: u64,
+}
+
+impl OccluderSet {
+    /// Adds everything up, over all items.
+    pub fn summary(&self, content: &Content) -> OccluderSummary {
+        let mut summary = OccluderSummary {
+            polygons: self.polygons.len() as u64,
+            triangles: self
+                .polygons
+                .iter()
+                .map(|polygon| u64::from(polygon.triangles))
+                .sum(),
+            bytes: self.bytes(),
+            ..OccluderSummary::default()
+        };
+        let added: Vec<f64> = self
+            .meshes
+            .iter()
+            .map(|mesh| self.added(mesh.polygons, &DMat3::IDENTITY))
+            .collect();
+        for item in content.items() {
+            let of_mesh = &self.meshes[item.mesh.0 as usize];
+            summary.placed += u64::from(of_mesh.polygons[1] - of_mesh.polygons[0]);
+            let areas = cofactor(&item.transform().0.matrix3);
+            let (least, greatest) = stretches(&areas);
+            if greatest - least <= 1e-5 * greatest {
+                summary.area += greatest * added[item.mesh.0 as usize];
+                summary.opaque_area += greatest * of_mesh.opaque_area;
+            } else {
+                summary.area += self.added(of_mesh.polygons, &areas);
+                summary.opaque_area += opaque_area(content, item, &areas);
+            }
+        }
+        summary
+    }
+
+    /// The area that polygons cover where areas are mapped so.
+    fn added(&self, [start, end]: [u32; 2], areas: &DMat3) -> f64 {
+        let polygons = &self.polygons[start as usize..end as usize];
+        polygons
+            .iter()
+            .map(|polygon| polygon.added * (*areas * polygon.normal).length())
+            .sum()
+    }
+}
+
+/// By how much a map lengthens vectors, at least and at most: equal where it does so alike in all directions.
+fn stretches(map: &DMat3) -> (f64, f64) {
+    let inverse = map.inverse();
+    let least = if inverse.is_finite() {
+        1.0 / greatest_stretch(inverse)
+    } else {
+        0.0
+    };
+    (least, greatest_stretch(*map))
+}
+
+/// The area of the opaque faces of an item, where areas are mapped so.
+fn opaque_area(content: &Content, item: &Item, areas: &DMat3) -> f64 {
+    let mesh: &Mesh = &content.meshes()[item.mesh.0 as usize];
+    let opaque = mesh
+        .clusters()
+        .iter()
+        .filter(|cluster| content.material_of(cluster).alpha == Alpha::Opaque);
+    let faces = opaque.flat_map(|cluster| cluster.faces.clone());
+    faces
+        .map(|face| {
+            let corner = |index: u32| DVec3::from(mesh.positions()[index as usize].map(f64::from));
+            let corners = mesh.face(face);
+            let first = corner(corners[0]);
+            let sum: DVec3 = corners
+                .windows(2)
+                .map(|pair| (corner(pair[0]) - first).cross(corner(pair[1]) - first))
+                .sum();
+            0.5 * (*areas * sum).length()
+        })
+        .sum()
+}

@@ -1,0 +1,194 @@
+//! What occluders hide is hidden by faces, and walls become few of them.
+
+use super::*;
+
+/// By how much, relatively, the plane of a sliver is off where its corners are rounded to f64: far less than what the
+/// reference calls equally near.
+const SLIVER: f64 = 1e-7;
+
+/// How near a face, seen along `ray` from the origin, is met: as a part of the ray. What f64 rounds is let pass.
+fn met(ray: DVec3, [a, b, c]: [DVec3; 3], double_sided: bool) -> Option<f64> {
+    let far = ray.length() * a.length().max(b.length()).max(c.length());
+    let sides = [(a, b), (b, c), (c, a)].map(|(from, to)| {
+        // From the lesser end, so that no ray slips between two faces.
+        let side = if from.to_array() < to.to_array() {
+            from.cross(to)
+        } else {
+            -to.cross(from)
+        };
+        ray.dot(side) / (far * (to - from).length())
+    });
+    // Above zero all where the face looks away from the eye.
+    let front = sides.iter().all(|&side| side <= 1e-14);
+    let back = double_sided && sides.iter().all(|&side| side >= -1e-14);
+    let normal = (b - a).cross(c - a);
+    let part = normal.dot(a) / normal.dot(ray);
+    ((front || back) && part > 0.0).then_some(part)
+}
+
+/// Holds what an occluder hides from some eyes against the faces.
+fn check(what: &str, wall: &Wall, double_sided: bool, dice: &mut Dice) -> usize {
+    let content = wall.content(double_sided, &[Transform::IDENTITY]);
+    let set = OccluderSet::build(&content);
+    let mut held = 0;
+    let [min, max] =
+        [content.bounds().min, content.bounds().max].map(|corner| DVec3::from(corner.map(f64::from)));
+    let (middle, size) = (0.5 * (min + max), min.distance(max));
+    for place in 0..set.polygons.len() as u32 {
+        let normal = set.polygons[place as usize].normal;
+        for _ in 0..6 {
+            // From afar, from close by and at a grazing angle.
+            let aside = DVec3::from(dice.point(1.0)).reject_from(normal) * size;
+            let height = size * 10_f64.powf(dice.between(-5.0, 1.0)) * (dice.next() - 0.3).signum();
+            let eye = (middle + aside + normal * height).as_vec3().as_dvec3();
+            let passage = passage(eye.to_array(), middle.to_array());
+            let chosen = Chosen::for_tests(place);
+            let mut room = OccluderRoom::default();
+            let Some(occluder) = set.on_screen(&content, &passage, &chosen, &mut room) else {
+                continue;
+            };
+            held += 1;
+            is_sound(&occluder, what);
+            let screen = passage.screen_from_fragment;
+            let faces: Vec<[DVec3; 3]> = wall
+                .triangles
+                .iter()
+                .map(|triangle| {
+                    triangle.map(|index| screen.transform_point3(DVec3::from(wall.corners[index as usize])))
+                })
+                .collect();
+            for _ in 0..40 {
+                // A point behind it: near to an edge more often than not.
+                let weights: Vec<f64> = occluder.corners.iter().map(|_| dice.next().powi(8)).collect();
+                let whole: f64 = weights.iter().sum();
+                let ray: DVec3 = occluder
+                    .corners
+                    .iter()
+                    .zip(&weights)
+                    .map(|(&corner, &weight)| corner * (weight / whole))
+                    .sum();
+                let (normal, distance) = occluder.plane;
+                let behind = ray * (distance / normal.dot(ray)) * (1.0 + 1e-12);
+                let hides = |&face: &[DVec3; 3]| {
+                    met(behind, face, double_sided).is_some_and(|part| part <= 1.0 + SLIVER)
+                };
+                assert!(
+                    faces.iter().any(hides),
+                    "{what}: from {eye} occluder {place} of {} hides {behind}, but no face does",
+                    set.polygons.len()
+                );
+            }
+        }
+    }
+    held
+}
+
+#[test]
+fn what_an_occluder_hides_is_hidden_by_faces() {
+    let mut dice = Dice(1);
+    let mut held = 0;
+    for round in 0..60 {
+        for (what, wall) in walls(&mut dice) {
+            // As drawn, turned about an axis so that planes stay exact, and anywhere.
+            let to = match round % 3 {
+                0 => Transform::IDENTITY,
+                1 => {
+                    Transform::translation([3.3, 0.7, 0.1])
+                        * Transform::rotation([0.0, 0.0, 1.0], dice.next())
+                }
+                _ => anywhere(&mut dice),
+            };
+            held += check(what, &wall.moved(&to), round % 2 == 0, &mut dice);
+        }
+    }
+    assert!(held > 2000, "only {held} looks had an occluder");
+}
+
+#[test]
+fn a_plain_wall_becomes_one_rectangle() {
+    let mut dice = Dice(2);
+    for round in 0..40 {
+        let (columns, rows) = (1 + dice.below(20), 1 + dice.below(12));
+        let to = if round % 2 == 0 {
+            Transform::IDENTITY
+        } else {
+            anywhere(&mut dice)
+        };
+        let wall = Wall::of_squares(columns, rows, |_, _| true).moved(&to);
+        let set = OccluderSet::build(&wall.content(false, &[Transform::IDENTITY]));
+        let area: f64 = set.polygons.iter().map(|polygon| polygon.area).sum();
+        assert_eq!(set.polygons.len(), 1, "{columns} by {rows} at {to:?}");
+        assert!(
+            (area / wall.area() - 1.0).abs() < 0.01,
+            "{columns} by {rows} at {to:?}"
+        );
+        if round % 2 == 0 {
+            assert_eq!(set.polygons[0].corners, 4);
+        }
+    }
+}
+
+#[test]
+fn a_wall_with_a_window_is_covered_around_it() {
+    let mut dice = Dice(3);
+    for round in 0..40 {
+        let to = if round % 2 == 0 {
+            Transform::IDENTITY
+        } else {
+            anywhere(&mut dice)
+        };
+        let window = |x: usize, y: usize| (3..5).contains(&x) && (2..4).contains(&y);
+        let wall = Wall::of_squares(9, 6, |x, y| !window(x, y)).moved(&to);
+        let set = OccluderSet::build(&wall.content(false, &[Transform::IDENTITY]));
+        let added: f64 = set.polygons.iter().map(|polygon| polygon.added).sum();
+        assert!(added > 0.95 * wall.area(), "{added} of {}", wall.area());
+        assert!(set.polygons.len() <= 4, "{} pieces", set.polygons.len());
+        let largest = set
+            .polygons
+            .iter()
+            .map(|polygon| polygon.area)
+            .fold(0.0, f64::max);
+        assert!(largest > 0.35 * wall.area());
+    }
+}
+
+#[test]
+fn many_bad_faces_take_bounded_time() {
+    // 180,000 triangles of which every tenth square is missing, in one plane; a checkerboard; and a heap in one place.
+    let mut dice = Dice(4);
+    let holes: Vec<bool> = (0..90_000).map(|_| dice.next() < 0.1).collect();
+    let holed = Wall::of_squares(300, 300, |x, y| !holes[y * 300 + x]);
+    let checkered = Wall::of_squares(300, 300, |x, y| (x + y) % 2 == 0);
+    let mut heap = Wall::of_squares(2, 2, |_, _| true);
+    for _ in 0..14 {
+        heap.triangles.extend_from_within(..);
+    }
+    for wall in [holed, checkered, heap] {
+        let content = wall.content(true, &[Transform::IDENTITY]);
+        let set = OccluderSet::build(&content);
+        let summary = set.summary(&content);
+        assert!(summary.area <= 1.001 * summary.opaque_area, "{summary:?}");
+    }
+    let content = Wall::default().content(false, &[Transform::IDENTITY]);
+    assert_eq!(OccluderSet::build(&content).summary(&content).polygons, 0);
+}
+
+#[test]
+fn faces_that_turn_their_backs_or_differ_in_sides_are_not_merged() {
+    let mut wall = Wall::of_squares(2, 1, |_, _| true);
+    for triangle in &mut wall.triangles[2..] {
+        triangle.swap(0, 1);
+    }
+    assert_eq!(
+        OccluderSet::build(&wall.content(false, &[Transform::IDENTITY]))
+            .polygons
+            .len(),
+        2
+    );
+    assert_eq!(
+        OccluderSet::build(&wall.content(true, &[Transform::IDENTITY]))
+            .polygons
+            .len(),
+        1
+    );
+}

@@ -115,19 +115,23 @@ fn four_cylinders(criterion: &mut Criterion) {
     let content = built.scene.content(FragmentId(0)).expect("a content");
     let view = built.cameras[0].view(SIZE);
     let mut group = criterion.benchmark_group("@four-cylinders");
-    let every_one = BspOptions {
-        candidates: u32::MAX,
-        ..BspOptions::default()
-    };
     let pieces = |tree: &Bsp<FarToNear>| tree.built(content).faces;
-    assert_eq!(
-        pieces(&Bsp::with_options(content, &every_one)),
-        FACES,
-        "no cylinder cuts another"
-    );
-    group.bench_function("build a BSP tree, every polygon scored", |bench| {
-        bench.iter(|| pieces(&Bsp::with_options(content, &every_one)));
-    });
+    for (name, free_splits) in [
+        (
+            "build a BSP tree, every polygon scored",
+            BspOptions::default().free_splits,
+        ),
+        ("build it by no planes but the polygons'", f32::INFINITY),
+    ] {
+        let options = BspOptions {
+            candidates: u32::MAX,
+            free_splits,
+            ..BspOptions::default()
+        };
+        let build = || pieces(&Bsp::with_options(content, &options));
+        assert_eq!(build(), FACES, "no cylinder cuts another");
+        group.bench_function(name, |bench| bench.iter(build));
+    }
     let tree = BspTree::build(&polygons(content), &BspOptions::default());
     let (eye, mut stack, mut list) = (view.eye.map(f64::from), Vec::new(), Vec::new());
     group.bench_function("list all polygons by the tree", |bench| {

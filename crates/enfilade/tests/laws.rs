@@ -207,7 +207,11 @@ fn a_bigger_aperture_never_sees_less() {
         for (method, scene) in seen {
             // A wider screen has other occluders worth choosing: then only what is really seen is held to stay.
             let chooses = matches!(method.contract(), Contract::Conservative | Contract::Strict);
-            let before = if chooses { subject.seen_by(Method::ZBuffer) } else { scene };
+            let before = if chooses {
+                subject.seen_by(Method::ZBuffer)
+            } else {
+                scene
+            };
             for camera in &built.cameras {
                 // Wider at the same focal length: the samples of the narrow screen are among those of the wide one.
                 let [narrow, wide] = [(before, [64, 72]), (scene, [192, 72])].map(|(scene, size)| {

@@ -15,7 +15,7 @@ mod common;
 use common::{Lens, Place, folder, in_turn, median_of, open};
 use enfilade::geom::BspOptions;
 use enfilade::order::{Bsp, NearToFar, Order, Visit};
-use enfilade::{Alpha, Content, ContentBuilder, Faces, ItemId, MeshId, Of, Passage, Region, Viewer};
+use enfilade::{Alpha, Content, ContentBuilder, Faces, ItemId, MeshId, Of, Passage, Region, Sight, Viewer};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -42,8 +42,8 @@ struct Pieces<'a> {
 }
 
 impl Visit for Pieces<'_> {
-    fn enter(&mut self, _region: &Region) -> bool {
-        true
+    fn enter(&mut self, _region: &Region) -> Sight {
+        Sight::Partly
     }
 
     fn first_time(&mut self, _item: ItemId) -> bool {

@@ -182,3 +182,102 @@ impl Queue {
             .extend(Region::of(passage, screen_from_local, bounds).map(|region| Waiting { region, what }));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::content::{ContentBuilder, Material, MaterialId};
+    use crate::faces::Of;
+    use crate::geom::Transform;
+    use crate::mesh::Mesh;
+    use crate::order::{BvhOrder, OctreeOrder, Order};
+    use crate::scene::FragmentId;
+    use crate::view::View;
+    use std::collections::BTreeSet;
+
+    /// A mesh of several clusters, and copies of it and of single triangles all about.
+    fn content() -> Content {
+        let mut builder = ContentBuilder::new([Material::opaque([1.0; 3])]);
+        let side = 40_u32;
+        let positions: Vec<[f32; 3]> = (0..side * side)
+            .map(|i| [(i % side) as f32, (i % 7) as f32 * 0.1, (i / side) as f32])
+            .collect();
+        let corners: Vec<u32> = (0..side * (side - 1))
+            .filter(|i| i % side != side - 1)
+            .flat_map(|i| [i, i + 1, i + side])
+            .collect();
+        let ground = Mesh::triangles(&positions, &corners, MaterialId(0)).expect("a sound sheet");
+        assert!(ground.clusters().len() > 4);
+        let leaf = Mesh::triangles(
+            &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.5]],
+            &[0, 1, 2],
+            MaterialId(0),
+        );
+        let meshes = [ground, leaf.expect("a triangle")].map(|mesh| builder.mesh(mesh));
+        for i in 0..300_u32 {
+            let at = [i % 9, i / 9 % 5, i / 45].map(|step| step as f32 * 7.3 - 20.0);
+            let place = Transform::translation(at) * Transform::rotation([1.0, 2.0, 3.0], f64::from(i));
+            builder.item("thing", meshes[usize::from(i % 10 != 0)], place);
+        }
+        builder.build().expect("sound things")
+    }
+
+    /// What an order hands out, but for what is farther than this, and how many boxes it asked about.
+    #[derive(Default)]
+    struct Met {
+        items: BTreeSet<u32>,
+        batches: BTreeSet<(u32, u32)>,
+        boxes: usize,
+        farthest: f32,
+    }
+
+    impl Visit for Met {
+        fn enter(&mut self, region: &Region) -> Sight {
+            self.boxes += 1;
+            if region.nearest < self.farthest {
+                Sight::Hidden
+            } else {
+                Sight::Partly
+            }
+        }
+
+        fn first_time(&mut self, item: ItemId) -> bool {
+            self.items.insert(item.0)
+        }
+
+        fn faces(&mut self, faces: &Faces) {
+            if let Of::Item(item, cluster) = faces.of {
+                assert!(self.batches.insert((item.0, cluster)), "{item:?} comes twice");
+            }
+        }
+    }
+
+    fn met<O: Order>(content: &Content, passage: &Passage, farthest: f32) -> Met {
+        let order = O::build(content, u64::MAX).expect("no limit");
+        assert!(order.bytes() <= O::needs_bytes(content));
+        let mut met = Met {
+            farthest,
+            ..Met::default()
+        };
+        order.visit(content, passage, &mut O::Scratch::default(), &mut met);
+        met
+    }
+
+    #[test]
+    fn trees_of_all_kinds_hand_out_the_same() {
+        let content = content();
+        for (i, toward) in [[0.0, 0.0, -9.0], [5.0, 1.0, 3.0], [-3.0, -8.0, 1.0]]
+            .into_iter()
+            .enumerate()
+        {
+            let view = View::new([0.3 * i as f32, 1.0, 2.0], toward, [160, 90]);
+            let passage = Passage::at_the_eye(&view, FragmentId(0), false);
+            for farthest in [0.0, 0.05] {
+                let octree = met::<OctreeOrder>(&content, &passage, farthest);
+                let bvh = met::<BvhOrder>(&content, &passage, farthest);
+                assert_eq!(octree.batches, bvh.batches);
+                assert!(octree.batches.len() > 20 && octree.boxes > 40 && bvh.boxes > 40);
+            }
+        }
+    }
+}

@@ -43,6 +43,9 @@ pub struct Passage {
     pub(crate) entry: Option<(DVec3, f64)>,
 }
 
+/// How far beyond the plane of the last portal a face must be, relatively: what lies in it is not beyond it.
+pub(crate) const BEYOND: f64 = 1.0 + 1.0 / (1_u64 << 18) as f64;
+
 impl Passage {
     /// The passage that the eye stands in.
     pub(crate) fn at_the_eye(view: &View, fragment: FragmentId, flat: bool) -> Passage {

@@ -202,11 +202,15 @@ fn drawing_gives_the_set_that_looking_gives() {
 #[test]
 fn a_bigger_aperture_never_sees_less() {
     let mut grew = 0;
-    for Subject { name, built, seen } in subjects() {
+    for subject in subjects() {
+        let Subject { name, built, seen } = subject;
         for (method, scene) in seen {
+            // A wider screen has other occluders worth choosing: then only what is really seen is held to stay.
+            let chooses = matches!(method.contract(), Contract::Conservative | Contract::Strict);
+            let before = if chooses { subject.seen_by(Method::ZBuffer) } else { scene };
             for camera in &built.cameras {
                 // Wider at the same focal length: the samples of the narrow screen are among those of the wide one.
-                let [narrow, wide] = [[64, 72], [192, 72]].map(|size| {
+                let [narrow, wide] = [(before, [64, 72]), (scene, [192, 72])].map(|(scene, size)| {
                     let mut viewer = viewer();
                     viewer.look(scene, &camera.view(size));
                     names(scene, viewer.visible())
@@ -273,7 +277,8 @@ fn a_limit_of_crossings_is_told() {
     assert!(viewer.look(scene, &cameras[0].view(SIZE)).complete());
 }
 
-/// What is seen of a scene from one of its cameras, by every method, must be this and nothing else of what is named.
+/// What is seen of a scene from one of its cameras, by every method, must be this; by exact ones, nothing else of what
+/// is named.
 fn sees(scene: &str, camera: &str, seen: &[&str], hidden: &[&str]) {
     let subject = subject(scene);
     for (method, scene) in &subject.seen {
@@ -285,7 +290,8 @@ fn sees(scene: &str, camera: &str, seen: &[&str], hidden: &[&str]) {
         for item in seen {
             assert!(is_seen(item), "{method} misses `{item}` {place}");
         }
-        for item in hidden {
+        // Others may say more than is seen.
+        for item in hidden.iter().filter(|_| method.contract() == Contract::Exact) {
             assert!(!is_seen(item), "{method} sees `{item}` {place}");
         }
     }

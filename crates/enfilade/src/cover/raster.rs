@@ -14,7 +14,7 @@ use super::part::{Part, greater, smaller};
 use super::triangle::Triangle;
 use crate::aperture::Rect;
 use crate::faces::{Cut, Faces, Of};
-use crate::passage::Passage;
+use crate::passage::{BEYOND, Passage};
 use crate::stats::Stats;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
@@ -154,9 +154,6 @@ struct Batch {
     entry: Option<(DVec3, f64)>,
     front: f64,
 }
-
-/// How much nearer than the entry plane a face may not be, relatively: what lies in the plane is not beyond it.
-const BEYOND: f64 = 1.0 + 1.0 / (1_u64 << 18) as f64;
 
 /// Planes that cut a face, and room to work with them.
 struct Cuts<'a> {

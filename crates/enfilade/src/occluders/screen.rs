@@ -9,16 +9,18 @@
 use super::outline::EXACT;
 use super::{Chosen, OccluderSet, Polygon};
 use crate::content::Content;
-use crate::passage::{Passage, eye_in};
+use crate::passage::{BEYOND, Passage, eye_in};
 use glam::{DAffine3, DVec3};
 
 /// A convex polygon that hides, as the eye sees it: in (X, Y, W), the eye at the origin.
 ///
-/// Hidden is what lies on the inner side of the planes through the eye and each edge, and behind the plane.
+/// Hidden is what lies inside the pyramid from the eye over the polygon (on the inner side of the planes through the eye
+/// and each edge), strictly behind its plane. Of faces that come nearer than the near distance or before the last
+/// portal it is what is left beyond.
 #[derive(Clone, Copy, Debug)]
 pub struct Occluder<'a> {
     /// At least three, counter-clockwise as the eye sees them: a point q is on the inner side of an edge where
-    /// `to × from · q` is above zero. Some may be behind the eye.
+    /// `to × from · q` is above zero.
     pub(crate) corners: &'a [DVec3],
     /// Unit normal n and distance d > 0: points with n · p > d are behind it.
     pub(crate) plane: (DVec3, f64),
@@ -26,7 +28,7 @@ pub struct Occluder<'a> {
 
 impl Occluder<'_> {
     /// At least three, each (X, Y, W): the pixel is (X / W, Y / W), W the distance along the line of sight. They run
-    /// counter-clockwise as the eye sees them; some may be behind it.
+    /// counter-clockwise as the eye sees them.
     pub fn corners(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
         self.corners.iter().map(DVec3::to_array)
     }
@@ -76,6 +78,12 @@ impl OccluderSet {
             corners.reverse();
         }
         make_convex(corners, whole);
+        // Where a ray meets the faces it may be nearer than where it meets the polygon, by their roundings.
+        let nearer = 1.0 / (1.0 - 3.0 * seen.slack / seen.height.abs());
+        clip(corners, DVec3::Z, f64::from(passage.near) * nearer);
+        if let Some((normal, distance)) = passage.entry {
+            clip(corners, normal, distance * BEYOND * nearer);
+        }
         (corners.len() >= 3).then_some(Occluder { corners, plane })
     }
 
@@ -84,7 +92,7 @@ impl OccluderSet {
         let height = polygon.normal.dot(eye) - polygon.distance;
         // The eye's own rounding on top: its place comes through the inverse of a map.
         let slack = polygon.slack + 16.0 * EXACT * eye.abs().max_element().max(polygon.distance.abs());
-        if height.abs() <= 2.0 * slack || (height < 0.0 && !polygon.double_sided) {
+        if height.abs() <= 4.0 * slack || (height < 0.0 && !polygon.double_sided) {
             return None;
         }
         if polygon.inset > 0.0 {

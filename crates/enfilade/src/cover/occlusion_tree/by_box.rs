@@ -3,7 +3,7 @@
 //! Where a plane goes through it, it is on both sides, even if other planes say that only one of them is left. So what
 //! its faces come to, it comes to as well: what is hidden by box is hidden by faces.
 
-use super::{ByBox, Found, Link, OcclusionTree, Plane};
+use super::{Found, Link, OcclusionTree, Plane};
 use crate::region::{Sight, Volume};
 use glam::DVec3;
 
@@ -18,8 +18,9 @@ struct Middle {
     sum: DVec3,
 }
 
-impl OcclusionTree<ByBox> {
-    pub(super) fn sees_volume(&mut self, volume: &Volume) -> Sight {
+impl<A> OcclusionTree<A> {
+    /// What the box alone tells.
+    pub(super) fn sees_box(&mut self, volume: &Volume) -> Sight {
         let middle = Middle::of(volume);
         let mut found = Found::default();
         for line in &self.tree.aperture {

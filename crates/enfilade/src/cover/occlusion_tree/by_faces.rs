@@ -6,7 +6,7 @@
 use super::insert::clip;
 use super::line::SLIT;
 use super::pieces::{Piece, Reach};
-use super::{ByFaces, Found, Link, OcclusionTree, Plane};
+use super::{Found, Link, OcclusionTree, Plane};
 use crate::region::{Sight, Volume};
 use glam::DVec3;
 
@@ -22,8 +22,9 @@ struct Faces {
     front: [bool; 6],
 }
 
-impl OcclusionTree<ByFaces> {
-    pub(super) fn sees_volume(&mut self, volume: &Volume) -> Sight {
+impl<A> OcclusionTree<A> {
+    /// What its faces tell.
+    pub(super) fn sees_faces(&mut self, volume: &Volume) -> Sight {
         let Some(faces) = Faces::of(volume) else {
             return Sight::Partly;
         };

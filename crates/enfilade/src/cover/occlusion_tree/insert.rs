@@ -145,13 +145,11 @@ fn settle(tree: &mut Tree, edges: &[Edge], back: Back, place: Place, piece: &[DV
     if piece.len() < 3 {
         return;
     }
-    let thick = is_thick(tree, edges, place, piece);
+    tree.gather_above(place);
+    let thick = is_thick(&tree.above, edges, piece);
     let mut below = place;
     for edge in edges {
-        let is_above = tree
-            .lines_above(place)
-            .any(|(line, sign)| edge.line.normal == sign * line.normal);
-        if is_above || (thick && is_gone(tree, place, edge)) {
+        if tree.above.contains(&edge.line) || (thick && is_gone(&tree.above, edge)) {
             continue;
         }
         let node = tree.hang(below, Plane::Line(edge.line), Link::Lit);
@@ -161,9 +159,9 @@ fn settle(tree: &mut Tree, edges: &[Edge], back: Back, place: Place, piece: &[DV
 }
 
 /// Is the middle of a piece well inside of all that bounds it?
-fn is_thick(tree: &Tree, edges: &[Edge], place: Place, piece: &[DVec3]) -> bool {
-    let [mut min, mut max, mut middle] =
-        [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3], [0.0; 3]].map(DVec3::from);
+fn is_thick(above: &[Line], edges: &[Edge], piece: &[DVec3]) -> bool {
+    let [mut min, mut max] = [f64::INFINITY, f64::NEG_INFINITY].map(DVec3::splat);
+    let mut middle = DVec3::ZERO;
     for corner in piece {
         let on_screen = *corner / corner.z;
         min = min.min(on_screen);
@@ -173,28 +171,26 @@ fn is_thick(tree: &Tree, edges: &[Edge], place: Place, piece: &[DVec3]) -> bool 
     middle /= piece.len() as f64;
     let size = max - min;
     let least = THICK * (size.x + size.y) + SLIT;
-    let is_inside = |(line, sign): (&Line, f64)| sign * line.height(middle) >= least;
-    size.x + size.y > 0.0
-        && edges.iter().map(|edge| (&edge.line, 1.0)).all(is_inside)
-        && tree.lines_above(place).all(is_inside)
+    let is_inside = |line: &Line| line.height(middle) >= least;
+    size.x + size.y > 0.0 && edges.iter().map(|edge| &edge.line).all(is_inside) && above.iter().all(is_inside)
 }
 
 /// Is every place of an edge outside of a line above, or in it?
-fn is_gone(tree: &Tree, place: Place, edge: &Edge) -> bool {
+fn is_gone(above: &[Line], edge: &Edge) -> bool {
     // What is left of the edge, from 0 to 1; what is behind the eye is not seen.
     let mut left = [0.0, 1.0];
-    let mut keep = |[at_from, at_to]: [f64; 2]| {
-        let meets = at_from / (at_from - at_to);
-        match [at_from > 0.0, at_to > 0.0] {
-            [true, true] => {}
-            [true, false] => left[1] = meets.min(left[1]),
-            [false, true] => left[0] = meets.max(left[0]),
-            [false, false] => left = [1.0, 0.0],
+    let mut keep = |from: f64, to: f64| {
+        match [from > 0.0, to > 0.0] {
+            [true, true] => return false,
+            [true, false] => left[1] = (from / (from - to)).min(left[1]),
+            [false, true] => left[0] = (from / (from - to)).max(left[0]),
+            [false, false] => return true,
         }
         left[0] >= left[1]
     };
-    keep([edge.from.z, edge.to.z])
-        || tree
-            .lines_above(place)
-            .any(|(line, sign)| keep([edge.from, edge.to].map(|end| sign * line.height(end) - SLIT * end.z)))
+    let Edge { from, to, .. } = edge;
+    keep(from.z, to.z)
+        || above
+            .iter()
+            .any(|line| keep(line.height(*from) - SLIT * from.z, line.height(*to) - SLIT * to.z))
 }

@@ -39,6 +39,11 @@ impl Line {
         (scale > 0.0 && normal.is_finite()).then_some(Line { normal })
     }
 
+    /// The same line, inside and outside exchanged.
+    pub(super) fn flipped(self) -> Line {
+        Line { normal: -self.normal }
+    }
+
     /// The same line, so many pixels farther out.
     pub(super) fn outward(self, pixels: f64) -> Line {
         let DVec3 { x, y, z } = self.normal;

@@ -82,6 +82,8 @@ struct Tree {
     far: [f64; 2],
     root: Link,
     nodes: Vec<Node>,
+    /// Lines that bound a place; see [`Tree::gather_above`].
+    above: Vec<Line>,
 }
 
 /// A plane, and what hangs on either side of it.
@@ -135,13 +137,17 @@ pub trait Asks: Default + Send + Sized + 'static {
 
 impl Asks for ByFaces {
     fn sight(tree: &mut OcclusionTree<ByFaces>, region: &Region) -> Sight {
-        tree.sees_volume(&region.volume)
+        // Most boxes are hidden, or not, as they are; only for the others is it worth to cut faces.
+        match tree.sees_box(&region.volume) {
+            Sight::Partly => tree.sees_faces(&region.volume),
+            sight => sight,
+        }
     }
 }
 
 impl Asks for ByBox {
     fn sight(tree: &mut OcclusionTree<ByBox>, region: &Region) -> Sight {
-        tree.sees_volume(&region.volume)
+        tree.sees_box(&region.volume)
     }
 }
 
@@ -179,6 +185,7 @@ impl Default for Tree {
             far: [0.0; 2],
             root: Link::Lit,
             nodes: Vec::new(),
+            above: Vec::new(),
         }
     }
 }
@@ -249,20 +256,21 @@ impl Tree {
         number
     }
 
-    /// The lines that bound a place, each with +1 where the place is inside of it and −1 where it is outside.
-    fn lines_above(&self, place: Place) -> impl Iterator<Item = (&Line, f64)> {
+    /// Gathers the lines that bound a place, turned so that the place is inside: the lowest first, the aperture's last.
+    fn gather_above(&mut self, place: Place) {
+        self.above.clear();
         let mut next = place;
-        let nodes = std::iter::from_fn(move || {
-            let (number, side) = next?;
+        while let Some((number, side)) = next {
             let node = &self.nodes[number as usize];
+            if let Plane::Line(line) = node.plane {
+                self.above.push(match side {
+                    Side::Inside => line,
+                    Side::Outside => line.flipped(),
+                });
+            }
             next = node.above;
-            Some((node, side))
-        });
-        let lines = nodes.filter_map(|(node, side)| match &node.plane {
-            Plane::Line(line) => Some((line, if side == Side::Inside { 1.0 } else { -1.0 })),
-            Plane::Back(_) => None,
-        });
-        lines.chain(self.aperture.iter().map(|line| (line, 1.0)))
+        }
+        self.above.extend(&self.aperture);
     }
 }
 

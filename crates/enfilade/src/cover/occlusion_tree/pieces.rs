@@ -85,7 +85,11 @@ impl Pieces {
         let first = corners.len() as u32;
         *cut = None;
         for here in 0..piece.count as usize {
-            let next = (here + 1) % piece.count as usize;
+            let next = if here + 1 == piece.count as usize {
+                0
+            } else {
+                here + 1
+            };
             let [at, to] = [here, next].map(|place| corners[piece.first as usize + place]);
             let [above, next_above] = [here, next].map(|place| sign * heights[place]);
             if above >= 0.0 {

@@ -118,7 +118,7 @@ impl Both {
     }
 
     fn see(&mut self, volume: &Volume) -> [Sight; 2] {
-        [self.faces.sees_volume(volume), self.boxes.sees_volume(volume)]
+        [self.faces.sees_faces(volume), self.boxes.sees_box(volume)]
     }
 }
 

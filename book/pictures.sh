@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# Draws the pictures of the book again, into src/pictures.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+cargo build --release --package enfilade-cli
+program=${CARGO_TARGET_DIR:-target}/release/enfilade
+
+# Figure, camera, and the methods; the camera is part of the name where a figure has two.
+while read -r figure camera methods; do
+    name=$figure
+    case $figure in overlap | cones-*) name=$figure-${camera//_/-} ;; esac
+    for method in $methods; do
+        "$program" draw "@$figure" --camera "${camera//_/ }" --method "$method" --size 240x180 \
+            --output "book/src/pictures/$name-$method.png"
+    done
+done <<'FIGURES'
+parallel-triangles front painter-min
+parallel-rectangles front bsp
+tetrahedron front painter-min painter-mean
+wrong-winding front painter-min bsp
+overlap mean_right painter-min painter-mean
+overlap mean_wrong painter-mean bsp
+crossing-triangles front painter-min painter-mean bsp
+cycle front painter-min painter-mean bsp
+triangle-through-cube corner painter-min painter-mean bsp
+cylinders-8 front painter-mean
+cylinders-16 front painter-mean
+cylinders-32 front painter-mean
+cones-8 base_seen painter-min
+cones-8 base_hidden painter-min bsp
+cones-32 base_hidden painter-min
+four-cylinders from_above bsp
+FIGURES

@@ -209,6 +209,9 @@ pub(crate) struct HowArgs {
     /// Forget what the last view saw before each look
     #[arg(long)]
     pub(crate) no_coherence: bool,
+    /// Occluders that masked, svbsp and mobsp choose for each passage; 0: none [default: what suits each]
+    #[arg(long, value_name = "N")]
+    pub(crate) occluders: Option<u32>,
     /// Openings are plain holes: no portal is followed
     #[arg(long)]
     pub(crate) flat: bool,

@@ -19,6 +19,7 @@ pub(crate) struct Prepared {
     pub(crate) scene: Scene,
     pub(crate) build_ms: f64,
     coherence: bool,
+    occluders: Option<u32>,
 }
 
 impl Prepared {
@@ -26,6 +27,7 @@ impl Prepared {
     pub(crate) fn viewer(&self) -> Viewer {
         let mut viewer = Viewer::new();
         viewer.set_coherence(self.coherence);
+        viewer.set_occluders(self.occluders);
         viewer
     }
 
@@ -122,6 +124,7 @@ fn build(scene: &Scene, choice: Choice, how: &HowArgs, view: Option<&View>) -> R
         scene: if how.flat { built.without_portals() } else { built },
         build_ms,
         coherence: !how.no_coherence,
+        occluders: how.occluders,
     })
 }
 

@@ -158,8 +158,10 @@ fn a_hundred_thousand_faces_in_one_plane_are_one_node_of_a_tree() {
         assert!(built.depth <= 1, "{method}: {}", built.depth);
         let mut viewer = Viewer::new();
         let set = viewer.look(&seen, &view);
-        assert_eq!(set.items().len(), 1, "{method}: only the lowest of ten is seen");
         assert_eq!(set.items()[0].item.0, 0, "{method}");
+        if method.contract() == Contract::Exact {
+            assert_eq!(set.items().len(), 1, "{method}: only the lowest of ten is seen");
+        }
     }
 }
 
@@ -181,6 +183,8 @@ fn a_thousand_copies_of_one_face_look_like_one() {
             .with_method(method, Method::DEFAULT_LIMIT)
             .expect("few faces");
         assert_eq!(seen.built().faces, 1000, "{method} cut what lies in one plane");
-        assert_eq!(Viewer::new().look(&seen, &view).items().len(), 1, "{method}");
+        let items = Viewer::new().look(&seen, &view).items().len();
+        let exact = method.contract() == Contract::Exact;
+        assert!(items == 1 || (items > 1 && !exact), "{method}: {items}");
     }
 }

@@ -232,6 +232,49 @@ fn a_bigger_aperture_never_sees_less() {
     assert!(grew > 0, "nowhere does the wide screen see more");
 }
 
+#[test]
+fn however_few_or_many_occluders_are_chosen_nothing_is_missed() {
+    for subject in subjects() {
+        let view = subject.built.cameras[0].view(SIZE);
+        let truth = Reference::new(&subject.built.scene).see(&subject.built.scene, &view, &limits());
+        for (method, scene) in &subject.seen {
+            let mut looked = viewer();
+            for budget in [0, 1, 8, 100_000] {
+                looked.set_occluders(Some(budget));
+                let verdict = truth.check(looked.look(scene, &view), None);
+                let place = format!("{method} with {budget} on @{}", subject.name);
+                if method.contract() > Contract::Approximate {
+                    assert_eq!(verdict.missed, [], "{place}");
+                }
+                let taken = looked.stats().occluders;
+                let passages = looked.visible().passages().len() as u64;
+                assert!(taken <= u64::from(budget) * passages, "{place}: {taken}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_a_tree_shows_by_faces_it_also_shows_by_boxes() {
+    for subject in subjects() {
+        for camera in &subject.built.cameras {
+            let [by_faces, by_boxes] = [Method::Svbsp, Method::Mobsp].map(|method| {
+                let mut viewer = viewer();
+                let scene = subject.seen_by(method);
+                viewer.look(scene, &camera.view(SIZE));
+                names(scene, viewer.visible())
+            });
+            let lost: Vec<_> = by_faces.difference(&by_boxes).collect();
+            assert!(
+                lost.is_empty(),
+                "@{} from `{}`: {lost:?}",
+                subject.name,
+                camera.name
+            );
+        }
+    }
+}
+
 /// Counts how often each sample is painted with something opaque.
 struct Paint {
     width: usize,

@@ -12,6 +12,6 @@ pub use aabb::Aabb;
 pub use bsp::{BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
 pub(crate) use cross::cross;
 pub use kd_tree::KdTree;
-pub use octree::{Copies, Octree, Step};
+pub use octree::{Copies, Enter, Octree, Step};
 pub use polygon::{ConvexPolygon, PolygonError};
 pub use transform::Transform;

@@ -50,6 +50,17 @@ pub enum Step<'a> {
     Thing(u32),
 }
 
+/// What a walk does about a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Enter {
+    /// Nothing in it is met.
+    Skip,
+    /// What is in it is met, and asked after.
+    Ask,
+    /// All things in it are wanted.
+    All,
+}
+
 /// Nodes are not split further below this depth: 2⁻²⁰ of the scene is finer than f32 positions are.
 const GREATEST_DEPTH: u32 = 20;
 
@@ -174,18 +185,29 @@ impl Octree {
     ///
     /// With i the octant of the eye, children come in the order i, i^1, i^2, i^4, i^3, i^5, i^6, i^7.
     pub fn walk(&self, eye: [f64; 3], mut visit: impl FnMut(Step) -> bool) {
+        self.walk_by(eye, |step, _| if visit(step) { Enter::Ask } else { Enter::Skip });
+    }
+
+    /// As [`Octree::walk`], but of what is in a node of which all is wanted no node is met, and `visit` is told so with
+    /// each thing.
+    pub fn walk_by(&self, eye: [f64; 3], mut visit: impl FnMut(Step, bool) -> Enter) {
         const FRONT_TO_BACK: [usize; 8] = [0, 1, 2, 4, 3, 5, 6, 7];
         // At most seven siblings wait on each of the levels above.
-        let mut waiting = [0_u32; 7 * GREATEST_DEPTH as usize + 8];
+        let mut waiting = [(0_u32, false); 7 * GREATEST_DEPTH as usize + 8];
         let mut count = usize::from(!self.nodes.is_empty());
         while count > 0 {
             count -= 1;
-            let node = &self.nodes[waiting[count] as usize];
-            if !visit(Step::Node(&node.bounds)) {
-                continue;
+            let (node, mut all) = waiting[count];
+            let node = &self.nodes[node as usize];
+            if !all {
+                match visit(Step::Node(&node.bounds), false) {
+                    Enter::Skip => continue,
+                    Enter::Ask => {}
+                    Enter::All => all = true,
+                }
             }
             for &thing in &self.things[node.things[0] as usize..node.things[1] as usize] {
-                visit(Step::Thing(thing));
+                visit(Step::Thing(thing), all);
             }
             let octant: usize = (0..3)
                 .map(|axis| usize::from(eye[axis] > f64::from(node.center[axis])) << axis)
@@ -194,7 +216,7 @@ impl Octree {
                 let child = octant ^ step;
                 if node.children >> child & 1 == 1 {
                     let before = (node.children & ((1_u16 << child) - 1) as u8).count_ones();
-                    waiting[count] = node.first_child + before;
+                    waiting[count] = (node.first_child + before, all);
                     count += 1;
                 }
             }

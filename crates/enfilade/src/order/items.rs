@@ -3,7 +3,7 @@
 use super::Visit;
 use crate::content::{Alpha, Content, ItemId, OpeningId};
 use crate::faces::Faces;
-use crate::geom::{Aabb, Step};
+use crate::geom::{Aabb, Enter, Step};
 use crate::passage::{Passage, eye_in};
 use crate::region::{Region, Sight};
 
@@ -21,18 +21,23 @@ pub(super) fn hand_out(content: &Content, passage: &Passage, item: ItemId, visit
         _ => return hand_out_clusters(content, item, &screen_from_item, visit),
     }
     let mut is_root = true;
-    mesh.walk(eye_in(&screen_from_item).into(), |step| match step {
-        // It has the box of the whole mesh.
-        Step::Node(_) if std::mem::take(&mut is_root) => true,
-        Step::Node(bounds) => may_be_seen(passage, &screen_from_item, bounds, visit),
-        Step::Thing(cluster) => {
-            let bounds = &clusters[cluster as usize].bounds;
-            if may_be_seen(passage, &screen_from_item, bounds, visit) {
-                visit.faces(&Faces::of_cluster(content, item, cluster, &screen_from_item));
+    mesh.tree()
+        .walk_by(eye_in(&screen_from_item).into(), |step, all| match step {
+            // It has the box of the whole mesh.
+            Step::Node(_) if std::mem::take(&mut is_root) => Enter::Ask,
+            Step::Node(bounds) => match sight(passage, &screen_from_item, bounds, visit) {
+                Sight::Hidden => Enter::Skip,
+                Sight::Partly => Enter::Ask,
+                Sight::Fully => Enter::All,
+            },
+            Step::Thing(cluster) => {
+                let bounds = &clusters[cluster as usize].bounds;
+                if all || may_be_seen(passage, &screen_from_item, bounds, visit) {
+                    visit.faces(&Faces::of_cluster(content, item, cluster, &screen_from_item));
+                }
+                Enter::Skip
             }
-            true
-        }
-    });
+        });
 }
 
 /// Hands out all of an item, unless that was done already: for one in a box that is seen fully.

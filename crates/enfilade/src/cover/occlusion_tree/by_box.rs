@@ -3,12 +3,19 @@
 //! Where a plane goes through it, it is on both sides, even if other planes say that only one of them is left. So what
 //! its faces come to, it comes to as well: what is hidden by box is hidden by faces.
 
-use super::{Found, Link, OcclusionTree, Plane};
+use super::{Link, OcclusionTree, Plane};
 use crate::region::{Sight, Volume};
 use glam::DVec3;
 
 /// What a height may be wrong by, as a part of the sum that it is; more than pieces of faces may be off by.
 const ROUNDING: f64 = 1.0 / (1_u64 << 44) as f64;
+
+/// What the leaves that a box came to say of it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Found {
+    lit: bool,
+    shadow: bool,
+}
 
 /// A box by its middle.
 struct Middle {
@@ -46,7 +53,7 @@ impl<A> OcclusionTree<A> {
                     self.links.extend(outside.then_some(node.outside));
                 }
             }
-            if found.both() {
+            if found.lit && found.shadow {
                 return Sight::Partly;
             }
         }

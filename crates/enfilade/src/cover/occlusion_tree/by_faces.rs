@@ -1,13 +1,12 @@
-//! How a box is asked after by its faces: those it shows to the eye are filtered down the tree.
+//! How a box is asked after by its faces: those it shows to the eye are filtered down the tree, cut by its planes.
 //!
-//! All of them hidden: the box is. All of them seen, and those on its far side too: it is seen whole, for whatever is
-//! inside would hide some of its far side.
+//! All of them in shadow: the box is hidden. What comes to one lit leaf is seen, and the rest is not asked after.
 
 use super::insert::clip;
 use super::line::SLIT;
 use super::pieces::{Piece, Reach};
-use super::{Found, Link, OcclusionTree, Plane};
-use crate::region::{Sight, Volume};
+use super::{Link, OcclusionTree, Plane};
+use crate::region::Volume;
 use glam::DVec3;
 
 /// What a number computed from three products of coordinates may be wrong by, as a part of the product of the greatest:
@@ -23,56 +22,36 @@ struct Faces {
 }
 
 impl<A> OcclusionTree<A> {
-    /// What its faces tell.
-    pub(super) fn sees_faces(&mut self, volume: &Volume) -> Sight {
+    /// Is anything seen of the faces that a box shows to the eye? Yes when unsure.
+    pub(super) fn sees_faces(&mut self, volume: &Volume) -> bool {
         let Some(faces) = Faces::of(volume) else {
-            return Sight::Partly;
+            return true;
         };
         self.pieces.clear();
-        let mut found = Found::default();
-        for front in [true, false] {
-            for (corners, _) in faces
-                .corners
-                .iter()
-                .zip(faces.front)
-                .filter(|face| face.1 == front)
-            {
-                self.filter(*corners, &mut found);
-                if found.both() {
-                    return Sight::Partly;
-                }
-            }
-            if !found.lit {
-                return Sight::Hidden;
-            }
-        }
-        Sight::Fully
+        let shown = faces.corners.iter().zip(faces.front).filter(|face| face.1);
+        shown.into_iter().any(|(corners, _)| self.sees_face(*corners))
     }
 
-    /// Filters a face down the tree until it has come to a lit leaf and to a shadow.
-    fn filter(&mut self, corners: [DVec3; 4], found: &mut Found) {
+    /// Does anything of a face come to a lit leaf?
+    fn sees_face(&mut self, corners: [DVec3; 4]) -> bool {
         let whole = self.pieces.add(corners);
         let Some(inside) = clip(&self.tree.aperture, &mut self.pieces, whole) else {
-            found.shadow = true;
-            return;
+            return false;
         };
-        found.shadow |= inside != whole;
         self.waiting.clear();
         self.waiting.push((self.tree.root, inside));
         while let Some((link, piece)) = self.waiting.pop() {
             match link {
-                Link::Lit => found.lit = true,
-                Link::Shadow => found.shadow = true,
-                Link::Node(node) => self.pass_face(node, piece, found),
-            }
-            if found.both() {
-                return;
+                Link::Lit => return true,
+                Link::Shadow => {}
+                Link::Node(node) => self.pass_face(node, piece),
             }
         }
+        false
     }
 
     /// Sends a piece of a face past a node.
-    fn pass_face(&mut self, node: u32, piece: Piece, found: &mut Found) {
+    fn pass_face(&mut self, node: u32, piece: Piece) {
         let node = &self.tree.nodes[node as usize];
         match &node.plane {
             Plane::Line(line) => {
@@ -96,7 +75,6 @@ impl<A> OcclusionTree<A> {
             }
             Plane::Back(back) => {
                 let reach = self.pieces.measure(piece, 0.0, |corner| back.height(corner));
-                found.shadow |= reach.inside || !reach.outside;
                 if reach.outside {
                     let before = if reach.inside {
                         self.pieces.half(piece, -1.0)

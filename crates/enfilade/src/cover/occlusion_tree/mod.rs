@@ -60,7 +60,7 @@ pub struct OcclusionTree<A> {
     asks: PhantomData<fn() -> A>,
 }
 
-/// Filters the faces of a box down the tree, cut by its planes.
+/// Where the box itself does not tell, filters its faces down the tree, cut by its planes.
 #[derive(Default)]
 pub struct ByFaces;
 
@@ -137,9 +137,8 @@ pub trait Asks: Default + Send + Sized + 'static {
 
 impl Asks for ByFaces {
     fn sight(tree: &mut OcclusionTree<ByFaces>, region: &Region) -> Sight {
-        // Most boxes are hidden, or not, as they are; only for the others is it worth to cut faces.
         match tree.sees_box(&region.volume) {
-            Sight::Partly => tree.sees_faces(&region.volume),
+            Sight::Partly if !tree.sees_faces(&region.volume) => Sight::Hidden,
             sight => sight,
         }
     }
@@ -271,18 +270,5 @@ impl Tree {
             next = node.above;
         }
         self.above.extend(&self.aperture);
-    }
-}
-
-/// What the leaves that something came to say of it.
-#[derive(Clone, Copy, Debug, Default)]
-struct Found {
-    lit: bool,
-    shadow: bool,
-}
-
-impl Found {
-    fn both(&self) -> bool {
-        self.lit && self.shadow
     }
 }

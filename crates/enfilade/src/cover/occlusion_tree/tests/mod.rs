@@ -118,7 +118,13 @@ impl Both {
     }
 
     fn see(&mut self, volume: &Volume) -> [Sight; 2] {
-        [self.faces.sees_faces(volume), self.boxes.sees_box(volume)]
+        let by_box = self.boxes.sees_box(volume);
+        let by_faces = match (self.faces.sees_faces(volume), by_box) {
+            (false, _) => Sight::Hidden,
+            (true, Sight::Hidden) => Sight::Partly,
+            (true, sight) => sight,
+        };
+        [by_faces, by_box]
     }
 }
 

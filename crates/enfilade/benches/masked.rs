@@ -1,0 +1,151 @@
+//! The masked occlusion buffer at 1280x720: occluders a second by their size, and boxes a second.
+//!
+//! A wrong number of occluders, samples or hidden boxes is an error, not a time.
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use enfilade::cover::{Cover, Hides, MaskedDepth};
+use enfilade::order::{BvhOrder, Order, Visit};
+use enfilade::{
+    Choice, Content, ContentBuilder, Faces, FragmentId, ItemId, Material, MaterialId, Mesh, Method, Occluder,
+    OccluderRoom, OccluderSet, Passage, Region, SceneBuilder, Sight, Stats, Transform, View, Viewer,
+};
+
+const SIZE: [u32; 2] = [1280, 720];
+
+/// The passage that an eye stands in.
+fn passage(scene: &enfilade::Scene, view: &View) -> Passage {
+    Viewer::new().look(scene, view).passages()[0].clone()
+}
+
+/// What `passage` sees of the best occluders of a content, the best first, each in a room of its own.
+fn occluders<'a>(
+    content: &Content,
+    passage: &Passage,
+    budget: usize,
+    rooms: &'a mut Vec<OccluderRoom>,
+) -> Vec<Occluder<'a>> {
+    let set = OccluderSet::build(content);
+    let mut choice = Choice::default();
+    let chosen = set.choose(content, passage, MaskedDepth::MEASURE, budget, &mut choice);
+    rooms.resize_with(chosen.len(), OccluderRoom::default);
+    let all = chosen.iter().zip(rooms);
+    all.filter_map(|(chosen, room)| set.on_screen(content, passage, chosen, room))
+        .collect()
+}
+
+fn filled(cover: &mut MaskedDepth, passage: &Passage, occluders: &[Occluder]) -> u64 {
+    let mut stats = Stats::default();
+    cover.clear(passage);
+    for occluder in occluders {
+        cover.hide(occluder, passage, &mut stats);
+    }
+    stats.samples
+}
+
+/// Triangles with two sides of so many pixels, all about, from near to far and turned all ways.
+fn triangles(pixels: f32, count: u32) -> Content {
+    let view = View::new([0.0; 3], [0.0, 0.0, -1.0], SIZE);
+    let focal = 0.5 * SIZE[1] as f32 / (0.5 * view.fov_y).tan();
+    let mut builder = ContentBuilder::new([Material {
+        double_sided: true,
+        ..Material::opaque([1.0; 3])
+    }]);
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let mesh = Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)).expect("a triangle");
+    let mesh = builder.mesh(mesh);
+    for i in 0..count {
+        // Three sequences that fill space evenly.
+        let [x, y, depth] =
+            [0.754_877_7, 0.569_840_3, 0.324_717_96].map(|step: f64| (f64::from(i) * step).fract() as f32);
+        let distance = 2.0 + 48.0 * depth;
+        let [x, y] = [x - 0.5, 0.55 * (y - 0.5)].map(|side| 1.8 * side * distance);
+        let side = pixels / focal * distance;
+        let place = Transform::translation([x, y, -distance])
+            * Transform::rotation([0.0, 0.0, 1.0], f64::from(i))
+            * Transform::rotation([1.0, 0.0, 0.0], 0.5)
+            * Transform::scaling([side; 3]);
+        builder.item("triangle", mesh, place);
+    }
+    builder.build().expect("sound triangles")
+}
+
+fn fill(criterion: &mut Criterion) {
+    const COUNT: u32 = 4000;
+    let mut group = criterion.benchmark_group("masked: fill, triangles");
+    group.throughput(Throughput::Elements(u64::from(COUNT)));
+    for (pixels, samples) in [(10.0, SAMPLES[0]), (100.0, SAMPLES[1])] {
+        let mut scene = SceneBuilder::new();
+        let all = scene.add("all", triangles(pixels, COUNT), Method::ZBuffer);
+        let scene = scene.build().expect("one fragment");
+        let content = scene.content(all).expect("a content");
+        let passage = passage(&scene, &View::new([0.0; 3], [0.0, 0.0, -1.0], SIZE));
+        let mut rooms = Vec::new();
+        let occluders = occluders(content, &passage, COUNT as usize, &mut rooms);
+        assert_eq!(occluders.len(), COUNT as usize);
+        let mut cover = MaskedDepth::default();
+        assert_eq!(filled(&mut cover, &passage, &occluders), samples);
+        group.bench_function(BenchmarkId::from_parameter(format!("{pixels} pixels")), |bench| {
+            bench.iter(|| filled(&mut cover, &passage, &occluders));
+        });
+    }
+    group.finish();
+}
+
+/// Samples that the triangles cover, each triangle's counted.
+const SAMPLES: [u64; 2] = [0, 0];
+
+/// All boxes that an order asks about, if nothing is hidden.
+#[derive(Default)]
+struct Boxes(Vec<Region>);
+
+impl Visit for Boxes {
+    fn enter(&mut self, region: &Region) -> Sight {
+        self.0.push(*region);
+        Sight::Partly
+    }
+
+    fn first_time(&mut self, _item: ItemId) -> bool {
+        true
+    }
+
+    fn faces(&mut self, _faces: &Faces) {}
+}
+
+fn ask(criterion: &mut Criterion) {
+    let built = enfilade_scenes::built_in("crowd").expect("a built-in scene");
+    let content = built.scene.content(FragmentId(0)).expect("a content");
+    let order = BvhOrder::build(content, Method::DEFAULT_LIMIT).expect("a small scene");
+    let mut group = criterion.benchmark_group("masked: ask, boxes of @crowd");
+    for (name, expected) in ASKED {
+        let camera = built.cameras.iter().find(|camera| camera.name == name);
+        let passage = passage(&built.scene, &camera.expect("a camera of that scene").view(SIZE));
+        let mut rooms = Vec::new();
+        let occluders = occluders(content, &passage, MaskedDepth::OCCLUDERS as usize, &mut rooms);
+        let mut cover = MaskedDepth::default();
+        filled(&mut cover, &passage, &occluders);
+        let mut boxes = Boxes::default();
+        order.visit(content, &passage, &mut Default::default(), &mut boxes);
+        let mut hidden = || {
+            let each = boxes.0.iter().map(|region| cover.sees(region));
+            each.filter(|&sight| sight == Sight::Hidden).count()
+        };
+        assert_eq!([occluders.len(), hidden()], expected, "{name}");
+        group.throughput(Throughput::Elements(boxes.0.len() as u64));
+        group.bench_function(BenchmarkId::from_parameter(name), |bench| bench.iter(&mut hidden));
+    }
+    group.finish();
+}
+
+/// Cameras, how many occluders they see, and how many boxes these hide.
+const ASKED: [(&str, [usize; 2]); 3] = [
+    ("before the wall", [0, 0]),
+    ("at a gap", [0, 0]),
+    ("among them", [0, 0]),
+];
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(20);
+    targets = fill, ask
+}
+criterion_main!(benches);

@@ -212,6 +212,10 @@ pub(crate) struct HowArgs {
     /// Occluders that masked, svbsp and mobsp choose for each passage; 0: none [default: what suits each]
     #[arg(long, value_name = "N")]
     pub(crate) occluders: Option<u32>,
+    /// Columns and rows of the covers of hierarchical-z, hierarchical-s and masked, no more than the screen's; fewer
+    /// cost less and hide less [default: as many as the screen has]
+    #[arg(long, value_name = "WxH", value_parser = values::size)]
+    pub(crate) cover_size: Option<[u32; 2]>,
     /// Openings are plain holes: no portal is followed
     #[arg(long)]
     pub(crate) flat: bool,

@@ -5,7 +5,7 @@ use crate::open::Opened;
 use crate::progress::Progress;
 use crate::report::Skipped;
 use crate::values::Choice;
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, bail, ensure};
 use enfilade::{Contract, Method, Scene, TooLarge, View, Viewer};
 use std::sync::Arc;
 use std::time::Instant;
@@ -20,6 +20,7 @@ pub(crate) struct Prepared {
     pub(crate) build_ms: f64,
     coherence: bool,
     occluders: Option<u32>,
+    pub(crate) cover_size: Option<[u32; 2]>,
 }
 
 impl Prepared {
@@ -28,6 +29,7 @@ impl Prepared {
         let mut viewer = Viewer::new();
         viewer.set_coherence(self.coherence);
         viewer.set_occluders(self.occluders);
+        viewer.set_cover_size(self.cover_size);
         viewer
     }
 
@@ -44,7 +46,7 @@ impl Prepared {
         self.scene.bytes()
             + methods_of(&self.scene)
                 .iter()
-                .map(|method| method.screen_bytes(size))
+                .map(|method| method.screen_bytes(size, self.cover_size))
                 .sum::<u64>()
     }
 }
@@ -59,6 +61,7 @@ pub(crate) fn prepare(
     how: &HowArgs,
     view: Option<&View>,
 ) -> Result<(Vec<Prepared>, Vec<Skipped>)> {
+    check_cover_size(opened, choice, how, view)?;
     let progress = Progress::steps(
         "building",
         if choice == Choice::All {
@@ -90,6 +93,36 @@ pub(crate) fn prepare(
     Ok((prepared, skipped))
 }
 
+/// A cover is no larger than the screen, and asked for where some method can do with one of another size.
+fn check_cover_size(opened: &Opened, choice: Choice, how: &HowArgs, view: Option<&View>) -> Result<()> {
+    let (Some([width, height]), Some(view)) = (how.cover_size, view) else {
+        return Ok(());
+    };
+    let screen = view.size;
+    ensure!(
+        width <= screen[0] && height <= screen[1],
+        "--cover-size {width}x{height} is larger than the screen; choose one of {}x{} at most, or a larger --size",
+        screen[0],
+        screen[1]
+    );
+    let methods = match choice {
+        Choice::One(method) => vec![method],
+        Choice::Own => methods_of(&opened.scene),
+        Choice::All => return Ok(()),
+    };
+    if methods.iter().any(|method| method.takes_cover_size()) {
+        return Ok(());
+    }
+    let able = Method::ALL.iter().filter(|method| method.takes_cover_size());
+    let able: Vec<&str> = able.map(|method| method.name()).collect();
+    bail!(
+        "{}: --cover-size says nothing to {}; choose one of --method {}, or leave it out",
+        opened.file,
+        methods[0],
+        able.join(", ")
+    )
+}
+
 fn build(scene: &Scene, choice: Choice, how: &HowArgs, view: Option<&View>) -> Result<Prepared, TooLarge> {
     let limit = how.limits.memory.unwrap_or(Method::DEFAULT_LIMIT);
     let start = Instant::now();
@@ -108,7 +141,7 @@ fn build(scene: &Scene, choice: Choice, how: &HowArgs, view: Option<&View>) -> R
     if let Some(view) = view {
         methods
             .iter()
-            .try_for_each(|method| method.check_screen(view, limit))?;
+            .try_for_each(|method| method.check_screen(view, how.cover_size, limit))?;
     }
     Ok(Prepared {
         method: if let Choice::One(method) = choice {
@@ -118,13 +151,21 @@ fn build(scene: &Scene, choice: Choice, how: &HowArgs, view: Option<&View>) -> R
         },
         contract: methods
             .iter()
-            .map(|method| method.contract())
+            .map(|method| match method.contract() {
+                Contract::Exact if how.cover_size.is_some() && method.takes_cover_size() => {
+                    Contract::Conservative
+                }
+                contract => contract,
+            })
             .min()
             .unwrap_or(Contract::Exact),
         scene: if how.flat { built.without_portals() } else { built },
         build_ms,
         coherence: !how.no_coherence,
         occluders: how.occluders,
+        cover_size: how
+            .cover_size
+            .filter(|&cells| view.is_none_or(|view| view.size != cells)),
     })
 }
 

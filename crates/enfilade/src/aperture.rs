@@ -128,6 +128,23 @@ pub struct Aperture {
     rows: Option<Rows>,
 }
 
+/// What telling an aperture in cells works with.
+#[derive(Default)]
+pub(crate) struct CellRoom {
+    rows: Rows,
+    runs: Vec<[u16; 2]>,
+    row: Vec<[u16; 2]>,
+}
+
+impl CellRoom {
+    /// Takes rows back, to be filled anew.
+    pub(crate) fn take_back(&mut self, mut aperture: Aperture) {
+        if let Some(rows) = aperture.take_rows() {
+            self.rows = rows;
+        }
+    }
+}
+
 /// Corners of an outline, hardly ever more.
 const MOST_CORNERS: usize = 16;
 
@@ -176,6 +193,44 @@ impl Aperture {
             }
         };
         (!rect.is_empty()).then_some(Aperture { outline, rect, rows })
+    }
+
+    /// The same on a screen of cells, so many to a pixel: a cell is open where any of its samples is.
+    pub(crate) fn in_cells(&self, scale: [f64; 2], room: &mut CellRoom) -> Aperture {
+        let cell = |at: u16, axis: usize| ((f64::from(at) + 0.5) * scale[axis]) as u16;
+        let CellRoom { rows, runs, row } = room;
+        rows.clear();
+        row.clear();
+        let Rect { y0, y1, .. } = self.rect;
+        for y in y0..y1 {
+            self.open_in_row(y, runs);
+            row.extend(runs.iter().map(|&[x0, x1]| [cell(x0, 0), cell(x1 - 1, 0) + 1]));
+            let at = cell(y, 1);
+            if y + 1 == y1 || cell(y + 1, 1) != at {
+                row.sort_unstable();
+                let mut joined: Option<[u16; 2]> = None;
+                for run in row.drain(..) {
+                    match &mut joined {
+                        Some(last) if run[0] <= last[1] => last[1] = last[1].max(run[1]),
+                        last => {
+                            if let Some([x0, x1]) = last.replace(run) {
+                                rows.push(at, x0, x1);
+                            }
+                        }
+                    }
+                }
+                if let Some([x0, x1]) = joined {
+                    rows.push(at, x0, x1);
+                }
+            }
+        }
+        Aperture {
+            outline: (self.outline.iter())
+                .map(|at| [at[0] * scale[0], at[1] * scale[1]])
+                .collect(),
+            rect: rows.rect(),
+            rows: Some(std::mem::take(rows)),
+        }
     }
 
     /// The opening's outline within this one.

@@ -2,6 +2,7 @@
 
 use crate::content::{Alpha, Content, ItemId, OpeningId};
 use crate::mesh::Cluster;
+use crate::passage::Passage;
 use glam::{DAffine3, DVec3};
 
 /// Faces of one mesh, one transform and one material, as plain arrays.
@@ -126,6 +127,20 @@ impl<'a> Faces<'a> {
             double_sided: false,
             alpha: Alpha::Opaque,
             cuts: &[],
+        }
+    }
+
+    /// The sign that the determinant of three corners as (X, Y, W) has where a face is seen from its front; 0 where faces
+    /// are seen from both sides.
+    ///
+    /// Told from the two maps apart, for the product of a flattening one has none but by rounding.
+    #[inline(always)]
+    pub(crate) fn front(&self, passage: &Passage) -> f64 {
+        let turned = self.mirrored != (passage.screen_from_fragment.matrix3.determinant() < 0.0);
+        match (self.double_sided, turned) {
+            (true, _) => 0.0,
+            (false, true) => 1.0,
+            (false, false) => -1.0,
         }
     }
 

@@ -24,7 +24,7 @@ pub trait Fragment: Send + Sync {
 
     /// Does [`Fragment::draw`] paint what [`Fragment::gather`] reported just before through the same passage, and
     /// nothing else? So does a method that knows what may be seen but not where.
-    fn draws_what_was_gathered(&self) -> bool {
+    fn draws_what_was_gathered(&self, _memory: &Memory) -> bool {
         false
     }
 

@@ -21,6 +21,8 @@ pub struct Memory {
     pub coherence: bool,
     /// How many occluders methods take that choose them; `None`: as many as suits each.
     pub(crate) occluders: Option<u32>,
+    /// Columns and rows of covers of lower resolution than the screen; `None`: that of the screen.
+    pub(crate) cover_size: Option<[u32; 2]>,
     /// Does the canvas want to know how covers came to their answer?
     pub(crate) trace: bool,
 }
@@ -35,6 +37,7 @@ impl Default for Memory {
             stats: Stats::default(),
             coherence: true,
             occluders: None,
+            cover_size: None,
             trace: false,
         }
     }

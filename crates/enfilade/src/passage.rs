@@ -1,6 +1,6 @@
 //! One way from the eye into a fragment, through zero or more portals.
 
-use crate::aperture::{Aperture, Rect, Rows};
+use crate::aperture::{Aperture, CellRoom, Rect, Rows};
 use crate::fragment::Contract;
 use crate::geom::{Aabb, ConvexPolygon, Transform};
 use crate::region::Region;
@@ -110,6 +110,35 @@ impl Passage {
         Passage {
             any_place: contract == Contract::Strict,
             ..self
+        }
+    }
+
+    /// The same passage on a screen of fewer pixels, here cells: what any place in them shows is asked for.
+    pub(crate) fn in_cells(&self, cells: [u32; 2], room: &mut CellRoom) -> Passage {
+        let scale = [0, 1].map(|axis| f64::from(cells[axis]) / f64::from(self.size[axis]));
+        let scaling = DMat3::from_diagonal(DVec3::new(scale[0], scale[1], 1.0));
+        let screen_from_eye = scaling * self.screen_from_eye;
+        Passage {
+            aperture: if self.parent.is_none() {
+                Aperture::screen(cells)
+            } else {
+                self.aperture.in_cells(scale, room)
+            },
+            parent: self.parent,
+            portal: self.portal,
+            fragment: self.fragment,
+            crossings: self.crossings,
+            near: self.near,
+            size: cells,
+            flat: self.flat,
+            any_place: true,
+            chain: self.chain,
+            eye_from_fragment: self.eye_from_fragment,
+            screen_from_eye,
+            screen_from_fragment: compose(&screen_from_eye, &self.eye_from_fragment),
+            entry: self
+                .entry
+                .map(|(normal, distance)| (normal / DVec3::new(scale[0], scale[1], 1.0), distance)),
         }
     }
 

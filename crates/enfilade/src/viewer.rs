@@ -22,6 +22,7 @@ pub struct Viewer {
     painted: VisibleSet,
     spare: Vec<Seen>,
     limits: Limits,
+    cover_size: Option<[u32; 2]>,
 }
 
 /// Where following openings ends. What bites makes the set incomplete, and says so.
@@ -72,18 +73,26 @@ impl Viewer {
         self.memory.occluders = occluders;
     }
 
+    /// Columns and rows of the covers of methods that can do with fewer than the screen's
+    /// ([`Method::takes_cover_size`](crate::Method::takes_cover_size)); `None`, as many as the screen has, unless told.
+    /// The fewer, the less a look costs and the more it calls visible: such a method is conservative. Where it is none or
+    /// more than the screen has, the nearest that makes sense is taken.
+    pub fn set_cover_size(&mut self, cover_size: Option<[u32; 2]>) {
+        self.cover_size = cover_size;
+    }
+
     /// What can be seen. A view that fails [`View::check`] sees nothing.
     pub fn look(&mut self, scene: &Scene, view: &View) -> &VisibleSet {
+        self.shape_covers(view);
         self.run(scene, view, None);
         &self.set
     }
 
     /// Paints what can be seen, and gives the set as [`Viewer::look`] does.
     pub fn draw(&mut self, scene: &Scene, view: &View, canvas: &mut dyn Canvas) -> &VisibleSet {
-        if scene
-            .fragments()
-            .all(|id| !scene.fragment(id).draws_what_was_gathered())
-        {
+        self.shape_covers(view);
+        let (memory, mut fragments) = (&self.memory, scene.fragments());
+        if fragments.all(|id| !scene.fragment(id).draws_what_was_gathered(memory)) {
             self.run(scene, view, Some(canvas));
         } else {
             self.run(scene, view, None);
@@ -109,6 +118,13 @@ impl Viewer {
         passages
             .map(|passage| scene.fragment(passage.fragment).walk(passage, &mut self.memory))
             .sum()
+    }
+
+    fn shape_covers(&mut self, view: &View) {
+        let cells = self
+            .cover_size
+            .map(|size| [0, 1].map(|axis| size[axis].clamp(1, view.size[axis].max(1))));
+        self.memory.cover_size = cells.filter(|&cells| cells != view.size);
     }
 
     fn run(&mut self, scene: &Scene, view: &View, canvas: Option<&mut dyn Canvas>) {
@@ -219,7 +235,7 @@ impl Look<'_> {
         self.enter(id);
         let passage = self.set.passage(id);
         if let Some(gathered) = &self.gathered
-            && fragment.draws_what_was_gathered()
+            && fragment.draws_what_was_gathered(self.memory)
             && let Some(same) = gathered.id(passage.chain)
         {
             seen.report_again(gathered.set, same);

@@ -9,7 +9,7 @@ use fearless_simd::prelude::*;
 pub(super) const BAND: usize = 8;
 
 /// Runs of samples in up to eight rows, from row `y`, a multiple of eight.
-pub(super) struct Band {
+pub(crate) struct Band {
     pub(super) y: u16,
     /// The first column and the one after the last, of each row; equal where it holds no sample.
     pub(super) runs: [[u16; 2]; BAND],

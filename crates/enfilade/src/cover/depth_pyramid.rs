@@ -11,7 +11,7 @@ use super::report::Report;
 use super::samples::look_through;
 use super::tiles::{TILE_SHIFT, Tiles};
 use super::triangle::Triangle;
-use super::{Cover, Paints};
+use super::{Coarse, Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
 use crate::content::Content;
@@ -108,6 +108,29 @@ impl Paints for DepthPyramid {
         let mut report = Report::new(content, seen, canvas.map(|canvas| canvas as &mut dyn Canvas));
         self.depths.tiles.report(&mut report);
         report.finish();
+    }
+}
+
+impl Coarse for DepthPyramid {
+    fn clear_cells(&mut self, passage: &Passage) {
+        self.clear(passage, false);
+    }
+
+    fn sees_cells(&mut self, rect: &Rect, nearest: f32) -> bool {
+        self.depths.sees(rect, nearest.to_bits())
+    }
+
+    fn sees_plane(&mut self, cells: &Band, nearness: &Triangle) -> bool {
+        let tiles = &self.depths.tiles;
+        cells.rows().any(|(y, [x0, x1])| {
+            let row = nearness.row(y);
+            (x0..x1).any(|x| row.bits(i32::from(x)) >= tiles.depth(x, y))
+        })
+    }
+
+    fn cover_cells(&mut self, cells: &Band, nearness: &Triangle) {
+        self.depths.tiles.samples.begin_batch();
+        self.depths.band(cells, nearness);
     }
 }
 

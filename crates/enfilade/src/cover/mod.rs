@@ -1,6 +1,7 @@
 //! Covers: what is already hidden. A cover knows nothing of orders; `method` joins the two.
 
 mod band;
+mod cells;
 mod depth_buffer;
 mod depth_pyramid;
 mod half_plane;
@@ -17,6 +18,7 @@ mod tiles;
 mod trace;
 mod triangle;
 
+pub use cells::Surface;
 pub use depth_buffer::DepthBuffer;
 pub use depth_pyramid::DepthPyramid;
 pub use mask::Mask;
@@ -25,6 +27,7 @@ pub use nothing::Nothing;
 pub use occlusion_tree::{Asks, ByBox, ByFaces, OcclusionTree};
 pub use span_buffer::SpanBuffer;
 
+use crate::aperture::Rect;
 use crate::canvas::Canvas;
 use crate::content::Content;
 use crate::faces::Faces;
@@ -33,6 +36,8 @@ use crate::passage::Passage;
 use crate::region::{Region, Sight};
 use crate::seen::Seen;
 use crate::stats::Stats;
+use band::Band;
+use triangle::Triangle;
 
 /// Remembers what is already hidden.
 pub trait Cover: Default + Send + 'static {
@@ -90,4 +95,19 @@ pub trait Hides: Cover {
 
     /// Lets an occluder hide what is behind it.
     fn hide(&mut self, occluder: &Occluder, passage: &Passage, stats: &mut Stats);
+}
+
+/// A cover that can do with cells larger than samples: it holds no picture then, but says what is hidden.
+pub(crate) trait Coarse: Cover {
+    /// Starts over, for a passage in cells: only those that the aperture reaches into are open.
+    fn clear_cells(&mut self, passage: &Passage);
+
+    /// May anything as near as `nearest` be seen in these cells?
+    fn sees_cells(&mut self, rect: &Rect, nearest: f32) -> bool;
+
+    /// May a face be seen in these cells that is no nearer than a triangle's plane at their centres?
+    fn sees_plane(&mut self, cells: &Band, nearness: &Triangle) -> bool;
+
+    /// These cells are covered whole by something that is at least as near as the triangle's plane at their centres.
+    fn cover_cells(&mut self, cells: &Band, nearness: &Triangle);
 }

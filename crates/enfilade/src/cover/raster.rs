@@ -111,16 +111,7 @@ fn run_batch<S: Simd>(
             f64::from(passage.near)
         },
         entry: passage.entry,
-        // A face is seen from its front where the determinant of its corners has this sign. Told from the two maps
-        // apart, for the product of a flattening one has none but by rounding.
-        front: match (
-            faces.double_sided,
-            faces.mirrored != (passage.screen_from_fragment.matrix3.determinant() < 0.0),
-        ) {
-            (true, _) => 0.0,
-            (false, true) => 1.0,
-            (false, false) => -1.0,
-        },
+        front: faces.front(passage),
     };
     let first = faces.first_position;
     if faces.is_lone() {

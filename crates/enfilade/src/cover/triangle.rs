@@ -6,7 +6,7 @@ use std::cmp::Ordering;
 
 /// A triangle whose samples are being handed out.
 #[derive(Clone, Copy)]
-pub(super) struct Triangle {
+pub(crate) struct Triangle {
     /// The number of its face.
     pub(super) owner: u32,
     /// Nearness at a sample is `nearness · (x + ½, y + ½, 1)`, kept within `least` and `greatest`.
@@ -17,7 +17,7 @@ pub(super) struct Triangle {
 
 /// Nearness along one row.
 #[derive(Clone, Copy)]
-pub(super) struct Row {
+pub(crate) struct Row {
     base: f64,
     step: f64,
     least: f64,
@@ -25,6 +25,18 @@ pub(super) struct Row {
 }
 
 impl Triangle {
+    /// As near everywhere.
+    #[inline(always)]
+    pub(super) fn flat(nearness: f32) -> Triangle {
+        let nearness = f64::from(nearness);
+        Triangle {
+            owner: 0,
+            nearness: DVec3::new(0.0, 0.0, nearness),
+            least: nearness,
+            greatest: nearness,
+        }
+    }
+
     /// Bits of the greatest nearness of any sample.
     #[inline(always)]
     pub(super) fn nearest(&self) -> u32 {
@@ -73,6 +85,12 @@ impl Row {
     #[inline(always)]
     pub(super) fn at(&self, x: u16) -> f64 {
         self.within(self.base + self.step * f64::from(x))
+    }
+
+    /// The plane's nearness at column `x`, also where the triangle is not.
+    #[inline(always)]
+    pub(super) fn beyond(&self, x: u16) -> f64 {
+        self.base + self.step * f64::from(x)
     }
 
     /// Nearness at column `x`, as bits: those of a positive f32 sort as it does.

@@ -3,10 +3,12 @@
 //! Drawn by a z-buffer, which gets what may be seen and nothing else: the picture is exact though the set is not.
 
 use super::count::count_faces;
+use super::gathered::draw_gathered;
+use super::in_cells::InParts;
 use super::{Method, TooLarge};
 use crate::canvas::Canvas;
-use crate::content::{Alpha, Content, ItemId, Opening, OpeningId};
-use crate::cover::{DepthBuffer, Hides, Paints};
+use crate::content::{Content, ItemId, Opening, OpeningId};
+use crate::cover::{Coarse, Hides};
 use crate::faces::{Faces, Of};
 use crate::fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
 use crate::geom::Aabb;
@@ -112,7 +114,7 @@ where
         self.method.contract()
     }
 
-    fn draws_what_was_gathered(&self) -> bool {
+    fn draws_what_was_gathered(&self, _memory: &Memory) -> bool {
         true
     }
 
@@ -154,40 +156,7 @@ where
     }
 
     fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: &mut dyn Canvas) {
-        let mut cover = memory.take::<DepthBuffer>();
-        let mut found = memory.take::<Found>();
-        found.clusters.extend(seen.clusters_of_items());
-        seen.items.clear();
-        seen.clusters.clear();
-        cover.clear(passage, memory.trace);
-        let stats = &mut memory.stats;
-        let before = seen.samples_owned;
-        if !passage.flat {
-            for opening in (0..self.content.openings().len() as u16).map(OpeningId) {
-                let faces = Faces::of_opening(&self.content, opening, &passage.screen_from_fragment);
-                cover.add(&faces, passage, stats, None);
-            }
-        }
-        let hides = |&(item, cluster): &(ItemId, u32)| {
-            let cluster = &self.content.mesh_of(item).clusters()[cluster as usize];
-            self.content.material_of(cluster).alpha == Alpha::Opaque
-        };
-        for opaque in [true, false] {
-            for &(item, cluster) in found.clusters.iter().filter(|found| hides(found) == opaque) {
-                let screen_from_item = passage.screen_from(&self.content.item(item).transform());
-                let faces = Faces::of_cluster(&self.content, item, cluster, &screen_from_item);
-                if opaque {
-                    cover.add(&faces, passage, stats, None);
-                } else {
-                    cover.look_through(&faces, passage, stats, seen);
-                }
-            }
-        }
-        cover.finish(&self.content, passage, seen, Some(canvas));
-        stats.samples_owned += seen.samples_owned - before;
-        found.clusters.clear();
-        memory.put_back(cover);
-        memory.put_back(found);
+        draw_gathered(&self.content, passage, memory, seen, canvas);
     }
 
     fn cast(&self, ray: &Ray) -> Option<Hit> {
@@ -208,5 +177,23 @@ where
 
     fn bytes(&self) -> u64 {
         self.content.bytes() + self.order.bytes() + self.occluders.bytes()
+    }
+}
+
+impl<O, C> InParts for Culled<O, C>
+where
+    O: Order,
+    C: Hides + Coarse,
+    O::Gives: Gives<C::CullNeeds>,
+{
+    type Order = O;
+    type Cover = C;
+
+    fn order(&self) -> &O {
+        &self.order
+    }
+
+    fn content(&self) -> &Content {
+        &self.content
     }
 }

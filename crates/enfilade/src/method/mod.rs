@@ -2,6 +2,8 @@
 
 mod count;
 mod culled;
+mod gathered;
+mod in_cells;
 mod paired;
 
 pub use culled::Culled;
@@ -10,12 +12,14 @@ pub use paired::Paired;
 use crate::content::Content;
 use crate::cover::{
     ByBox, ByFaces, Cover, DepthBuffer, DepthPyramid, Mask, MaskedDepth, Nothing, OcclusionTree, SpanBuffer,
+    Surface,
 };
 use crate::fragment::{Contract, Fragment};
 use crate::order::{
     Bsp, BvhOrder, DepthSort, FarToNear, KdTreeOrder, Mean, Min, NearToFar, OctreeOrder, Unordered,
 };
 use crate::view::View;
+use in_cells::InCells;
 use std::fmt;
 use std::sync::Arc;
 use thiserror::Error;
@@ -183,6 +187,15 @@ impl Method {
         }
     }
 
+    /// Can its cover have another resolution than the screen ([`Viewer::set_cover_size`](crate::Viewer::set_cover_size))?
+    /// It is conservative then.
+    pub fn takes_cover_size(self) -> bool {
+        matches!(
+            self,
+            Method::HierarchicalZ | Method::HierarchicalS | Method::Masked
+        )
+    }
+
     /// Prepares a content to be seen.
     ///
     /// # Errors
@@ -195,16 +208,27 @@ impl Method {
             Method::BspFront => Arc::new(BspFront::build(self, content, limit_bytes)?),
             Method::ZBuffer => Arc::new(ZBuffer::build(self, content, limit_bytes)?),
             Method::SBuffer => Arc::new(SBuffer::build(self, content, limit_bytes)?),
-            Method::HierarchicalZ => Arc::new(HierarchicalZ::build(self, content, limit_bytes)?),
-            Method::HierarchicalS => Arc::new(HierarchicalS::build(self, content, limit_bytes)?),
-            Method::Masked => Arc::new(Masked::build(self, content, limit_bytes)?),
+            Method::HierarchicalZ => Arc::new(InCells(HierarchicalZ::build(self, content, limit_bytes)?)),
+            Method::HierarchicalS => Arc::new(InCells(HierarchicalS::build(self, content, limit_bytes)?)),
+            Method::Masked => Arc::new(InCells(Masked::build(self, content, limit_bytes)?)),
             Method::Svbsp => Arc::new(Svbsp::build(self, content, limit_bytes)?),
             Method::Mobsp => Arc::new(Mobsp::build(self, content, limit_bytes)?),
         })
     }
 
-    /// Memory of its buffers for a screen of this size, in bytes.
-    pub fn screen_bytes(self, size: [u32; 2]) -> u64 {
+    /// Memory of its buffers for a screen of this size, in bytes; `cover_size` as in
+    /// [`Viewer::set_cover_size`](crate::Viewer::set_cover_size).
+    pub fn screen_bytes(self, size: [u32; 2], cover_size: Option<[u32; 2]>) -> u64 {
+        match cover_size.filter(|&cells| self.takes_cover_size() && cells != size) {
+            // Draws by a z-buffer.
+            Some(cells) => {
+                self.cover_bytes(cells) + Surface::needs_bytes(cells) + DepthBuffer::needs_bytes(size)
+            }
+            None => self.cover_bytes(size),
+        }
+    }
+
+    fn cover_bytes(self, size: [u32; 2]) -> u64 {
         match self {
             Method::BspFront => Mask::needs_bytes(size),
             Method::PainterMin | Method::PainterMean | Method::Bsp => Nothing::needs_bytes(size),
@@ -229,8 +253,13 @@ impl Method {
     ///
     /// # Errors
     /// [`TooLarge`].
-    pub fn check_screen(self, view: &View, limit_bytes: u64) -> Result<(), TooLarge> {
-        let needs_bytes = self.screen_bytes(view.size);
+    pub fn check_screen(
+        self,
+        view: &View,
+        cover_size: Option<[u32; 2]>,
+        limit_bytes: u64,
+    ) -> Result<(), TooLarge> {
+        let needs_bytes = self.screen_bytes(view.size, cover_size);
         if needs_bytes > limit_bytes {
             return Err(TooLarge::new(self, needs_bytes, limit_bytes));
         }

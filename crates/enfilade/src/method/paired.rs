@@ -1,10 +1,11 @@
 //! Content seen by an order and a cover that holds a picture.
 
 use super::count::count_faces;
+use super::in_cells::InParts;
 use super::{Method, TooLarge};
 use crate::canvas::Canvas;
 use crate::content::{Alpha, Content, ItemId, Opening};
-use crate::cover::Paints;
+use crate::cover::{Coarse, Paints};
 use crate::faces::{Faces, Of};
 use crate::fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
 use crate::geom::Aabb;
@@ -228,5 +229,23 @@ where
 
     fn bytes(&self) -> u64 {
         self.content.bytes() + self.order.bytes()
+    }
+}
+
+impl<O, C> InParts for Paired<O, C>
+where
+    O: Order,
+    C: Paints + Coarse,
+    O::Gives: Gives<C::CullNeeds> + Gives<C::DrawNeeds>,
+{
+    type Order = O;
+    type Cover = C;
+
+    fn order(&self) -> &O {
+        &self.order
+    }
+
+    fn content(&self) -> &Content {
+        &self.content
     }
 }

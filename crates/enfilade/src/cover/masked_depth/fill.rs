@@ -39,11 +39,11 @@ const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
 const ROUND_DOWN: f64 = 1.0 - 1.0 / (1_u64 << 23) as f64;
 
 /// How near an occluder is.
-struct Slope {
+pub(super) struct Slope {
     /// Nearness is at least `at · (x, y, 1)`.
-    at: DVec3,
+    pub(super) at: DVec3,
     /// And at least this.
-    least: f64,
+    pub(super) least: f64,
 }
 
 impl Fill {
@@ -168,7 +168,7 @@ impl Fill {
 impl Grid {
     /// Something covers the samples of a band.
     #[inline(always)]
-    fn cover(&mut self, band: &Band, slope: &Slope) {
+    pub(super) fn cover(&mut self, band: &Band, slope: &Slope) {
         let across = Across::new(band);
         let row = usize::from(band.y) / ROWS;
         for column in across.tiles() {

@@ -10,6 +10,7 @@
 //!     is equally near is seen.
 
 mod ask;
+mod coarse;
 mod fill;
 mod grid;
 mod outline;

@@ -16,7 +16,7 @@ use super::report::Report;
 use super::samples::{look_through, lower_half};
 use super::trace::Trace;
 use super::triangle::Triangle;
-use super::{Cover, Paints};
+use super::{Coarse, Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
 use crate::content::Content;
@@ -145,6 +145,52 @@ impl Paints for SpanBuffer {
             report.end_row(y, &rect, self.trace.as_ref());
         }
         report.finish();
+    }
+}
+
+impl Coarse for SpanBuffer {
+    fn clear_cells(&mut self, passage: &Passage) {
+        self.clear(passage, false);
+    }
+
+    /// By how far each span is there, not by how far it is anywhere: no face comes after that could tell.
+    fn sees_cells(&mut self, rect: &Rect, nearest: f32) -> bool {
+        let (rows, kept) = (&self.rows.rows, &self.kept);
+        (rect.y0..rect.y1).any(|y| {
+            rows[usize::from(y)].shows(rect.x0, rect.x1, |span, x0, x1| {
+                let theirs = kept[span.face as usize].triangle.row(y);
+                let [left, right] = [x0, x1 - 1].map(|x| (theirs.at(x) as f32).next_down());
+                span.farthest <= nearest && left.min(right) <= nearest
+            })
+        })
+    }
+
+    fn sees_plane(&mut self, cells: &Band, nearness: &Triangle) -> bool {
+        let (rows, kept) = (&self.rows.rows, &self.kept);
+        cells.rows().any(|(y, [x0, x1])| {
+            let mine = nearness.row(y);
+            rows[usize::from(y)].shows(x0, x1, |span, x0, x1| {
+                let theirs = kept[span.face as usize].triangle.row(y);
+                // Both planes are linear, and so is their difference.
+                [x0, x1 - 1]
+                    .into_iter()
+                    .any(|x| mine.beyond(x) >= theirs.beyond(x))
+            })
+        })
+    }
+
+    fn cover_cells(&mut self, cells: &Band, nearness: &Triangle) {
+        if self.kept.len() > 2 * self.owners + ROOM {
+            self.drop_hidden();
+        }
+        self.turn += 1;
+        // Of no corners: which of two is before the other is told by their nearness alone.
+        let face = Face::new(*nearness, [DVec3::NAN; 3], 0);
+        let (kept, answers) = (&mut self.kept, &mut self.answers);
+        let mut new = Newcomer::new(face, self.turn, [0; 3], kept, answers, None);
+        for (y, run) in cells.rows() {
+            self.rows.insert(y, run, &mut new, &mut SpanStats::default());
+        }
     }
 }
 

@@ -202,6 +202,23 @@ impl Row {
         true
     }
 
+    /// May something be seen in columns `x0..x1`? It may where nothing is, and where `past` says that it is seen past
+    /// a span in some of its columns.
+    pub(super) fn shows(&self, x0: u16, x1: u16, past: impl Fn(&Span, u16, u16) -> bool) -> bool {
+        let mut x = x0;
+        let first = self.spans.partition_point(|span| span.x1 <= x0);
+        for span in &self.spans[first..] {
+            if span.x0 > x || (span.face != COVERED && past(span, x, span.x1.min(x1))) {
+                return true;
+            }
+            x = span.x1;
+            if x >= x1 {
+                return false;
+            }
+        }
+        true
+    }
+
     /// The farthest nearness in columns `x0..x1`, which all spans lie in.
     fn farthest_in(&self, x0: u16, x1: u16) -> f32 {
         let mut x = x0;

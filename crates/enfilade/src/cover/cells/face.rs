@@ -1,0 +1,360 @@
+//! A face in cells: which it meets, which its edges meet, and how near it is there at least.
+
+use crate::aperture::Rect;
+use crate::cover::part::{greater, smaller};
+use crate::cover::triangle::Triangle;
+use crate::passage::{BEYOND, Passage};
+use glam::{DAffine3, DVec3};
+use smallvec::SmallVec;
+use std::ops::Range;
+
+/// A corner as faces share it.
+#[derive(Clone, Copy)]
+pub(super) struct Corner {
+    /// X, Y, W, in cells.
+    at: DVec3,
+    /// Names the position and its space.
+    name: u64,
+}
+
+/// An edge of a face, or of what is left of it.
+#[derive(Clone, Copy)]
+pub(super) struct Edge {
+    /// What it adds to a cell's sum: the face on its other side adds the negative.
+    pub(super) name: u64,
+    /// The line that it lies on: line · (x, y, 1) = 0. The same bits from both sides.
+    line: DVec3,
+    /// Around what is left of it.
+    min: [f64; 2],
+    max: [f64; 2],
+}
+
+/// What a face does in a row of cells; columns as the first and the one after the last.
+pub(super) struct Row {
+    /// Those that the face meets.
+    pub(super) columns: [u16; 2],
+    /// Those that it covers alone.
+    pub(super) within: [u16; 2],
+    /// Those that each edge meets.
+    pub(super) edges: SmallVec<[[u16; 2]; MOST_EDGES]>,
+}
+
+/// Edges of what two planes leave of a triangle, at most.
+const MOST_EDGES: usize = 5;
+
+/// A triangle, or what is left of it beyond the near distance and the last portal.
+pub(super) struct Face {
+    edges: SmallVec<[Edge; MOST_EDGES]>,
+    min: [f64; 2],
+    max: [f64; 2],
+    /// Nearness is at least slope · (x, y, 1), and at least `least`.
+    slope: DVec3,
+    least: f64,
+    nearest: f64,
+}
+
+/// What is this close to a cell, in cells, is taken to meet it. Positions are good to 10⁻⁹.
+const SLACK: f64 = 1e-6;
+
+/// Lines this level are not asked where they cross a row: the answer would not be good to [`SLACK`].
+const LEVEL: f64 = 1.0 / (1_u64 << 20) as f64;
+
+/// How far beyond the near distance something must be, relatively, to hide.
+const BEYOND_NEAR: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
+
+/// What the last bits of products and sums of three may come to, relatively to the largest, and ample.
+const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
+
+/// By how much nearness is lowered before it is stored: what rounding to f32 may add, and what multiplying does.
+const ROUND_DOWN: f64 = 1.0 - 1.0 / (1_u64 << 22) as f64;
+
+/// As `ROUND_UP` of regions.
+const ROUND_UP: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
+
+/// Names a space by the map that leads from it to the screen.
+pub(super) fn name_of_space(screen_from_local: &DAffine3) -> u64 {
+    let numbers = screen_from_local.to_cols_array();
+    numbers
+        .iter()
+        .fold(0, |name, number| mix(name ^ number.to_bits()))
+}
+
+/// Scatters all bits over all. Constants of the finaliser of SplitMix64 (Steele, Lea, Flood, OOPSLA 2014).
+#[inline(always)]
+fn mix(name: u64) -> u64 {
+    let name = (name ^ (name >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let name = (name ^ (name >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    (name ^ (name >> 31)).wrapping_add(0x9E37_79B9_7F4A_7C15)
+}
+
+impl Corner {
+    #[inline(always)]
+    pub(super) fn new(position: [f32; 3], screen_from_local: &DAffine3, space: u64) -> Corner {
+        // Adding zero makes one zero of the two.
+        let [x, y, z] = position.map(|value| u64::from((value + 0.0).to_bits()));
+        let position = DVec3::from(position.map(f64::from));
+        Corner {
+            at: screen_from_local.transform_point3(position),
+            name: mix(mix(space ^ (x << 32 | y)) ^ z),
+        }
+    }
+}
+
+impl Edge {
+    /// What is left of an edge between `from` and `to`; `signed` is its name as the face adds it.
+    #[inline(always)]
+    fn new(line: DVec3, name: u64, [from, to]: [[f64; 2]; 2]) -> Edge {
+        Edge {
+            name,
+            line,
+            min: [smaller(from[0], to[0]), smaller(from[1], to[1])],
+            max: [greater(from[0], to[0]), greater(from[1], to[1])],
+        }
+    }
+
+    /// The line through two corners and its name, in the direction from `from` to `to`: the same numbers the other way
+    /// round, but for the sign of the name. `None` where both are one.
+    #[inline(always)]
+    fn between(from: &Corner, to: &Corner) -> Option<(DVec3, u64)> {
+        let forward = from.name < to.name;
+        let [first, second] = if forward { [from, to] } else { [to, from] };
+        let name = mix(first.name ^ second.name.rotate_left(32));
+        let signed = if forward { name } else { name.wrapping_neg() };
+        (first.name != second.name).then(|| (first.at.cross(second.at - first.at), signed))
+    }
+
+    /// What of it lies in row `y` of cells, from left to right.
+    #[inline(always)]
+    fn reach(&self, y: u16) -> Option<[f64; 2]> {
+        let y0 = greater(self.min[1], f64::from(y) - SLACK);
+        let y1 = smaller(self.max[1], f64::from(y) + (1.0 + SLACK));
+        if y0 > y1 {
+            return None;
+        }
+        let DVec3 { x: a, y: b, z: c } = self.line;
+        if !(a.abs() > b.abs() * LEVEL) {
+            return Some([self.min[0], self.max[0]]);
+        }
+        let [x0, x1] = [-(b * y0 + c) / a, -(b * y1 + c) / a];
+        let within = |x: f64| smaller(greater(x, self.min[0]), self.max[0]);
+        Some([within(smaller(x0, x1)), within(greater(x0, x1))])
+    }
+}
+
+impl Face {
+    /// What is left of a triangle; `None` where it is edge-on, turned away, or nothing is left.
+    ///
+    /// `front`: of the sign that the determinant of its corners has where it is seen from its front, 0 where both are.
+    #[inline(always)]
+    pub(super) fn of(corners: [&Corner; 3], front: f64, passage: &Passage) -> Option<Face> {
+        let [a, b, c] = corners.map(|corner| corner.at);
+        let normal = (b - a).cross(c - a);
+        let determinant = normal.dot(a);
+        if determinant == 0.0 || front * determinant < 0.0 || !determinant.is_finite() {
+            return None;
+        }
+        // Around the screen the same way, whichever side is seen: so that an edge at which a surface turns over is not
+        // taken for one at which it goes on.
+        let [a, b, c] = if determinant < 0.0 {
+            corners
+        } else {
+            [corners[0], corners[2], corners[1]]
+        };
+        let near = f64::from(passage.near) * BEYOND_NEAR;
+        let inside = |at: DVec3| {
+            let beyond_entry = passage
+                .entry
+                .is_none_or(|(normal, distance)| normal.dot(at) > distance * BEYOND);
+            at.z > near && beyond_entry
+        };
+        let slope = normal / determinant;
+        let mut face = Face {
+            edges: SmallVec::new(),
+            min: [f64::INFINITY; 2],
+            max: [f64::NEG_INFINITY; 2],
+            slope,
+            least: f64::INFINITY,
+            nearest: 0.0,
+        };
+        if inside(a.at) && inside(b.at) && inside(c.at) {
+            let pixels = [a, b, c].map(|corner| face.reach_to(corner.at));
+            for (place, [from, to]) in [[a, b], [b, c], [c, a]].into_iter().enumerate() {
+                if let Some((line, name)) = Edge::between(from, to) {
+                    face.edges
+                        .push(Edge::new(line, name, [pixels[place], pixels[(place + 1) % 3]]));
+                }
+            }
+        } else {
+            face.clip([a, b, c], near, passage);
+        }
+        (face.edges.len() >= 3).then_some(face)
+    }
+
+    /// Holds a corner too; gives where it is on the screen.
+    #[inline(always)]
+    fn reach_to(&mut self, at: DVec3) -> [f64; 2] {
+        let nearness = 1.0 / at.z;
+        let pixel = [at.x * nearness, at.y * nearness];
+        for (axis, value) in pixel.into_iter().enumerate() {
+            self.min[axis] = smaller(value, self.min[axis]);
+            self.max[axis] = greater(value, self.max[axis]);
+        }
+        self.least = smaller(nearness, self.least);
+        self.nearest = greater(nearness, self.nearest);
+        pixel
+    }
+
+    /// Takes what is left of a triangle beyond the near distance and the last portal.
+    #[cold]
+    fn clip(&mut self, corners: [&Corner; 3], near: f64, passage: &Passage) {
+        let mut kept: SmallVec<[(DVec3, Option<(DVec3, u64)>); MOST_EDGES]> = [[0, 1], [1, 2], [2, 0]]
+            .into_iter()
+            .map(|[from, to]| (corners[from].at, Edge::between(corners[from], corners[to])))
+            .collect();
+        let entry = passage
+            .entry
+            .map(|(normal, distance)| (normal, distance * BEYOND));
+        for (normal, distance) in [Some((DVec3::Z, near)), entry].into_iter().flatten() {
+            let whole = std::mem::take(&mut kept);
+            for (i, &(here, edge)) in whole.iter().enumerate() {
+                let (there, _) = whole[(i + 1) % whole.len()];
+                let [at_here, at_there] = [here, there].map(|at| normal.dot(at) - distance);
+                if at_here >= 0.0 {
+                    kept.push((here, edge));
+                }
+                if (at_here < 0.0) != (at_there < 0.0) {
+                    let cut = here + (there - here) * (at_here / (at_here - at_there));
+                    // What was cut off ends here for good: a new edge that no face has on its other side.
+                    kept.push((cut, if at_here < 0.0 { edge } else { None }));
+                }
+            }
+        }
+        for (i, &(from, edge)) in kept.iter().enumerate() {
+            let (to, _) = kept[(i + 1) % kept.len()];
+            let ends = [self.reach_to(from), self.reach_to(to)];
+            // Of no line: in each row it is taken to be as wide as all of it.
+            let (line, name) = edge.unwrap_or((DVec3::ZERO, mix(from.x.to_bits() ^ mix(to.y.to_bits())) | 1));
+            self.edges.push(Edge::new(line, name, ends));
+        }
+    }
+
+    pub(super) fn edges(&self) -> &[Edge] {
+        &self.edges
+    }
+
+    /// The cells around it, and how near it is at most, rounded up.
+    pub(super) fn region(&self, limits: &Rect) -> Option<(Rect, f32)> {
+        let [x0, x1] = met(self.min[0], self.max[0], [limits.x0, limits.x1])?;
+        let [y0, y1] = met(self.min[1], self.max[1], [limits.y0, limits.y1])?;
+        let nearest = (self.nearest * ROUND_UP) as f32;
+        Some((Rect { x0, y0, x1, y1 }, nearest))
+    }
+
+    /// The rows of cells that it meets.
+    #[inline(always)]
+    pub(super) fn rows(&self, limits: &Rect) -> Option<Range<u16>> {
+        let [first, end] = met(self.min[1], self.max[1], [limits.y0, limits.y1])?;
+        met(self.min[0], self.max[0], [limits.x0, limits.x1]).map(|_| first..end)
+    }
+
+    /// What it does in a row of cells; `None` where it meets none.
+    #[inline(always)]
+    pub(super) fn row(&self, y: u16, limits: &Rect) -> Option<Row> {
+        let limits = [limits.x0, limits.x1];
+        let [mut low, mut high] = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut edges = SmallVec::new();
+        for edge in &self.edges {
+            let reach = edge.reach(y);
+            edges.push(reach.and_then(|[x0, x1]| met(x0, x1, limits)).unwrap_or([0; 2]));
+            if let Some([x0, x1]) = reach {
+                low = smaller(x0, low);
+                high = greater(x1, high);
+            }
+        }
+        let columns = met(low, high, limits)?;
+        let within = within(columns, &edges);
+        Some(Row {
+            columns,
+            within,
+            edges,
+        })
+    }
+
+    /// How near it is at most in cells that it meets, as what is there at their centres; without the limits of its
+    /// corners, so that it is linear.
+    pub(super) fn lifted(&self, limits: &Rect) -> Triangle {
+        let DVec3 { x: a, y: b, z: c } = self.slope;
+        let most = a.abs() * f64::from(limits.x1) + b.abs() * f64::from(limits.y1) + c.abs();
+        let lifted = c + (a.abs() + b.abs()) * (0.5 + SLACK) + most * ROUNDING;
+        Triangle {
+            owner: 0,
+            nearness: DVec3::new(a, b, lifted) * ROUND_UP,
+            least: 0.0,
+            greatest: self.nearest * ROUND_UP,
+        }
+    }
+
+    /// How near it is at least in cells that it covers alone, as what is there at their centres.
+    #[inline(always)]
+    pub(super) fn triangle(&self, limits: &Rect) -> Triangle {
+        let DVec3 { x: a, y: b, z: c } = self.slope;
+        let most = a.abs() * f64::from(limits.x1) + b.abs() * f64::from(limits.y1) + c.abs();
+        let lowered = c - (a.abs() + b.abs()) * (0.5 + SLACK) - most * ROUNDING;
+        Triangle {
+            owner: 0,
+            nearness: DVec3::new(a, b, lowered) * ROUND_DOWN,
+            least: self.least * ROUND_DOWN,
+            greatest: f64::from(f32::MAX),
+        }
+    }
+
+    /// The least that its nearness may be in a cell that it meets.
+    #[inline(always)]
+    pub(super) fn least_in(&self, x: u16, y: u16) -> f32 {
+        let DVec3 { x: a, y: b, z: c } = self.slope;
+        // Linear, so least at a corner.
+        let x = f64::from(x) + if a < 0.0 { 1.0 + SLACK } else { -SLACK };
+        let y = f64::from(y) + if b < 0.0 { 1.0 + SLACK } else { -SLACK };
+        let rounding = (a.abs() * x.abs() + b.abs() * y.abs() + c.abs()) * ROUNDING;
+        let nearness = greater(a * x + (b * y + c) - rounding, self.least) * ROUND_DOWN;
+        let nearness = smaller(nearness, f64::from(f32::MAX)) as f32;
+        // Below the least normal number rounding is coarser: that is as far as can be.
+        if nearness < f32::MIN_POSITIVE {
+            0.0
+        } else {
+            nearness
+        }
+    }
+}
+
+/// The columns that no edge meets: they hang together, as a face is convex.
+#[inline(always)]
+fn within(columns: [u16; 2], edges: &[[u16; 2]]) -> [u16; 2] {
+    let [mut first, mut end] = columns;
+    // Where something is left beside an edge it is all on one side of it. So each edge in turn takes the smaller side
+    // away: the larger is what is within, or another edge will take that.
+    for &[x0, x1] in edges {
+        if x0 >= x1 || x1 <= first || x0 >= end {
+            continue;
+        }
+        if x0.saturating_sub(first) > end.saturating_sub(x1) {
+            end = x0;
+        } else {
+            first = x1.min(end);
+        }
+    }
+    [first, end.max(first)]
+}
+
+/// The first cell of a row or column that `low..high` meets within `limits`, and the one after the last.
+#[inline(always)]
+fn met(low: f64, high: f64, limits: [u16; 2]) -> Option<[u16; 2]> {
+    let [first, end] = limits.map(f64::from);
+    let [low, high] = [low - SLACK, high + SLACK];
+    // Also where something is not a number.
+    if !(low < end && high >= first) {
+        return None;
+    }
+    let last = smaller(high, end - 1.0) as u16;
+    Some([greater(low, first) as u16, last + 1])
+}

@@ -1,0 +1,270 @@
+//! Surfaces in cells larger than samples: which cells are covered whole, and how near at least.
+//!
+//! A cell is covered by a surface that reaches into it and has no outline there: no boundary, no silhouette, no edge that
+//! is known from one side only. Shrinking each triangle instead would leave a crack along every edge that two share. So
+//! every edge that meets a cell is added up there, once from each side and with opposite signs: where the sum is nothing,
+//! the surface goes through without an end, and covers all of the cell or none.
+//! A cell that a face covers alone needs no sum.
+//! An edge is named by the positions of its ends and the space they are in, so that faces hang together however they are
+//! spread over clusters, materials and items of one space. Clusters come one after the other; what one leaves open in a
+//! cell waits for those that may close it.
+//! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 3, for covers of lower resolution; the
+//!     sums are ours.
+//! Cost: a face O(cells that it meets), a cluster O(cells between its outermost).
+//! Conservative: an edge or face is taken to meet a cell where rounding leaves it open; nearness is the least of all faces
+//! that meet the cell, rounded down. Names are of 64 bits: that those of unlike edges add up to nothing by chance is
+//! less likely than a fault of the machine.
+
+mod face;
+#[cfg(test)]
+mod tests;
+mod waiting;
+
+use super::Coarse;
+use super::band::{BAND, Band};
+use super::triangle::Triangle;
+use crate::aperture::Rect;
+use crate::faces::Faces;
+use crate::passage::Passage;
+use crate::stats::Stats;
+use face::{Corner, Face, Row};
+use waiting::Waiting;
+
+/// What the faces that came so far cover.
+#[derive(Default)]
+pub struct Surface {
+    rect: Rect,
+    columns: usize,
+    /// By row and column of the screen in cells.
+    cells: Vec<Cell>,
+    waiting: Vec<Waiting>,
+    /// The cluster at hand, from 1.
+    batch: u32,
+    /// The cells that its outlines meet, as column and row.
+    met: Vec<[u16; 2]>,
+    corners: Vec<Corner>,
+}
+
+/// What the cluster at hand does to a cell.
+#[derive(Clone, Copy, Default)]
+struct Cell {
+    /// The edges that meet it, added up since they last came to nothing.
+    edges: u64,
+    /// The least nearness of the faces that met it since then.
+    least: f32,
+    /// How near it is covered; 0 where it is not. Each time that the sum comes to nothing something covers it, whatever
+    /// lies behind that in the same cluster.
+    covered: f32,
+    /// That cluster; another's numbers mean nothing.
+    batch: u32,
+}
+
+/// Neighbouring cells whose nearness differs by no more than this factor become one run.
+const ALIKE: f32 = 1.0 + 1.0 / 32.0;
+
+impl Surface {
+    /// Memory in bytes for so many cells.
+    pub(crate) fn needs_bytes(cells: [u32; 2]) -> u64 {
+        u64::from(cells[0]) * u64::from(cells[1]) * (size_of::<Cell>() + size_of::<Waiting>()) as u64
+    }
+
+    /// Starts over, for a passage in cells.
+    pub(crate) fn clear(&mut self, passage: &Passage) {
+        self.rect = passage.aperture.rect();
+        self.columns = usize::from(self.rect.x1);
+        let count = self.columns * usize::from(self.rect.y1);
+        if self.cells.len() < count {
+            self.cells.resize(count, Cell::default());
+            self.waiting.resize(count, Waiting::default());
+        }
+        // Where the last passage was narrower, a cell was another one.
+        self.cells[..count].fill(Cell::default());
+        self.waiting[..count].fill(Waiting::default());
+        self.batch = 0;
+    }
+
+    /// Takes opaque faces; `cover` is told of cells that are covered, and how near by at least.
+    pub(crate) fn add(
+        &mut self,
+        faces: &Faces,
+        passage: &Passage,
+        stats: &mut Stats,
+        cover: &mut impl Coarse,
+    ) {
+        stats.batches += 1;
+        self.batch += 1;
+        self.met.clear();
+        let mut corners = std::mem::take(&mut self.corners);
+        corners.clear();
+        let space = face::name_of_space(faces.screen_from_local);
+        let corner = |&position: &[f32; 3]| Corner::new(position, faces.screen_from_local, space);
+        corners.extend(faces.positions.iter().map(corner));
+        let front = faces.front(passage);
+        faces.for_each(|_, face| {
+            for last in 2..face.len() {
+                let used = [face[0], face[last - 1], face[last]]
+                    .map(|index| &corners[(index - faces.first_position) as usize]);
+                if let Some(face) = Face::of(used, front, passage) {
+                    stats.triangles += 1;
+                    self.insert(&face, cover);
+                }
+            }
+        });
+        self.corners = corners;
+        self.take_in(cover);
+    }
+
+    /// May any of these faces be seen past what `cover` knows?
+    pub(crate) fn may_show(&mut self, faces: &Faces, passage: &Passage, cover: &mut impl Coarse) -> bool {
+        self.corners.clear();
+        let corner = |&position: &[f32; 3]| Corner::new(position, faces.screen_from_local, 0);
+        self.corners.extend(faces.positions.iter().map(corner));
+        let front = faces.front(passage);
+        let mut shows = false;
+        faces.for_each(|_, face| {
+            for last in 2..face.len() {
+                let used = [face[0], face[last - 1], face[last]]
+                    .map(|index| &self.corners[(index - faces.first_position) as usize]);
+                shows = shows || Face::of(used, front, passage).is_some_and(|face| self.shows(&face, cover));
+            }
+        });
+        shows
+    }
+
+    /// May a face be seen? By its nearest corner in the rectangle around it first, then cell by cell.
+    fn shows(&self, face: &Face, cover: &mut impl Coarse) -> bool {
+        let Some((rect, nearest)) = face.region(&self.rect) else {
+            return false;
+        };
+        if !cover.sees_cells(&rect, nearest) {
+            return false;
+        }
+        if rect.x1 - rect.x0 <= 2 && rect.y1 - rect.y0 <= 2 {
+            return true;
+        }
+        let upper = face.lifted(&self.rect);
+        let first = rect.y0 - rect.y0 % BAND as u16;
+        (first..rect.y1).step_by(BAND).any(|y| {
+            let mut band = Band {
+                y,
+                runs: [[0; 2]; BAND],
+            };
+            for row in y.max(rect.y0)..(y + BAND as u16).min(rect.y1) {
+                if let Some(Row { columns, .. }) = face.row(row, &self.rect) {
+                    band.runs[usize::from(row - y)] = columns;
+                }
+            }
+            cover.sees_plane(&band, &upper)
+        })
+    }
+
+    /// Adds a face to the cells that its outline meets; those within it covers alone.
+    #[inline]
+    fn insert(&mut self, face: &Face, cover: &mut impl Coarse) {
+        let Some(rows) = face.rows(&self.rect) else {
+            return;
+        };
+        let mut band = Band {
+            y: rows.start - rows.start % BAND as u16,
+            runs: [[0; 2]; BAND],
+        };
+        let mut any = false;
+        for y in rows.clone() {
+            if let Some(row) = face.row(y, &self.rect) {
+                let [first, end] = row.columns;
+                let [within, after] = row.within;
+                band.runs[usize::from(y - band.y)] = row.within;
+                any |= within < after;
+                let cells = &mut self.cells[usize::from(y) * self.columns..][..self.columns];
+                for x in (first..within).chain(after..end) {
+                    let cell = &mut cells[usize::from(x)];
+                    if cell.batch != self.batch {
+                        self.met.push([x, y]);
+                        *cell = Cell {
+                            edges: 0,
+                            least: f32::INFINITY,
+                            covered: 0.0,
+                            batch: self.batch,
+                        };
+                    }
+                    let least = face.least_in(x, y);
+                    cell.least = if least < cell.least { least } else { cell.least };
+                }
+                for (edge, &[first, end]) in face.edges().iter().zip(&row.edges) {
+                    for cell in &mut cells[usize::from(first)..usize::from(end)] {
+                        cell.edges = cell.edges.wrapping_add(edge.name);
+                    }
+                }
+                for x in (first..within).chain(after..end) {
+                    let cell = &mut cells[usize::from(x)];
+                    if cell.edges == 0 {
+                        cell.covered = cell.covered.max(cell.least);
+                        cell.least = f32::INFINITY;
+                    }
+                }
+            }
+            if any && (usize::from(y - band.y) == BAND - 1 || y + 1 == rows.end) {
+                cover.cover_cells(&band, &face.triangle(&self.rect));
+                any = false;
+            }
+            if usize::from(y - band.y) == BAND - 1 {
+                band = Band {
+                    y: y + 1,
+                    runs: [[0; 2]; BAND],
+                };
+            }
+        }
+    }
+
+    /// Finds the cells that the cluster covers, alone or with those before it.
+    fn take_in(&mut self, cover: &mut impl Coarse) {
+        let mut run: Option<(u16, [u16; 2], f32)> = None;
+        for place in 0..self.met.len() {
+            let [x, y] = self.met[place];
+            let Some(nearness) = self.covered(x, y) else {
+                continue;
+            };
+            match &mut run {
+                Some((row, [_, end], known))
+                    if *row == y && *end == x && nearness <= *known * ALIKE && *known <= nearness * ALIKE =>
+                {
+                    *end = x + 1;
+                    *known = known.min(nearness);
+                }
+                run => {
+                    let last = run.replace((y, [x, x + 1], nearness));
+                    last.into_iter().for_each(|last| cover_run(last, cover));
+                }
+            }
+        }
+        run.into_iter().for_each(|last| cover_run(last, cover));
+    }
+
+    /// How near a cell is covered now that the cluster is in, if its outlines left that open until now.
+    #[inline]
+    fn covered(&mut self, x: u16, y: u16) -> Option<f32> {
+        let place = usize::from(y) * self.columns + usize::from(x);
+        let Cell {
+            edges,
+            least,
+            covered,
+            ..
+        } = self.cells[place];
+        let closed = (edges != 0)
+            .then(|| self.waiting[place].add(edges, least))
+            .flatten();
+        let nearness = closed.map_or(covered, |closed| closed.max(covered));
+        (nearness > 0.0).then_some(nearness)
+    }
+}
+
+/// Tells of cells of one row.
+#[inline]
+fn cover_run((y, run, nearness): (u16, [u16; 2], f32), cover: &mut impl Coarse) {
+    let mut band = Band {
+        y: y - y % BAND as u16,
+        runs: [[0; 2]; BAND],
+    };
+    band.runs[usize::from(y - band.y)] = run;
+    cover.cover_cells(&band, &Triangle::flat(nearness));
+}

@@ -1,0 +1,57 @@
+//! Draws what was gathered, by a z-buffer: the picture is exact though the set need not be.
+
+use crate::canvas::Canvas;
+use crate::content::{Alpha, Content, ItemId, OpeningId};
+use crate::cover::{DepthBuffer, Paints};
+use crate::faces::Faces;
+use crate::memory::Memory;
+use crate::passage::Passage;
+use crate::seen::Seen;
+
+/// Clusters that may be seen.
+#[derive(Default)]
+struct Gathered(Vec<(ItemId, u32)>);
+
+/// Paints what `seen` reports of a content, and reports what of it is left in its place.
+pub(super) fn draw_gathered(
+    content: &Content,
+    passage: &Passage,
+    memory: &mut Memory,
+    seen: &mut Seen,
+    canvas: &mut dyn Canvas,
+) {
+    let mut cover = memory.take::<DepthBuffer>();
+    let mut gathered = memory.take::<Gathered>();
+    gathered.0.extend(seen.clusters_of_items());
+    seen.items.clear();
+    seen.clusters.clear();
+    cover.clear(passage, memory.trace);
+    let stats = &mut memory.stats;
+    let before = seen.samples_owned;
+    if !passage.flat {
+        for opening in (0..content.openings().len() as u16).map(OpeningId) {
+            let faces = Faces::of_opening(content, opening, &passage.screen_from_fragment);
+            cover.add(&faces, passage, stats, None);
+        }
+    }
+    let hides = |&(item, cluster): &(ItemId, u32)| {
+        let cluster = &content.mesh_of(item).clusters()[cluster as usize];
+        content.material_of(cluster).alpha == Alpha::Opaque
+    };
+    for opaque in [true, false] {
+        for &(item, cluster) in gathered.0.iter().filter(|found| hides(found) == opaque) {
+            let screen_from_item = passage.screen_from(&content.item(item).transform());
+            let faces = Faces::of_cluster(content, item, cluster, &screen_from_item);
+            if opaque {
+                cover.add(&faces, passage, stats, None);
+            } else {
+                cover.look_through(&faces, passage, stats, seen);
+            }
+        }
+    }
+    cover.finish(content, passage, seen, Some(canvas));
+    stats.samples_owned += seen.samples_owned - before;
+    gathered.0.clear();
+    memory.put_back(cover);
+    memory.put_back(gathered);
+}

@@ -6,7 +6,6 @@ use crate::cover::triangle::Triangle;
 use crate::passage::{BEYOND, Passage};
 use glam::{DAffine3, DVec3};
 use smallvec::SmallVec;
-use std::ops::Range;
 
 /// A corner as faces share it.
 #[derive(Clone, Copy)]
@@ -142,11 +141,11 @@ impl Edge {
 }
 
 impl Face {
-    /// What is left of a triangle; `None` where it is edge-on, turned away, or nothing is left.
+    /// What is left of a triangle; `None` where it is edge-on, turned away or beside `limits`, or nothing is left.
     ///
     /// `front`: of the sign that the determinant of its corners has where it is seen from its front, 0 where both are.
     #[inline(always)]
-    pub(super) fn of(corners: [&Corner; 3], front: f64, passage: &Passage) -> Option<Face> {
+    pub(super) fn of(corners: [&Corner; 3], front: f64, passage: &Passage, limits: &Rect) -> Option<Face> {
         let [a, b, c] = corners.map(|corner| corner.at);
         let normal = (b - a).cross(c - a);
         let determinant = normal.dot(a);
@@ -178,6 +177,7 @@ impl Face {
         };
         if inside(a.at) && inside(b.at) && inside(c.at) {
             let pixels = [a, b, c].map(|corner| face.reach_to(corner.at));
+            face.rect(limits)?;
             for (place, [from, to]) in [[a, b], [b, c], [c, a]].into_iter().enumerate() {
                 if let Some((line, name)) = Edge::between(from, to) {
                     face.edges
@@ -242,19 +242,17 @@ impl Face {
         &self.edges
     }
 
-    /// The cells around it, and how near it is at most, rounded up.
-    pub(super) fn region(&self, limits: &Rect) -> Option<(Rect, f32)> {
+    /// The cells around it.
+    #[inline(always)]
+    pub(super) fn rect(&self, limits: &Rect) -> Option<Rect> {
         let [x0, x1] = met(self.min[0], self.max[0], [limits.x0, limits.x1])?;
         let [y0, y1] = met(self.min[1], self.max[1], [limits.y0, limits.y1])?;
-        let nearest = (self.nearest * ROUND_UP) as f32;
-        Some((Rect { x0, y0, x1, y1 }, nearest))
+        Some(Rect { x0, y0, x1, y1 })
     }
 
-    /// The rows of cells that it meets.
-    #[inline(always)]
-    pub(super) fn rows(&self, limits: &Rect) -> Option<Range<u16>> {
-        let [first, end] = met(self.min[1], self.max[1], [limits.y0, limits.y1])?;
-        met(self.min[0], self.max[0], [limits.x0, limits.x1]).map(|_| first..end)
+    /// How near it is at most, rounded up.
+    pub(super) fn nearest(&self) -> f32 {
+        (self.nearest * ROUND_UP) as f32
     }
 
     /// What it does in a row of cells; `None` where it meets none.

@@ -59,6 +59,17 @@ struct Cell {
     batch: u32,
 }
 
+impl Cell {
+    /// All edges of a face are in.
+    #[inline(always)]
+    fn close(&mut self) {
+        if self.edges == 0 {
+            self.covered = self.covered.max(self.least);
+            self.least = f32::INFINITY;
+        }
+    }
+}
+
 /// Neighbouring cells whose nearness differs by no more than this factor become one run.
 const ALIKE: f32 = 1.0 + 1.0 / 32.0;
 
@@ -104,7 +115,7 @@ impl Surface {
             for last in 2..face.len() {
                 let used = [face[0], face[last - 1], face[last]]
                     .map(|index| &corners[(index - faces.first_position) as usize]);
-                if let Some(face) = Face::of(used, front, passage) {
+                if let Some(face) = Face::of(used, front, passage, &self.rect) {
                     stats.triangles += 1;
                     self.insert(&face, cover);
                 }
@@ -125,7 +136,9 @@ impl Surface {
             for last in 2..face.len() {
                 let used = [face[0], face[last - 1], face[last]]
                     .map(|index| &self.corners[(index - faces.first_position) as usize]);
-                shows = shows || Face::of(used, front, passage).is_some_and(|face| self.shows(&face, cover));
+                shows = shows
+                    || Face::of(used, front, passage, &self.rect)
+                        .is_some_and(|face| self.shows(&face, cover));
             }
         });
         shows
@@ -133,10 +146,10 @@ impl Surface {
 
     /// May a face be seen? By its nearest corner in the rectangle around it first, then cell by cell.
     fn shows(&self, face: &Face, cover: &mut impl Coarse) -> bool {
-        let Some((rect, nearest)) = face.region(&self.rect) else {
+        let Some(rect) = face.rect(&self.rect) else {
             return false;
         };
-        if !cover.sees_cells(&rect, nearest) {
+        if !cover.sees_cells(&rect, face.nearest()) {
             return false;
         }
         if rect.x1 - rect.x0 <= 2 && rect.y1 - rect.y0 <= 2 {
@@ -161,9 +174,24 @@ impl Surface {
     /// Adds a face to the cells that its outline meets; those within it covers alone.
     #[inline]
     fn insert(&mut self, face: &Face, cover: &mut impl Coarse) {
-        let Some(rows) = face.rows(&self.rect) else {
+        let Some(rect) = face.rect(&self.rect) else {
             return;
         };
+        if !cover.sees_cells(&rect, face.nearest()) {
+            // What it could close, it would cover no nearer than what hides it.
+            return;
+        }
+        let rows = rect.y0..rect.y1;
+        if rect.x1 - rect.x0 == 1 && rows.len() == 1 {
+            // Most faces of a detailed mesh: all of their edges meet the one cell.
+            let least = face.least_in(rect.x0, rect.y0);
+            let cell = self.begin([rect.x0, rect.y0], least);
+            for edge in face.edges() {
+                cell.edges = cell.edges.wrapping_add(edge.name);
+            }
+            cell.close();
+            return;
+        }
         let mut band = Band {
             y: rows.start - rows.start % BAND as u16,
             runs: [[0; 2]; BAND],
@@ -175,32 +203,17 @@ impl Surface {
                 let [within, after] = row.within;
                 band.runs[usize::from(y - band.y)] = row.within;
                 any |= within < after;
-                let cells = &mut self.cells[usize::from(y) * self.columns..][..self.columns];
                 for x in (first..within).chain(after..end) {
-                    let cell = &mut cells[usize::from(x)];
-                    if cell.batch != self.batch {
-                        self.met.push([x, y]);
-                        *cell = Cell {
-                            edges: 0,
-                            least: f32::INFINITY,
-                            covered: 0.0,
-                            batch: self.batch,
-                        };
-                    }
-                    let least = face.least_in(x, y);
-                    cell.least = if least < cell.least { least } else { cell.least };
+                    self.begin([x, y], face.least_in(x, y));
                 }
+                let cells = &mut self.cells[usize::from(y) * self.columns..][..self.columns];
                 for (edge, &[first, end]) in face.edges().iter().zip(&row.edges) {
                     for cell in &mut cells[usize::from(first)..usize::from(end)] {
                         cell.edges = cell.edges.wrapping_add(edge.name);
                     }
                 }
                 for x in (first..within).chain(after..end) {
-                    let cell = &mut cells[usize::from(x)];
-                    if cell.edges == 0 {
-                        cell.covered = cell.covered.max(cell.least);
-                        cell.least = f32::INFINITY;
-                    }
+                    cells[usize::from(x)].close();
                 }
             }
             if any && (usize::from(y - band.y) == BAND - 1 || y + 1 == rows.end) {
@@ -214,6 +227,23 @@ impl Surface {
                 };
             }
         }
+    }
+
+    /// A face comes into a cell, and is no farther there than this.
+    #[inline(always)]
+    fn begin(&mut self, [x, y]: [u16; 2], least: f32) -> &mut Cell {
+        let cell = &mut self.cells[usize::from(y) * self.columns + usize::from(x)];
+        if cell.batch != self.batch {
+            self.met.push([x, y]);
+            *cell = Cell {
+                edges: 0,
+                least: f32::INFINITY,
+                covered: 0.0,
+                batch: self.batch,
+            };
+        }
+        cell.least = if least < cell.least { least } else { cell.least };
+        cell
     }
 
     /// Finds the cells that the cluster covers, alone or with those before it.

@@ -265,3 +265,27 @@ fn odd_scenes_and_views_are_warned_of() {
     );
     warned(&folder, "look scene.glb --path more.jsonl --size 64x36", "`fvo`");
 }
+
+#[test]
+fn a_cover_size_that_makes_no_sense_is_refused() {
+    let folder = Folder::new();
+    refused(
+        &folder,
+        "look scene.glb --cover-size 0x0",
+        &["--cover-size", "from 1 to 16384"],
+    );
+    refused(
+        &folder,
+        "look scene.glb --size 64x36 --cover-size 65x36",
+        &["65x36 is larger than the screen", "64x36 at most"],
+    );
+    refused(
+        &folder,
+        "look scene.glb --size 64x36 --cover-size 32x18 --method z-buffer",
+        &[
+            "--cover-size",
+            "z-buffer",
+            "hierarchical-z, hierarchical-s, masked",
+        ],
+    );
+}

@@ -16,6 +16,9 @@ pub(super) struct Corner {
     name: u64,
 }
 
+/// A line through two corners, and the name of the edge between them.
+type Line = (DVec3, u64);
+
 /// An edge of a face, or of what is left of it.
 #[derive(Clone, Copy)]
 pub(super) struct Edge {
@@ -44,6 +47,8 @@ const MOST_EDGES: usize = 5;
 /// A triangle, or what is left of it beyond the near distance and the last portal.
 pub(super) struct Face {
     edges: SmallVec<[Edge; MOST_EDGES]>,
+    /// The cells around it.
+    pub(super) rect: Rect,
     min: [f64; 2],
     max: [f64; 2],
     /// Nearness is at least slope · (x, y, 1), and at least `least`.
@@ -57,9 +62,6 @@ const SLACK: f64 = 1e-6;
 
 /// Lines this level are not asked where they cross a row: the answer would not be good to [`SLACK`].
 const LEVEL: f64 = 1.0 / (1_u64 << 20) as f64;
-
-/// How far beyond the near distance something must be, relatively, to hide.
-const BEYOND_NEAR: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
 
 /// What the last bits of products and sums of three may come to, relatively to the largest, and ample.
 const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
@@ -114,7 +116,7 @@ impl Edge {
     /// The line through two corners and its name, in the direction from `from` to `to`: the same numbers the other way
     /// round, but for the sign of the name. `None` where both are one.
     #[inline(always)]
-    fn between(from: &Corner, to: &Corner) -> Option<(DVec3, u64)> {
+    fn between(from: &Corner, to: &Corner) -> Option<Line> {
         let forward = from.name < to.name;
         let [first, second] = if forward { [from, to] } else { [to, from] };
         let name = mix(first.name ^ second.name.rotate_left(32));
@@ -131,7 +133,7 @@ impl Edge {
             return None;
         }
         let DVec3 { x: a, y: b, z: c } = self.line;
-        if !(a.abs() > b.abs() * LEVEL) {
+        if a.abs() <= b.abs() * LEVEL {
             return Some([self.min[0], self.max[0]]);
         }
         let [x0, x1] = [-(b * y0 + c) / a, -(b * y1 + c) / a];
@@ -159,7 +161,7 @@ impl Face {
         } else {
             [corners[0], corners[2], corners[1]]
         };
-        let near = f64::from(passage.near) * BEYOND_NEAR;
+        let near = f64::from(passage.near);
         let inside = |at: DVec3| {
             let beyond_entry = passage
                 .entry
@@ -169,6 +171,7 @@ impl Face {
         let slope = normal / determinant;
         let mut face = Face {
             edges: SmallVec::new(),
+            rect: Rect::default(),
             min: [f64::INFINITY; 2],
             max: [f64::NEG_INFINITY; 2],
             slope,
@@ -177,7 +180,7 @@ impl Face {
         };
         if inside(a.at) && inside(b.at) && inside(c.at) {
             let pixels = [a, b, c].map(|corner| face.reach_to(corner.at));
-            face.rect(limits)?;
+            face.rect = face.within(limits)?;
             for (place, [from, to]) in [[a, b], [b, c], [c, a]].into_iter().enumerate() {
                 if let Some((line, name)) = Edge::between(from, to) {
                     face.edges
@@ -186,6 +189,7 @@ impl Face {
             }
         } else {
             face.clip([a, b, c], near, passage);
+            face.rect = face.within(limits)?;
         }
         (face.edges.len() >= 3).then_some(face)
     }
@@ -207,7 +211,7 @@ impl Face {
     /// Takes what is left of a triangle beyond the near distance and the last portal.
     #[cold]
     fn clip(&mut self, corners: [&Corner; 3], near: f64, passage: &Passage) {
-        let mut kept: SmallVec<[(DVec3, Option<(DVec3, u64)>); MOST_EDGES]> = [[0, 1], [1, 2], [2, 0]]
+        let mut kept: SmallVec<[(DVec3, Option<Line>); MOST_EDGES]> = [[0, 1], [1, 2], [2, 0]]
             .into_iter()
             .map(|[from, to]| (corners[from].at, Edge::between(corners[from], corners[to])))
             .collect();
@@ -242,12 +246,18 @@ impl Face {
         &self.edges
     }
 
-    /// The cells around it.
     #[inline(always)]
-    pub(super) fn rect(&self, limits: &Rect) -> Option<Rect> {
+    fn within(&self, limits: &Rect) -> Option<Rect> {
         let [x0, x1] = met(self.min[0], self.max[0], [limits.x0, limits.x1])?;
         let [y0, y1] = met(self.min[1], self.max[1], [limits.y0, limits.y1])?;
         Some(Rect { x0, y0, x1, y1 })
+    }
+
+    /// Does all of it lie in these cells?
+    #[inline(always)]
+    pub(super) fn lies_in(&self, rect: &Rect) -> bool {
+        let [low, high] = [[rect.x0, rect.y0], [rect.x1, rect.y1]].map(|corner| corner.map(f64::from));
+        (0..2).all(|axis| self.min[axis] >= low[axis] && self.max[axis] <= high[axis])
     }
 
     /// How near it is at most, rounded up.

@@ -117,7 +117,12 @@ impl Surface {
                     .map(|index| &corners[(index - faces.first_position) as usize]);
                 if let Some(face) = Face::of(used, front, passage, &self.rect) {
                     stats.triangles += 1;
-                    self.insert(&face, cover);
+                    if cover.sees_cells(&face.rect, face.nearest()) {
+                        self.insert(&face, cover);
+                    } else {
+                        // What it could close, it would cover no nearer than what hides it.
+                        stats.triangles_hidden += 1;
+                    }
                 }
             }
         });
@@ -146,9 +151,7 @@ impl Surface {
 
     /// May a face be seen? By its nearest corner in the rectangle around it first, then cell by cell.
     fn shows(&self, face: &Face, cover: &mut impl Coarse) -> bool {
-        let Some(rect) = face.rect(&self.rect) else {
-            return false;
-        };
+        let rect = face.rect;
         if !cover.sees_cells(&rect, face.nearest()) {
             return false;
         }
@@ -174,15 +177,9 @@ impl Surface {
     /// Adds a face to the cells that its outline meets; those within it covers alone.
     #[inline]
     fn insert(&mut self, face: &Face, cover: &mut impl Coarse) {
-        let Some(rect) = face.rect(&self.rect) else {
-            return;
-        };
-        if !cover.sees_cells(&rect, face.nearest()) {
-            // What it could close, it would cover no nearer than what hides it.
-            return;
-        }
+        let rect = face.rect;
         let rows = rect.y0..rect.y1;
-        if rect.x1 - rect.x0 == 1 && rows.len() == 1 {
+        if rect.x1 - rect.x0 == 1 && rows.len() == 1 && face.lies_in(&rect) {
             // Most faces of a detailed mesh: all of their edges meet the one cell.
             let least = face.least_in(rect.x0, rect.y0);
             let cell = self.begin([rect.x0, rect.y0], least);

@@ -67,8 +67,8 @@ impl Viewer {
     }
 
     /// How many occluders methods take that choose them, for each passage; `None`, as many as suits each method, unless
-    /// told. It changes what is called visible, never so that anything visible is missed. 0: only what is out of view
-    /// is left out.
+    /// told. It changes what is called visible, never so that anything visible is missed. 0: trees leave out only what is
+    /// out of view; the masked buffer has the faces that it finds.
     pub fn set_occluders(&mut self, occluders: Option<u32>) {
         self.memory.occluders = occluders;
     }

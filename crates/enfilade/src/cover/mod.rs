@@ -83,7 +83,7 @@ pub trait Paints: Cover {
     );
 }
 
-/// A cover that holds no picture: chosen occluders go in first, and then it only says what they hide.
+/// A cover that holds no picture: chosen occluders go in first, and then it says what they hide.
 pub trait Hides: Cover {
     /// Which occluders are worth most to it.
     const MEASURE: Measure;
@@ -95,6 +95,32 @@ pub trait Hides: Cover {
 
     /// Lets an occluder hide what is behind it.
     fn hide(&mut self, occluder: &Occluder, passage: &Passage, stats: &mut Stats);
+
+    /// Do faces that a walk finds hide what it finds later? Then all that was found is asked about once more at the end.
+    const TAKES_FACES: bool = false;
+
+    /// Lets a batch of opaque faces within `region` hide what is behind them, where that is worth it. May any of them be
+    /// seen? `true` when unsure. Only asked where [`Hides::TAKES_FACES`].
+    fn hide_faces(
+        &mut self,
+        _faces: &Faces,
+        _region: &Region,
+        _passage: &Passage,
+        _stats: &mut Stats,
+    ) -> bool {
+        true
+    }
+
+    /// May any of the faces within `region` be seen? `true` when unsure. Only asked where [`Hides::TAKES_FACES`].
+    fn sees_faces(
+        &mut self,
+        _faces: &Faces,
+        _region: &Region,
+        _passage: &Passage,
+        _stats: &mut Stats,
+    ) -> bool {
+        true
+    }
 }
 
 /// A cover that can do with cells larger than samples: it holds no picture then, but says what is hidden.

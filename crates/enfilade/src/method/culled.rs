@@ -1,5 +1,7 @@
 //! Content seen by an order and a cover that holds no picture: occluders first, then what they leave.
 //!
+//! Where the cover takes faces too, those of what is found hide what the walk finds later; what was found before them is
+//! asked about again at the end. Whatever the budget of chosen occluders, also 0, they do.
 //! Drawn by a z-buffer, which gets what may be seen and nothing else: the picture is exact though the set is not.
 
 use super::count::count_faces;
@@ -7,7 +9,7 @@ use super::gathered::draw_gathered;
 use super::in_cells::InParts;
 use super::{Method, TooLarge};
 use crate::canvas::Canvas;
-use crate::content::{Content, ItemId, Opening, OpeningId};
+use crate::content::{Alpha, Content, ItemId, Opening, OpeningId};
 use crate::cover::{Coarse, Hides};
 use crate::faces::{Faces, Of};
 use crate::fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
@@ -70,6 +72,42 @@ struct Walk<'a, C> {
     found: &'a mut Found,
 }
 
+impl<C: Hides> Walk<'_, C> {
+    /// Lets the faces of a cluster hide what is behind them; may any of them be seen?
+    fn hide_faces(&mut self, faces: &Faces, item: ItemId, cluster: u32) -> bool {
+        self.region_of(faces, item, cluster)
+            .is_some_and(|region| self.cover.hide_faces(faces, &region, self.passage, self.stats))
+    }
+
+    fn region_of(&self, faces: &Faces, item: ItemId, cluster: u32) -> Option<Region> {
+        let bounds = &self.content.mesh_of(item).clusters()[cluster as usize].bounds;
+        Region::of(self.passage, faces.screen_from_local, bounds)
+    }
+
+    /// Drops what is hidden by what was found after it.
+    fn look_again(&mut self) {
+        let mut clusters = std::mem::take(&mut self.found.clusters);
+        clusters.retain(|&(item, cluster)| {
+            let screen_from_item = self.passage.screen_from(&self.content.item(item).transform());
+            let faces = Faces::of_cluster(self.content, item, cluster, &screen_from_item);
+            self.region_of(&faces, item, cluster).is_some_and(|region| {
+                self.enter(&region) != Sight::Hidden
+                    && self.cover.sees_faces(&faces, &region, self.passage, self.stats)
+            })
+        });
+        self.found.clusters = clusters;
+        let mut openings = std::mem::take(&mut self.found.openings);
+        openings.retain(|&opening| self.sees_opening(opening));
+        self.found.openings = openings;
+    }
+
+    fn sees_opening(&mut self, opening: OpeningId) -> bool {
+        let outline = &self.content.openings()[usize::from(opening.0)].outline;
+        let region = self.passage.region_of_opening(outline);
+        region.is_some_and(|region| self.enter(&region) != Sight::Hidden)
+    }
+}
+
 impl<C: Hides> Visit for Walk<'_, C> {
     fn enter(&mut self, region: &Region) -> Sight {
         self.stats.boxes_tested += 1;
@@ -84,11 +122,14 @@ impl<C: Hides> Visit for Walk<'_, C> {
 
     fn faces(&mut self, faces: &Faces) {
         match faces.of {
-            Of::Item(item, cluster) => self.found.clusters.push((item, cluster)),
+            Of::Item(item, cluster) => {
+                let hides = C::TAKES_FACES && faces.alpha == Alpha::Opaque;
+                if !hides || self.hide_faces(faces, item, cluster) {
+                    self.found.clusters.push((item, cluster));
+                }
+            }
             Of::Opening(opening) => {
-                let outline = &self.content.openings()[usize::from(opening.0)].outline;
-                let region = self.passage.region_of_opening(outline);
-                if region.is_some_and(|region| self.enter(&region) != Sight::Hidden) {
+                if self.sees_opening(opening) {
                     self.found.openings.push(opening);
                 }
             }
@@ -143,6 +184,9 @@ where
             found: &mut found,
         };
         self.order.visit(&self.content, passage, &mut scratch, &mut walk);
+        if C::TAKES_FACES {
+            walk.look_again();
+        }
         report_owners(&mut found.clusters, &self.content, seen);
         found.clusters.clear();
         for opening in found.openings.drain(..) {

@@ -59,8 +59,8 @@ pub type HierarchicalZ = Paired<OctreeOrder, DepthPyramid>;
 /// scenes of high complexity, section 3.
 pub type HierarchicalS = Paired<OctreeOrder, SpanBuffer>;
 
-/// Masked occlusion culling: chosen occluders in a buffer of two nearnesses for each 8×4 samples, and a BVH held against
-/// it. Hasselgren, Andersson, Akenine-Möller, HPG 2016.
+/// Masked occlusion culling: a BVH near to far, held against a buffer of two nearnesses for each 8×4 samples that a few
+/// chosen occluders and then the faces of what is found go into. Hasselgren, Andersson, Akenine-Möller, HPG 2016.
 pub type Masked = Culled<BvhOrder, MaskedDepth>;
 
 /// Occlusion tree: what chosen occluders hide as one tree of planes, and the faces of a kd-tree's boxes held against it.

@@ -37,13 +37,19 @@ pub(super) trait Tree {
 #[derive(Default)]
 pub struct Queue {
     waiting: BinaryHeap<Waiting>,
+    /// What waits is moved about often, and a region is large: it stays in its place here.
+    regions: Vec<Region>,
+    /// Places in `regions` to be filled anew.
+    free: Vec<u32>,
     entered: Vec<(ItemId, DAffine3)>,
 }
 
 /// A box that waits; the greatest is the nearest.
 struct Waiting {
-    region: Region,
+    nearest: f32,
     what: What,
+    /// The place of its box in [`Queue::regions`].
+    region: u32,
 }
 
 /// Boxes as near as each other come in this order, so that a walk is the same every time.
@@ -64,9 +70,8 @@ enum What {
 
 impl Ord for Waiting {
     fn cmp(&self, other: &Waiting) -> Ordering {
-        self.region
-            .nearest
-            .total_cmp(&other.region.nearest)
+        self.nearest
+            .total_cmp(&other.nearest)
             .then(other.what.cmp(&self.what))
     }
 }
@@ -95,12 +100,15 @@ pub(super) fn walk(
 ) {
     hand_out_openings(content, passage, visit);
     queue.waiting.clear();
+    queue.regions.clear();
+    queue.free.clear();
     queue.entered.clear();
     if let Some(root) = tree.root() {
         queue.push_node(tree, root, passage);
     }
-    while let Some(Waiting { region, what }) = queue.waiting.pop() {
-        if visit.enter(&region) == Sight::Hidden {
+    while let Some(Waiting { region, what, .. }) = queue.waiting.pop() {
+        queue.free.push(region);
+        if visit.enter(&queue.regions[region as usize]) == Sight::Hidden {
             continue;
         }
         match what {
@@ -178,8 +186,21 @@ impl Queue {
     }
 
     fn push(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb, what: What) {
-        self.waiting
-            .extend(Region::of(passage, screen_from_local, bounds).map(|region| Waiting { region, what }));
+        let Some(region) = Region::of(passage, screen_from_local, bounds) else {
+            return;
+        };
+        let place = if let Some(place) = self.free.pop() {
+            self.regions[place as usize] = region;
+            place
+        } else {
+            self.regions.push(region);
+            self.regions.len() as u32 - 1
+        };
+        self.waiting.push(Waiting {
+            nearest: region.nearest,
+            what,
+            region: place,
+        });
     }
 }
 

@@ -38,12 +38,17 @@ const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
 /// By how much nearness is lowered before it is stored: what rounding to f32 may add, and what multiplying does.
 const ROUND_DOWN: f64 = 1.0 - 1.0 / (1_u64 << 23) as f64;
 
+/// As `ROUND_UP` of regions.
+const ROUND_UP: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
+
 /// How near an occluder is.
 pub(super) struct Slope {
-    /// Nearness is at least `at · (x, y, 1)`.
-    pub(super) at: DVec3,
-    /// And at least this.
-    pub(super) least: f64,
+    /// Nearness is `at · (x, y, 1)`, up to `rounding`.
+    at: DVec3,
+    /// And between these.
+    least: f64,
+    greatest: f64,
+    rounding: f64,
 }
 
 impl Fill {
@@ -156,12 +161,8 @@ impl Fill {
         if !self.planes.iter().all(HalfPlane::is_finite) {
             return None;
         }
-        let most = at
-            .abs()
-            .dot(DVec3::new(f64::from(limits.x1), f64::from(limits.y1), 1.0));
-        let at = DVec3::new(at.x, at.y, at.z - most * ROUNDING);
         let least = least * (1.0 - ROUNDING);
-        Some((rect, Slope { at, least }))
+        Some((rect, Slope::new(at, [least, f64::INFINITY], limits)))
     }
 }
 
@@ -172,43 +173,84 @@ impl Grid {
         let across = Across::new(band);
         let row = usize::from(band.y) / ROWS;
         for column in across.tiles() {
-            let nearness = slope.over_tile([column * COLUMNS, row * ROWS]);
-            let index = row * self.columns + column;
-            let mut any_nearer = false;
-            for nearness in nearness {
-                any_nearer |= nearness > self.farthest[index];
-            }
-            if !any_nearer {
-                continue;
-            }
-            let tile = &mut self.tiles[index];
-            tile.cover(&across.samples(column), &nearness);
-            self.farthest[index] = tile.farthest();
+            self.cover_tile(&across, [column, row], slope);
         }
+    }
+
+    /// Something covers the samples of a band in one tile.
+    #[inline(always)]
+    pub(super) fn cover_tile(&mut self, across: &Across, [column, row]: [usize; 2], slope: &Slope) {
+        let nearness = slope.over_tile([column * COLUMNS, row * ROWS]);
+        let index = row * self.columns + column;
+        let mut any_nearer = false;
+        for nearness in nearness {
+            any_nearer |= nearness > self.farthest[index];
+        }
+        if !any_nearer {
+            return;
+        }
+        let tile = &mut self.tiles[index];
+        tile.cover(&across.samples(column), &nearness);
+        self.farthest[index] = tile.farthest();
     }
 }
 
 impl Slope {
-    /// The least nearness over each sub-tile of the tile at column and row `at`, rounded down.
+    /// Of a plane, within the columns and rows up to the end of `limits`.
+    #[inline(always)]
+    pub(super) fn new(at: DVec3, [least, greatest]: [f64; 2], limits: &Rect) -> Slope {
+        let most = DVec3::new(f64::from(limits.x1), f64::from(limits.y1), 1.0);
+        Slope {
+            at,
+            least,
+            greatest,
+            rounding: at.abs().dot(most) * ROUNDING,
+        }
+    }
+
+    /// The least nearness over each sub-tile of the tile at column and row `at`, rounded down. Of a plane that is no
+    /// number: what is known without it, as in [`Slope::most_over_tile`].
     #[inline(always)]
     fn over_tile(&self, at: [usize; 2]) -> Nearness {
-        let DVec3 { x, y, z } = self.at;
-        // Linear, so least at a corner.
-        let last = [SUB_COLUMNS as f64 - 0.5, SUB_ROWS as f64 - 0.5];
-        let column = at[0] as f64 + if x < 0.0 { last[0] } else { 0.5 };
-        let row = at[1] as f64 + if y < 0.0 { last[1] } else { 0.5 };
-        let mut all = [0.0; SUB_TILES];
-        for (sub, least) in all.iter_mut().enumerate() {
-            let [across, down] = [sub % 4 * SUB_COLUMNS, sub / 4 * SUB_ROWS];
-            let nearness = (column + across as f64) * x + ((row + down as f64) * y + z);
-            let nearness = greater(nearness, self.least) * ROUND_DOWN;
+        let all = self.at_corners(at, [self.at.x < 0.0, self.at.y < 0.0]);
+        let mut rounded = [0.0; SUB_TILES];
+        for (least, rounded) in all.iter().zip(&mut rounded) {
+            let nearness = smaller(greater(*least - self.rounding, self.least), self.greatest) * ROUND_DOWN;
             // Below the least normal number rounding is coarser: that is as far as can be.
             let nearness = smaller(nearness, f64::from(f32::MAX)) as f32;
-            *least = if nearness < f32::MIN_POSITIVE {
+            *rounded = if nearness < f32::MIN_POSITIVE {
                 0.0
             } else {
                 nearness
             };
+        }
+        rounded
+    }
+
+    /// The greatest nearness over each sub-tile of the tile at column and row `at`, rounded up.
+    #[inline(always)]
+    pub(super) fn most_over_tile(&self, at: [usize; 2]) -> Nearness {
+        let all = self.at_corners(at, [self.at.x > 0.0, self.at.y > 0.0]);
+        let mut rounded = [0.0; SUB_TILES];
+        for (most, rounded) in all.iter().zip(&mut rounded) {
+            let nearness = greater(smaller(*most + self.rounding, self.greatest), self.least);
+            *rounded = (nearness * ROUND_UP) as f32;
+        }
+        rounded
+    }
+
+    /// Nearness at one corner of each sub-tile: at the last column or row, or the first. Linear, so least and greatest
+    /// at a corner.
+    #[inline(always)]
+    fn at_corners(&self, at: [usize; 2], [last_column, last_row]: [bool; 2]) -> [f64; SUB_TILES] {
+        let DVec3 { x, y, z } = self.at;
+        let last = [SUB_COLUMNS as f64 - 0.5, SUB_ROWS as f64 - 0.5];
+        let column = at[0] as f64 + if last_column { last[0] } else { 0.5 };
+        let row = at[1] as f64 + if last_row { last[1] } else { 0.5 };
+        let mut all = [0.0; SUB_TILES];
+        for (sub, nearness) in all.iter_mut().enumerate() {
+            let [across, down] = [sub % 4 * SUB_COLUMNS, sub / 4 * SUB_ROWS];
+            *nearness = (column + across as f64) * x + ((row + down as f64) * y + z);
         }
         all
     }

@@ -88,10 +88,12 @@ impl Rows {
         let [x0, x1] = run;
         let row = &mut self.rows[usize::from(y)];
         let made = &mut self.made;
-        let first = row.spans.partition_point(|span| span.x1 <= x0);
         made.clear();
         new.begin_run(y);
-        let (mut x, mut next, mut changed) = (x0, first, false);
+        let mut next = row.spans.partition_point(|span| span.x1 <= x0);
+        // The spans before this one stay as they are; those from it to `next` become `made`.
+        let mut first = next;
+        let (mut x, mut changed) = (x0, false);
         while x < x1 {
             let Some(&span) = row.spans.get(next).filter(|span| span.x0 < x1) else {
                 push(made, new.span(x, x1));
@@ -102,26 +104,24 @@ impl Rows {
                 push(made, new.span(x, span.x0));
                 x = span.x0;
                 changed = true;
-            } else if span.x0 < x {
-                made.push(Span { x1: x, ..span });
             }
             let end = span.x1.min(x1);
-            match new.beside(&span, x, end, stats) {
-                Relation::Before => {
-                    push(made, new.span(x, end));
-                    changed = true;
-                }
-                Relation::Behind => push(
-                    made,
-                    Span {
-                        x0: x,
-                        x1: end,
-                        ..span
-                    },
-                ),
+            let relation = new.beside(&span, x, end, stats);
+            if relation == Relation::Behind && !changed {
+                x = end;
+                next += 1;
+                first = next;
+                continue;
+            }
+            changed = true;
+            if span.x0 < x {
+                made.push(Span { x1: x, ..span });
+            }
+            let theirs = |x0, x1| Span { x0, x1, ..span };
+            match relation {
+                Relation::Before => push(made, new.span(x, end)),
+                Relation::Behind => push(made, theirs(x, end)),
                 Relation::Crosses { at, before_first } => {
-                    changed = true;
-                    let theirs = |x0, x1| Span { x0, x1, ..span };
                     if before_first {
                         push(made, new.span(x, at));
                         push(made, theirs(at, end));
@@ -132,7 +132,7 @@ impl Rows {
                 }
             }
             if span.x1 > x1 {
-                push(made, Span { x0: x1, ..span });
+                push(made, theirs(x1, span.x1));
             }
             x = end;
             next += 1;

@@ -1,12 +1,15 @@
 //! Occluders cover the very samples that exact covers give to the same faces.
 
 use super::*;
-use crate::content::{ContentBuilder, ItemId, Material, MaterialId};
+use crate::content::{Content, ContentBuilder, ItemId, Material, MaterialId};
 use crate::cover::raster::{Band, Raster, Sink};
 use crate::cover::triangle::Triangle;
+use crate::cover::{DepthBuffer, Paints};
 use crate::faces::Faces;
 use crate::geom::Transform;
 use crate::mesh::{Mesh, Part};
+use crate::seen::Seen;
+use std::collections::BTreeSet;
 
 /// The samples of a face, by the rasteriser.
 struct Held(Vec<bool>, usize);
@@ -127,4 +130,64 @@ fn a_polygon_of_many_corners_covers_the_samples_that_it_owns() {
         }
     }
     assert!(covered > 100_000, "{covered}");
+}
+
+/// Triangles about the eye, each an item of its own; some stand in common corners and planes.
+fn triangles(dice: &mut Dice, count: usize) -> Content {
+    let mut builder = ContentBuilder::new([Material {
+        double_sided: true,
+        ..Material::opaque([1.0; 3])
+    }]);
+    let mut last = [[0.0; 3]; 3];
+    for i in 0..count {
+        let center =
+            DVec3::new(dice.between(-1.0, 1.0), dice.between(-0.6, 0.6), -1.0) * dice.by_ratio(0.5, 20.0);
+        let reach = dice.by_ratio(0.1, 10.0);
+        let mut corners = [(); 3].map(|()| (center + dice.unit() * reach).as_vec3().to_array());
+        // Its neighbour across an edge, or the same once more: both are as near where they meet.
+        corners[..i % 4].copy_from_slice(&last[..i % 4]);
+        last = corners;
+        if let Ok(mesh) = Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)) {
+            let mesh = builder.mesh(mesh);
+            builder.item("face", mesh, Transform::IDENTITY);
+        }
+    }
+    builder.build().expect("sound faces")
+}
+
+#[test]
+fn whatever_a_depth_buffer_shows_is_seen_by_its_faces() {
+    let [mut shown, mut hidden] = [0, 0];
+    for seed in 0..300 {
+        let mut dice = Dice::new(seed);
+        let content = triangles(&mut dice, 40);
+        let passage = passage([[77, 43], [200, 120]][seed as usize % 2]);
+        let items = (0..content.items().len() as u32).map(ItemId);
+        let faces = |item| Faces::of_cluster(&content, item, 0, &passage.screen_from_fragment);
+        let (mut stats, mut seen) = (Stats::default(), Seen::default());
+        let mut exact = DepthBuffer::default();
+        Paints::clear(&mut exact, &passage, false);
+        let mut cover = MaskedDepth::default();
+        Hides::clear(&mut cover, &passage);
+        let mut dropped = BTreeSet::new();
+        for item in items.clone() {
+            exact.add(&faces(item), &passage, &mut stats, None);
+            if !cover.hold(&faces(item), &passage, &mut stats, true) {
+                dropped.insert(item);
+            }
+        }
+        exact.finish(&content, &passage, &mut seen, None);
+        let owners: BTreeSet<ItemId> = seen.items.iter().map(|item| item.item).collect();
+        for item in items {
+            if dropped.contains(&item) || !cover.hold(&faces(item), &passage, &mut stats, false) {
+                assert!(!owners.contains(&item), "{item:?} of scene {seed}");
+                hidden += 1;
+            }
+        }
+        shown += owners.len();
+    }
+    assert!(
+        shown > 1000 && hidden > 1000,
+        "{shown} are shown, {hidden} hidden"
+    );
 }

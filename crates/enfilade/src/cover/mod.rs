@@ -12,6 +12,7 @@ mod part;
 mod raster;
 mod report;
 mod samples;
+mod show;
 mod span_buffer;
 mod tiles;
 mod trace;
@@ -25,7 +26,7 @@ pub use nothing::Nothing;
 pub use occlusion_tree::{Asks, ByBox, ByFaces, OcclusionTree};
 pub use span_buffer::SpanBuffer;
 
-use crate::canvas::Canvas;
+use crate::canvas::{Canvas, CoverShape};
 use crate::content::Content;
 use crate::faces::Faces;
 use crate::occluders::{Measure, Occluder};
@@ -45,6 +46,14 @@ pub trait Cover: Default + Send + 'static {
 
     /// Memory in bytes for a screen of this size.
     fn needs_bytes(size: [u32; 2]) -> u64;
+
+    /// What it divides the screen into; `None` where that is nothing worth a picture.
+    const SHAPE: Option<CoverShape> = None;
+
+    /// Shows what it knows, when all that hides is in it ([`Canvas::cover`]).
+    fn show(&mut self, passage: &Passage, canvas: &mut dyn Canvas) {
+        let _ = (passage, canvas);
+    }
 }
 
 /// A cover that holds the picture: faces go in as they come.

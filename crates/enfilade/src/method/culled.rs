@@ -49,6 +49,23 @@ where
             cover: PhantomData,
         })
     }
+
+    /// Starts a cover over, with the occluders that are worth most.
+    fn fill(&self, cover: &mut C, passage: &Passage, memory: &mut Memory) {
+        let mut choice = memory.take::<Choice>();
+        let mut room = memory.take::<OccluderRoom>();
+        cover.clear(passage);
+        let budget = memory.occluders.unwrap_or(C::OCCLUDERS) as usize;
+        let set = &self.occluders;
+        for chosen in set.choose(&self.content, passage, C::MEASURE, budget, &mut choice) {
+            if let Some(occluder) = set.on_screen(&self.content, passage, chosen, &mut room) {
+                memory.stats.occluders += 1;
+                cover.hide(&occluder, passage, &mut memory.stats);
+            }
+        }
+        memory.put_back(choice);
+        memory.put_back(room);
+    }
 }
 
 /// What is found by a walk: clusters and openings that nothing hides.
@@ -119,18 +136,8 @@ where
     fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
         let mut cover = memory.take::<C>();
         let mut scratch = memory.take::<O::Scratch>();
-        let mut choice = memory.take::<Choice>();
-        let mut room = memory.take::<OccluderRoom>();
         let mut found = memory.take::<Found>();
-        cover.clear(passage);
-        let budget = memory.occluders.unwrap_or(C::OCCLUDERS) as usize;
-        let set = &self.occluders;
-        for chosen in set.choose(&self.content, passage, C::MEASURE, budget, &mut choice) {
-            if let Some(occluder) = set.on_screen(&self.content, passage, chosen, &mut room) {
-                memory.stats.occluders += 1;
-                cover.hide(&occluder, passage, &mut memory.stats);
-            }
-        }
+        self.fill(&mut cover, passage, memory);
         memory.marks.begin(self.content.items().len());
         let mut walk = Walk {
             passage,
@@ -148,8 +155,6 @@ where
         }
         memory.put_back(cover);
         memory.put_back(scratch);
-        memory.put_back(choice);
-        memory.put_back(room);
         memory.put_back(found);
     }
 
@@ -183,11 +188,20 @@ where
                 }
             }
         }
-        cover.finish(&self.content, passage, seen, Some(canvas));
+        cover.finish(&self.content, passage, seen, Some(&mut *canvas));
         stats.samples_owned += seen.samples_owned - before;
         found.clusters.clear();
         memory.put_back(cover);
         memory.put_back(found);
+        if canvas.wants_cover() {
+            // Other passages have used it since it was asked.
+            let mut cover = memory.take::<C>();
+            let stats = memory.stats;
+            self.fill(&mut cover, passage, memory);
+            memory.stats = stats;
+            cover.show(passage, canvas);
+            memory.put_back(cover);
+        }
     }
 
     fn cast(&self, ray: &Ray) -> Option<Hit> {

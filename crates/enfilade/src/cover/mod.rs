@@ -97,6 +97,11 @@ pub trait Hides: Cover {
     /// Starts over: only the passage's aperture is open, everything else is hidden.
     fn clear(&mut self, passage: &Passage);
 
+    /// Is all of a box hidden already? Asked of many a box before each occluder, so by a cheap question: no when unsure.
+    fn hides(&mut self, region: &Region) -> bool {
+        self.sees(region) == Sight::Hidden
+    }
+
     /// Lets an occluder hide what is behind it.
     fn hide(&mut self, occluder: &Occluder, passage: &Passage, stats: &mut Stats);
 }

@@ -57,8 +57,12 @@ where
         cover.clear(passage);
         let budget = memory.occluders.unwrap_or(C::OCCLUDERS) as usize;
         let set = &self.occluders;
-        for chosen in set.choose(&self.content, passage, C::MEASURE, budget, &mut choice) {
-            if let Some(occluder) = set.on_screen(&self.content, passage, chosen, &mut room) {
+        let mut choosing = set.choosing(&self.content, passage, C::MEASURE, &mut choice);
+        for _ in 0..budget {
+            let Some(chosen) = choosing.next(|region| !cover.hides(region)) else {
+                break;
+            };
+            if let Some(occluder) = set.on_screen(&self.content, passage, &chosen, &mut room) {
                 memory.stats.occluders += 1;
                 cover.hide(&occluder, passage, &mut memory.stats);
             }

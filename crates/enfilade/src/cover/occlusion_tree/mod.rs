@@ -182,6 +182,11 @@ impl<A: Asks> Hides for OcclusionTree<A> {
             .open(passage.aperture.outline(), &passage.aperture.rect());
     }
 
+    fn hides(&mut self, region: &Region) -> bool {
+        // By its faces it would cost more than most occluders save; and so both kinds of tree take the same ones.
+        self.sees_box(&region.volume) == Sight::Hidden
+    }
+
     fn hide(&mut self, occluder: &Occluder, passage: &Passage, _stats: &mut Stats) {
         self.insert(occluder, f64::from(passage.near), passage.entry);
     }

@@ -95,8 +95,8 @@ pub(crate) struct LookArgs {
 /// Options of `compare`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The page is one file that refers to nothing outside itself. Every method is held against the reference; exit 1 if one
-that is not approximate misses anything or paints what no possible owner allows. Times are the median of three passes
+The page is one file that refers to nothing outside itself. Every method is held against the reference; exit 1 if one \
+that is not approximate misses anything or paints what no possible owner allows. Times are the median of three passes \
 over all views, after one to warm up.
 
 Examples:

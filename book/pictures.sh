@@ -31,3 +31,14 @@ cones-8 base_hidden painter-min bsp
 cones-32 base_hidden painter-min
 four-cylinders from_above bsp
 FIGURES
+
+# What covers know of one view of the palace. Spans on a small screen: there each can be seen.
+while read -r cover method size; do
+    "$program" draw @enfilade --camera enfilade --show cover --method "$method" --size "$size" \
+        --output "book/src/pictures/cover-$cover.png"
+done <<'COVERS'
+spans hierarchical-s 480x270
+pyramid hierarchical-z 960x540
+tiles masked 960x540
+tree svbsp 960x540
+COVERS

@@ -47,6 +47,7 @@ Examples:
   enfilade draw -o palace.png --size 320x180
   enfilade draw scene.glb -o picture.png --eye 2,1.5,4 --toward 0,0.5,0 --size 320x180
   enfilade draw @enfilade -o order.png --show order --method hierarchical-z --size 320x180
+  enfilade draw @enfilade -o cover.png --show cover --method svbsp --size 320x180
   enfilade draw scene.glb -o walk.png --path views.jsonl --size 320x180 --json walk.json")]
 pub(crate) struct DrawArgs {
     #[command(flatten)]
@@ -54,7 +55,7 @@ pub(crate) struct DrawArgs {
     /// Where the picture goes; it is written whole or not at all
     #[arg(short, long, value_name = "FILE.png")]
     pub(crate) output: PathBuf,
-    /// What the picture shows: image, overdraw, items, order or fragments
+    /// What the picture shows: image, overdraw, items, order, fragments or cover
     #[arg(long, value_name = "WHAT", default_value = "image", value_parser = values::show)]
     pub(crate) show: Show,
     #[command(flatten)]
@@ -94,8 +95,8 @@ pub(crate) struct LookArgs {
 /// Options of `compare`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The page is one file that refers to nothing outside itself. Every method is held against the reference; exit 1 if one
-that is not approximate misses anything or paints what no possible owner allows. Times are the median of three passes
+The page is one file that refers to nothing outside itself. Every method is held against the reference; exit 1 if one \
+that is not approximate misses anything or paints what no possible owner allows. Times are the median of three passes \
 over all views, after one to warm up.
 
 Examples:

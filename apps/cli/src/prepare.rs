@@ -35,16 +35,22 @@ impl Prepared {
 
     /// The method in words for people: `own` says which one, where all fragments agree.
     pub(crate) fn spoken_method(&self) -> &'static str {
-        match methods_of(&self.scene).as_slice() {
+        match self.methods().as_slice() {
             [one] => one.name(),
             _ => "each fragment's own method",
         }
     }
 
+    /// The methods that its fragments are seen by, each once.
+    pub(crate) fn methods(&self) -> Vec<Method> {
+        methods_of(&self.scene)
+    }
+
     /// Memory of the scene, of what was built over it, and of the buffers for a screen of this size, in bytes.
     pub(crate) fn bytes(&self, size: [u32; 2]) -> u64 {
         self.scene.bytes()
-            + methods_of(&self.scene)
+            + self
+                .methods()
                 .iter()
                 .map(|method| method.screen_bytes(size, self.cover_size))
                 .sum::<u64>()

@@ -2,7 +2,8 @@
 
 mod support;
 
-use enfilade::Method;
+use enfilade::{CoverShape, Method};
+use std::collections::HashSet;
 use support::Folder;
 
 /// Width and height of a PNG.
@@ -38,6 +39,72 @@ fn every_show_is_a_picture_of_its_own() {
     for (i, picture) in pictures.iter().enumerate() {
         assert!(!pictures[..i].contains(picture), "{}", shows[i]);
     }
+}
+
+/// The colours of a picture, as red, green and blue.
+fn pixels(folder: &Folder, name: &str) -> Vec<[u8; 3]> {
+    let image = image::open(folder.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
+    image.into_rgb8().pixels().map(|pixel| pixel.0).collect()
+}
+
+/// Methods whose covers have a shape, and what it is.
+fn shapes() -> impl Iterator<Item = (Method, CoverShape)> {
+    let all = Method::ALL.into_iter();
+    all.filter_map(|method| Some((method, method.cover_shape()?)))
+}
+
+#[test]
+fn every_shape_of_cover_is_a_picture_of_its_own() {
+    let folder = Folder::new();
+    for scene in ["scene.glb", "@two-rooms"] {
+        let mut pictures: Vec<(CoverShape, Vec<[u8; 3]>)> = Vec::new();
+        for (method, shape) in shapes() {
+            let run = folder.run(&format!(
+                "draw {scene} --size 80x45 -o a.png --show cover --method {method}"
+            ));
+            assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""), "{method}");
+            let picture = pixels(&folder, "a.png");
+            let colors: HashSet<[u8; 3]> = picture.iter().copied().collect();
+            assert!(colors.len() > 4, "{scene} by {method}: {} colours", colors.len());
+            for (other, before) in &pictures {
+                assert_eq!(picture == *before, shape == *other, "{scene} by {method}");
+            }
+            pictures.push((shape, picture));
+        }
+        assert_eq!(pictures.len(), 6);
+    }
+}
+
+#[test]
+fn covers_are_shown_through_openings() {
+    let folder = Folder::new();
+    for (method, _) in shapes() {
+        let [through, flat] = ["", "--flat"].map(|more| {
+            let run = folder.run(&format!(
+                "draw @two-rooms --size 80x45 -o a.png --show cover --method {method} {more}"
+            ));
+            assert_eq!(run.code, Some(0), "{}", run.stderr);
+            pixels(&folder, "a.png")
+        });
+        assert_ne!(through, flat, "{method}");
+    }
+}
+
+#[test]
+fn a_cover_without_a_shape_is_refused_by_name_and_skipped_among_all() {
+    let folder = Folder::new();
+    for method in ["painter-min", "painter-mean", "bsp", "bsp-front", "z-buffer"] {
+        let run = folder.run(&format!("draw scene.glb -o a.png --show cover --method {method}"));
+        assert_eq!(run.code, Some(2));
+        for word in [method, "s-buffer", "hierarchical-z", "masked", "mobsp"] {
+            assert!(run.stderr.contains(word), "{}", run.stderr);
+        }
+        assert!(!folder.path("a.png").exists());
+    }
+    let run = folder.run("draw scene.glb -o a.png --show cover --method all --size 80x45");
+    assert_eq!((run.code, run.stderr.matches("is skipped").count()), (Some(0), 5));
+    let beside = ["scene.glb", "views.jsonl"].len();
+    assert_eq!(folder.names().len(), beside + shapes().count());
 }
 
 #[test]

@@ -62,6 +62,23 @@ fn the_examples_of_info_run() {
 }
 
 #[test]
+fn no_line_of_a_help_ends_before_it_is_full_but_where_a_paragraph_does() {
+    let folder = Folder::new();
+    for verb in ["draw", "look", "compare", "info"] {
+        let help = folder.run(&format!("help {verb}")).stdout;
+        let (before, _) = help.split_once("\nExamples:\n").expect("examples at the end");
+        let last = before.trim_end().rsplit("\n\n").next().expect("a paragraph");
+        let width = help.lines().map(str::len).max().unwrap_or(0).min(100);
+        let lines: Vec<&str> = last.lines().collect();
+        for pair in lines.windows(2) {
+            let word = pair[1].split(' ').next().unwrap_or("").len();
+            let ends = pair[0].ends_with(['.', ':']) || pair[1].starts_with(' ');
+            assert!(ends || pair[0].len() + 1 + word > width, "{verb}: {last}");
+        }
+    }
+}
+
+#[test]
 fn without_a_verb_there_is_a_picture_a_table_of_all_methods_and_what_to_try_next() {
     let folder = Folder::new();
     let run = folder.run("");

@@ -98,6 +98,23 @@ fn a_wall_hides_what_is_behind_it() {
 }
 
 #[test]
+fn without_occluders_only_what_is_out_of_view_is_left_out() {
+    let folder = Folder::new();
+    for method in ["masked", "svbsp", "mobsp"] {
+        let report = folder.json(&format!(
+            "look scene.glb --camera front --size 160x90 --check --occluders 0 --method {method}"
+        ));
+        let view = &report["views"][0];
+        assert_eq!(report["stats"]["occluders"], 0, "{method}");
+        assert_eq!(view["items_visible"], view["items_in_frustum"], "{method}");
+        assert_eq!(view["check"]["missed"], json!([]), "{method}");
+    }
+    let report =
+        folder.json("look scene.glb --camera front --size 160x90 --occluders 0 --method hierarchical-z");
+    assert_eq!(report["views"][0]["items_visible"], 3, "it chooses none anyway");
+}
+
+#[test]
 fn all_methods_see_the_same() {
     let folder = Folder::new();
     let report = folder.json("look scene.glb --path views.jsonl --size 160x90 --method all --check");

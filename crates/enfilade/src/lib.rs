@@ -62,7 +62,7 @@ mod viewer;
 mod visible;
 
 pub use aperture::{Aperture, Rect, Rows};
-pub use canvas::{Canvas, Span};
+pub use canvas::{Canvas, CoverShape, CoverSpan, HiddenBy, Span};
 pub use content::{
     Alpha, Content, ContentBuilder, ContentError, Item, ItemId, Material, MaterialId, MeshId, Opening,
     OpeningId, Owner,

@@ -2,8 +2,8 @@
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    Content, ContentBuilder, Contract, Limits, Material, MaterialId, Mesh, Method, Scene, SceneBuilder,
-    Transform, View, Viewer,
+    Content, ContentBuilder, Contract, FragmentId, Limits, Material, MaterialId, Mesh, Method, Scene,
+    SceneBuilder, Transform, View, Viewer,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -161,6 +161,49 @@ fn a_hundred_thousand_faces_in_one_plane_are_one_node_of_a_tree() {
         assert_eq!(set.items()[0].item.0, 0, "{method}");
         if method.contract() == Contract::Exact {
             assert_eq!(set.items().len(), 1, "{method}: only the lowest of ten is seen");
+        }
+    }
+}
+
+#[test]
+fn items_without_faces_or_extent_are_never_seen_and_hide_nothing() {
+    let wall = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
+    let build = |with_wall: bool| {
+        let mut content = ContentBuilder::new([Material {
+            double_sided: true,
+            ..Material::opaque([0.5; 3])
+        }]);
+        let nothing = content.mesh(Mesh::new(&[]).expect("no face breaks a rule"));
+        let wall = content.mesh(Mesh::triangles(&wall, &[0, 1, 2], MaterialId(0)).expect("a triangle"));
+        for at in [[0.0; 3], [0.0, 0.0, 1.0], [0.0, 0.0, 3.0]] {
+            content.item("nothing", nothing, Transform::translation(at));
+        }
+        if with_wall {
+            content.item("wall", wall, Transform::IDENTITY);
+        }
+        // Before the wall: a point, an upright line, and a sheet seen edge-on.
+        for factors in [[0.0; 3], [0.0, 1.0, 0.0], [0.0, 1.0, 1.0]] {
+            let before = Transform::translation([0.0, 0.0, 1.0]);
+            content.item("flattened", wall, before * Transform::scaling(factors));
+        }
+        content.item("nothing", nothing, Transform::scaling([0.0; 3]));
+        scene(content.build().expect("sound items"))
+    };
+    let view = View::new([0.0, 0.0, 4.0], [0.0; 3], [64, 48]);
+    for (scene, expected) in [(build(true), 1), (build(false), 0)] {
+        assert_eq!(every_method_keeps_its_contract(&scene, &view), expected);
+        for method in Method::ALL {
+            let seen = scene
+                .with_method(method, Method::DEFAULT_LIMIT)
+                .expect("few faces");
+            let mut viewer = Viewer::new();
+            let set = viewer.look(&seen, &view);
+            let content = scene.content(FragmentId(0)).expect("a content");
+            let names: Vec<&str> = set.items().iter().map(|seen| content.name(seen.item)).collect();
+            assert!(!names.contains(&"nothing"), "{method}: {names:?}");
+            if method.contract() == Contract::Exact {
+                assert_eq!(names.len(), expected, "{method}: {names:?}");
+            }
         }
     }
 }

@@ -22,6 +22,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod cover;
 mod light;
 mod painter;
 mod palette;

@@ -1,9 +1,13 @@
 //! A canvas that is a picture.
 
+use crate::cover::CoverPicture;
 use crate::light::{Eye, lit, sky};
 use crate::palette::{decode, distinct, encode, heat, rainbow};
 use crate::show::Show;
-use enfilade::{Alpha, Canvas, FragmentId, Owner, Passage, PassageId, Scene, Span, Surface, Transform, View};
+use enfilade::{
+    Alpha, Canvas, CoverSpan, FragmentId, Method, Owner, Passage, PassageId, Scene, Span, Surface, Transform,
+    View,
+};
 use glam::DVec3;
 use image::RgbImage;
 
@@ -18,6 +22,8 @@ pub struct Painter<'a> {
     pixels: Vec<[u8; 4]>,
     /// What [`Canvas::work`] counted; empty unless it is shown.
     counts: Vec<u32>,
+    /// What [`Canvas::cover`] told, if that is shown.
+    cover: Option<CoverPicture>,
     sky: Sky,
     fragment: FragmentId,
     eye: Eye,
@@ -59,6 +65,7 @@ impl<'a> Painter<'a> {
             size: view.size,
             pixels: vec![[0; 4]; samples],
             counts: vec![0; counts],
+            cover: (show == Show::Cover).then(|| CoverPicture::new(view.size)),
             sky: Sky::new(view),
             fragment: FragmentId(0),
             eye: Eye::default(),
@@ -68,6 +75,9 @@ impl<'a> Painter<'a> {
 
     /// Paints the sky where nothing else was, and gives the picture.
     pub fn into_image(mut self) -> RgbImage {
+        if let Some(cover) = self.cover {
+            return cover.into_image();
+        }
         let greatest = self.counts.iter().copied().max().unwrap_or(0).max(1) as f32;
         let count_color = |count: u32| match self.show {
             Show::Overdraw => encode(heat(count as f32 / 16.0)),
@@ -163,6 +173,10 @@ impl<'a> Painter<'a> {
 impl Canvas for Painter<'_> {
     fn enter(&mut self, _id: PassageId, passage: &Passage) {
         self.fragment = passage.fragment;
+        if let Some(cover) = &mut self.cover {
+            let method = self.scene.method(passage.fragment);
+            return cover.enter(method.and_then(Method::cover_shape));
+        }
         let fragment_from_eye = passage
             .eye_from_fragment()
             .inverse()
@@ -177,6 +191,9 @@ impl Canvas for Painter<'_> {
     }
 
     fn row(&mut self, y: u16, spans: &[Span]) {
+        if self.cover.is_some() {
+            return;
+        }
         for span in spans {
             let run = self.start(y, span.x0)..self.start(y, span.x1);
             let shade = self.shade(span.owner);
@@ -200,6 +217,16 @@ impl Canvas for Painter<'_> {
             } else if batch[i] > 0 {
                 *count = batch[i];
             }
+        }
+    }
+
+    fn wants_cover(&self) -> bool {
+        self.cover.is_some()
+    }
+
+    fn cover(&mut self, y: u16, spans: &[CoverSpan]) {
+        if let Some(cover) = &mut self.cover {
+            cover.row(y, spans);
         }
     }
 }

@@ -79,6 +79,20 @@ pub(crate) fn heat(part: f32) -> [f32; 3] {
     )
 }
 
+/// From night blue through violet and copper to cream, for `part` from 0 to 1.
+pub(crate) fn dusk(part: f32) -> [f32; 3] {
+    along(
+        &[
+            [0.006, 0.010, 0.045],
+            [0.045, 0.040, 0.16],
+            [0.22, 0.09, 0.20],
+            [0.62, 0.27, 0.16],
+            [0.95, 0.72, 0.42],
+        ],
+        part,
+    )
+}
+
 fn along(stops: &[[f32; 3]], part: f32) -> [f32; 3] {
     let at = part.clamp(0.0, 1.0) * (stops.len() - 1) as f32;
     let first = (at as usize).min(stops.len() - 2);

@@ -14,16 +14,28 @@ pub enum Show {
     Order,
     /// Each fragment in a colour of its own.
     Fragments,
+    /// What each passage's cover knows when all that hides is in it, nearer lighter; what is seen through an opening is
+    /// painted over it, for that has a cover of its own. Only of methods with a [`CoverShape`](enfilade::CoverShape):
+    ///
+    /// * spans: faces in colours of their own, dark where a span begins;
+    /// * pyramid: the largest cells that say nearly as much as the tiles below, as near as their farthest sample; in
+    ///   colour where one face owns a whole tile, grey where samples are told apart;
+    /// * tiles: the reference of each sub-tile in blue, the samples of its mask in orange;
+    /// * tree: occluders in colours of their own, cut to the leaves that they hide.
+    ///
+    /// White is where nothing hides.
+    Cover,
 }
 
 impl Show {
     /// Every picture there is.
-    pub const ALL: [Show; 5] = [
+    pub const ALL: [Show; 6] = [
         Show::Image,
         Show::Overdraw,
         Show::Items,
         Show::Order,
         Show::Fragments,
+        Show::Cover,
     ];
 
     /// Its name on the command line.
@@ -34,6 +46,7 @@ impl Show {
             Show::Items => "items",
             Show::Order => "order",
             Show::Fragments => "fragments",
+            Show::Cover => "cover",
         }
     }
 

@@ -13,6 +13,7 @@ mod part;
 mod raster;
 mod report;
 mod samples;
+mod show;
 mod span_buffer;
 mod tiles;
 mod trace;
@@ -28,7 +29,7 @@ pub use occlusion_tree::{Asks, ByBox, ByFaces, OcclusionTree};
 pub use span_buffer::SpanBuffer;
 
 use crate::aperture::Rect;
-use crate::canvas::Canvas;
+use crate::canvas::{Canvas, CoverShape};
 use crate::content::Content;
 use crate::faces::Faces;
 use crate::occluders::{Measure, Occluder};
@@ -50,6 +51,14 @@ pub trait Cover: Default + Send + 'static {
 
     /// Memory in bytes for a screen of this size.
     fn needs_bytes(size: [u32; 2]) -> u64;
+
+    /// What it divides the screen into; `None` where that is nothing worth a picture.
+    const SHAPE: Option<CoverShape> = None;
+
+    /// Shows what it knows, when all that hides is in it ([`Canvas::cover`]).
+    fn show(&mut self, passage: &Passage, canvas: &mut dyn Canvas) {
+        let _ = (passage, canvas);
+    }
 }
 
 /// A cover that holds the picture: faces go in as they come.
@@ -92,6 +101,11 @@ pub trait Hides: Cover {
 
     /// Starts over: only the passage's aperture is open, everything else is hidden.
     fn clear(&mut self, passage: &Passage);
+
+    /// Is all of a box hidden already? Asked of many a box before each occluder, so by a cheap question: no when unsure.
+    fn hides(&mut self, region: &Region) -> bool {
+        self.sees(region) == Sight::Hidden
+    }
 
     /// Lets an occluder hide what is behind it.
     fn hide(&mut self, occluder: &Occluder, passage: &Passage, stats: &mut Stats);

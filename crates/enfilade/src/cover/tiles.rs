@@ -294,6 +294,14 @@ impl Tiles {
         }
     }
 
+    /// The number of the face that owns a tile as a whole, where that is known without looking at its samples.
+    pub(super) fn owner(&self, column: usize, row: usize) -> Option<u32> {
+        match self.tiles[row * self.columns + column].state {
+            State::Whole(number) => Some(self.triangles[number as usize].owner),
+            State::Empty | State::Written => None,
+        }
+    }
+
     /// Reports all owners, row by row.
     pub(super) fn report(&self, report: &mut Report) {
         let Rect { x0, y0, x1, y1 } = self.samples.rect;

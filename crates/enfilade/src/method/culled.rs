@@ -53,6 +53,54 @@ where
             cover: PhantomData,
         })
     }
+
+    /// Starts a cover over, with the occluders that are worth most.
+    fn fill(&self, cover: &mut C, passage: &Passage, memory: &mut Memory) {
+        let mut choice = memory.take::<Choice>();
+        let mut room = memory.take::<OccluderRoom>();
+        cover.clear(passage);
+        let budget = memory.occluders.unwrap_or(C::OCCLUDERS) as usize;
+        let set = &self.occluders;
+        let mut choosing = set.choosing(&self.content, passage, C::MEASURE, &mut choice);
+        for _ in 0..budget {
+            let Some(chosen) = choosing.next(|region| !cover.hides(region)) else {
+                break;
+            };
+            if let Some(occluder) = set.on_screen(&self.content, passage, &chosen, &mut room) {
+                memory.stats.occluders += 1;
+                cover.hide(&occluder, passage, &mut memory.stats);
+            }
+        }
+        memory.put_back(choice);
+        memory.put_back(room);
+    }
+
+    /// Reports what may be seen past the cover, which knows at the end all that hides.
+    fn look(&self, cover: &mut C, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
+        let mut scratch = memory.take::<O::Scratch>();
+        let mut found = memory.take::<Found>();
+        self.fill(cover, passage, memory);
+        memory.marks.begin(self.content.items().len());
+        let mut walk = Walk {
+            passage,
+            content: &self.content,
+            cover,
+            marks: &mut memory.marks,
+            stats: &mut memory.stats,
+            found: &mut found,
+        };
+        self.order.visit(&self.content, passage, &mut scratch, &mut walk);
+        if C::TAKES_FACES {
+            walk.look_again();
+        }
+        report_owners(&mut found.clusters, &self.content, seen);
+        found.clusters.clear();
+        for opening in found.openings.drain(..) {
+            seen.opening(opening, None);
+        }
+        memory.put_back(scratch);
+        memory.put_back(found);
+    }
 }
 
 /// What is found by a walk: clusters and openings that nothing hides.
@@ -161,46 +209,21 @@ where
 
     fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
         let mut cover = memory.take::<C>();
-        let mut scratch = memory.take::<O::Scratch>();
-        let mut choice = memory.take::<Choice>();
-        let mut room = memory.take::<OccluderRoom>();
-        let mut found = memory.take::<Found>();
-        cover.clear(passage);
-        let budget = memory.occluders.unwrap_or(C::OCCLUDERS) as usize;
-        let set = &self.occluders;
-        for chosen in set.choose(&self.content, passage, C::MEASURE, budget, &mut choice) {
-            if let Some(occluder) = set.on_screen(&self.content, passage, chosen, &mut room) {
-                memory.stats.occluders += 1;
-                cover.hide(&occluder, passage, &mut memory.stats);
-            }
-        }
-        memory.marks.begin(self.content.items().len());
-        let mut walk = Walk {
-            passage,
-            content: &self.content,
-            cover: &mut *cover,
-            marks: &mut memory.marks,
-            stats: &mut memory.stats,
-            found: &mut found,
-        };
-        self.order.visit(&self.content, passage, &mut scratch, &mut walk);
-        if C::TAKES_FACES {
-            walk.look_again();
-        }
-        report_owners(&mut found.clusters, &self.content, seen);
-        found.clusters.clear();
-        for opening in found.openings.drain(..) {
-            seen.opening(opening, None);
-        }
+        self.look(&mut cover, passage, memory, seen);
         memory.put_back(cover);
-        memory.put_back(scratch);
-        memory.put_back(choice);
-        memory.put_back(room);
-        memory.put_back(found);
     }
 
     fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: &mut dyn Canvas) {
         draw_gathered(&self.content, passage, memory, seen, canvas);
+        if canvas.wants_cover() {
+            // Other passages have used it since it was asked.
+            let mut cover = memory.take::<C>();
+            let stats = memory.stats;
+            self.look(&mut cover, passage, memory, &mut Seen::default());
+            memory.stats = stats;
+            cover.show(passage, canvas);
+            memory.put_back(cover);
+        }
     }
 
     fn cast(&self, ray: &Ray) -> Option<Hit> {

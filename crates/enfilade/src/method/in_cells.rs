@@ -6,11 +6,12 @@
 //!     resolution than the screen, and another rasteriser draws.
 //! Conservative at the screen's samples, and at any place between them.
 
+use super::enlarged::Enlarged;
 use super::gathered::draw_gathered;
 use crate::aperture::CellRoom;
 use crate::canvas::Canvas;
 use crate::content::{Alpha, Content, ItemId, Opening, OpeningId};
-use crate::cover::{Coarse, Surface};
+use crate::cover::{Coarse, Cover, Surface};
 use crate::faces::{Faces, Of};
 use crate::fragment::{Built, Contract, Fragment, Hit, Ray, Surface as FaceSurface};
 use crate::geom::Aabb;
@@ -80,14 +81,21 @@ impl<C: Coarse> Visit for Walk<'_, C> {
 }
 
 impl<M: InParts> InCells<M> {
-    fn gather_in_cells(&self, cells: [u32; 2], passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
+    fn look(
+        &self,
+        cells: [u32; 2],
+        whole: &Passage,
+        memory: &mut Memory,
+        seen: &mut Seen,
+        canvas: Option<&mut dyn Canvas>,
+    ) {
         let content = self.0.content();
         let mut room = memory.take::<CellRoom>();
         let mut cover = memory.take::<M::Cover>();
         let mut surface = memory.take::<Surface>();
         let mut scratch = memory.take::<<M::Order as Order>::Scratch>();
         let mut found = memory.take::<Found>();
-        let passage = passage.in_cells(cells, &mut room);
+        let passage = whole.in_cells(cells, &mut room);
         cover.clear_cells(&passage);
         surface.clear(&passage);
         memory.marks.begin(content.items().len());
@@ -106,6 +114,9 @@ impl<M: InParts> InCells<M> {
         found.clusters.clear();
         for opening in found.openings.drain(..) {
             seen.opening(opening, None);
+        }
+        if let Some(canvas) = canvas {
+            cover.show(&passage, &mut Enlarged::new(canvas, whole, cells));
         }
         room.take_back(passage.aperture);
         memory.put_back(room);
@@ -158,16 +169,20 @@ impl<M: InParts> Fragment for InCells<M> {
 
     fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
         match memory.cover_size {
-            Some(cells) => self.gather_in_cells(cells, passage, memory, seen),
+            Some(cells) => self.look(cells, passage, memory, seen, None),
             None => self.0.gather(passage, memory, seen),
         }
     }
 
     fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: &mut dyn Canvas) {
-        if memory.cover_size.is_some() {
-            draw_gathered(self.0.content(), passage, memory, seen, canvas);
-        } else {
-            self.0.draw(passage, memory, seen, canvas);
+        let Some(cells) = memory.cover_size else {
+            return self.0.draw(passage, memory, seen, canvas);
+        };
+        draw_gathered(self.0.content(), passage, memory, seen, canvas);
+        if canvas.wants_cover() {
+            let stats = memory.stats;
+            self.look(cells, passage, memory, &mut Seen::default(), Some(canvas));
+            memory.stats = stats;
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod count;
 mod culled;
+mod enlarged;
 mod gathered;
 mod in_cells;
 mod paired;
@@ -9,6 +10,7 @@ mod paired;
 pub use culled::Culled;
 pub use paired::Paired;
 
+use crate::canvas::CoverShape;
 use crate::content::Content;
 use crate::cover::{
     ByBox, ByFaces, Cover, DepthBuffer, DepthPyramid, Mask, MaskedDepth, Nothing, OcclusionTree, SpanBuffer,
@@ -238,6 +240,22 @@ impl Method {
             Method::Masked => MaskedDepth::needs_bytes(size),
             Method::Svbsp => OcclusionTree::<ByFaces>::needs_bytes(size),
             Method::Mobsp => OcclusionTree::<ByBox>::needs_bytes(size),
+        }
+    }
+}
+
+impl Method {
+    /// What its cover divides the screen into; `None` where that is nothing worth a picture.
+    pub fn cover_shape(self) -> Option<CoverShape> {
+        match self {
+            Method::BspFront => Mask::SHAPE,
+            Method::PainterMin | Method::PainterMean | Method::Bsp => Nothing::SHAPE,
+            Method::ZBuffer => DepthBuffer::SHAPE,
+            Method::SBuffer | Method::HierarchicalS => SpanBuffer::SHAPE,
+            Method::HierarchicalZ => DepthPyramid::SHAPE,
+            Method::Masked => MaskedDepth::SHAPE,
+            Method::Svbsp => OcclusionTree::<ByFaces>::SHAPE,
+            Method::Mobsp => OcclusionTree::<ByBox>::SHAPE,
         }
     }
 }

@@ -93,7 +93,10 @@ where
                 cover.look_through(&faces, passage, &mut memory.stats, seen);
             }
         }
-        cover.finish(&self.content, passage, seen, canvas);
+        cover.finish(&self.content, passage, seen, reborrow(&mut canvas));
+        if let Some(canvas) = canvas.filter(|canvas| canvas.wants_cover()) {
+            cover.show(passage, canvas);
+        }
         memory.stats.samples_owned += seen.samples_owned;
         if primes {
             memory.recall.remember(passage, seen.clusters_of_items(), last);

@@ -2,18 +2,20 @@
 //!
 //! What waits (nodes over the items, items, nodes over their polygons, polygons) stands in one queue by the most that
 //! anything in its box can measure; what is measured itself, by that. So polygons come out best first, and what is far,
-//! small or out of view is never entered.
+//! small or out of view is never entered. Who lets each occluder hide before the next is chosen says what is hidden by
+//! then: that is not entered either. Else most of the best stand behind others, and the more so the larger the scene.
 //! Source: Coorg, Teller, Real-Time Occlusion Culling for Models with Large Occluders, I3D 1997, section 3.3; the queue is
 //!     that of Hart, Nilsson, Raphael, A Formal Basis for the Heuristic Determination of Minimum Cost Paths, 1968.
 //! Cost: O(boxes met · log waiting), about a few for each occluder chosen; no memory is asked for once warm.
-//! The answer is that of measuring every polygon of every item, to the last of them.
+//! Where nothing is called hidden, the answer is that of measuring every polygon of every item, to the last of them.
 
 use super::measure::{Chooser, Entered, Measure};
 use super::{OccluderSet, Polygon, cofactor, greatest_stretch};
 use crate::content::{Content, ItemId};
 use crate::geom::Aabb;
 use crate::passage::Passage;
-use glam::DVec3;
+use crate::region::Region;
+use glam::{DAffine3, DVec3};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -124,12 +126,25 @@ impl OccluderSet {
         budget: usize,
         choice: &'a mut Choice,
     ) -> &'a [Chosen] {
+        let mut choosing = self.choosing(content, passage, measure, choice);
+        while choosing.choice.chosen.len() < budget && choosing.next(|_| true).is_some() {}
+        &choice.chosen
+    }
+
+    /// Begins to choose, one occluder after the other.
+    pub(crate) fn choosing<'a>(
+        &'a self,
+        content: &'a Content,
+        passage: &'a Passage,
+        measure: Measure,
+        choice: &'a mut Choice,
+    ) -> Choosing<'a> {
         choice.waiting.clear();
         choice.entered.clear();
         choice.chosen.clear();
         choice.met = 0;
         let chooser = Chooser::new(self, content, passage, measure);
-        if let Some(root) = self.tree.root().filter(|_| budget > 0) {
+        if let Some(root) = self.tree.root() {
             let most = chooser.most(
                 &passage.screen_from_fragment,
                 self.tree.bounds(root),
@@ -139,28 +154,7 @@ impl OccluderSet {
             );
             choice.push(most, What::Node(root));
         }
-        while let Some(Waiting { most, what }) = choice.waiting.pop() {
-            match what {
-                What::Node(node) => chooser.enter_node(node, choice),
-                What::Item(item) => chooser.enter_item(ItemId(item), choice),
-                What::MeshNode { entered, node } => chooser.enter_mesh_node(entered, node, choice),
-                What::Polygon { entered, place } => chooser.measure(entered, place, choice),
-                What::Measured { item, place } => {
-                    let item = ItemId(item);
-                    let first = self.meshes[content.item(item).mesh.0 as usize].polygons[0];
-                    choice.chosen.push(Chosen {
-                        item,
-                        polygon: place - first,
-                        value: most,
-                        place,
-                    });
-                    if choice.chosen.len() == budget {
-                        break;
-                    }
-                }
-            }
-        }
-        &choice.chosen
+        Choosing { chooser, choice }
     }
 
     /// What [`OccluderSet::choose`] must answer, by measuring everything.
@@ -204,6 +198,62 @@ impl OccluderSet {
 
     pub(super) fn polygon(&self, chosen: &Chosen) -> &Polygon {
         &self.polygons[chosen.place as usize]
+    }
+}
+
+/// A choice at work.
+pub(crate) struct Choosing<'a> {
+    chooser: Chooser<'a>,
+    choice: &'a mut Choice,
+}
+
+impl Choosing<'_> {
+    /// The best occluder of those that are left, but for what is in a box that `sees` says no of: what hides all of it
+    /// hides all that it would hide.
+    pub(crate) fn next(&mut self, mut sees: impl FnMut(&Region) -> bool) -> Option<Chosen> {
+        let Choosing { chooser, choice } = self;
+        let Chooser {
+            set,
+            content,
+            passage,
+            ..
+        } = *chooser;
+        let mut may_be_seen = |screen_from_local: &DAffine3, bounds: &Aabb| {
+            Region::of(passage, screen_from_local, bounds).is_some_and(|region| sees(&region))
+        };
+        while let Some(Waiting { most, what }) = choice.waiting.pop() {
+            match what {
+                What::Node(node) => {
+                    if may_be_seen(&passage.screen_from_fragment, set.tree.bounds(node)) {
+                        chooser.enter_node(node, choice);
+                    }
+                }
+                What::Item(item) => {
+                    if may_be_seen(&passage.screen_from_fragment, &content.item(ItemId(item)).bounds) {
+                        chooser.enter_item(ItemId(item), choice);
+                    }
+                }
+                What::MeshNode { entered, node } => chooser.enter_mesh_node(entered, node, choice),
+                What::Polygon { entered, place } => chooser.measure(entered, place, choice),
+                What::Measured { item, place } => {
+                    let item = ItemId(item);
+                    let screen_from_item = passage.screen_from(&content.item(item).transform());
+                    if !may_be_seen(&screen_from_item, &set.polygons[place as usize].bounds) {
+                        continue;
+                    }
+                    let first = set.meshes[content.item(item).mesh.0 as usize].polygons[0];
+                    let chosen = Chosen {
+                        item,
+                        polygon: place - first,
+                        value: most,
+                        place,
+                    };
+                    choice.chosen.push(chosen);
+                    return Some(chosen);
+                }
+            }
+        }
+        None
     }
 }
 

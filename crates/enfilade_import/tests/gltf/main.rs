@@ -7,4 +7,5 @@ mod hostile;
 mod nodes;
 mod scenes;
 mod shapes;
+mod unsound;
 mod warnings;

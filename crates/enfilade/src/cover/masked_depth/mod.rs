@@ -18,6 +18,7 @@ mod faces;
 mod fill;
 mod grid;
 mod outline;
+mod show;
 #[cfg(test)]
 mod tests;
 mod tile;
@@ -25,6 +26,7 @@ mod tile;
 use super::raster::Raster;
 use super::{Cover, Hides};
 use crate::aperture::Rect;
+use crate::canvas::{Canvas, CoverShape};
 use crate::faces::Faces;
 use crate::occluders::{Measure, Occluder};
 use crate::order::Unsorted;
@@ -81,6 +83,12 @@ impl Cover for MaskedDepth {
     fn needs_bytes(size: [u32; 2]) -> u64 {
         let tiles = u64::from(size[0].div_ceil(COLUMNS as u32)) * u64::from(size[1].div_ceil(ROWS as u32));
         tiles * (size_of::<Tile>() + size_of::<f32>()) as u64
+    }
+
+    const SHAPE: Option<CoverShape> = Some(CoverShape::Tiles);
+
+    fn show(&mut self, passage: &Passage, canvas: &mut dyn Canvas) {
+        self.grid.show(passage, canvas);
     }
 }
 

@@ -118,6 +118,12 @@ impl Tile {
         any
     }
 
+    /// Is the sample one of the working layer?
+    pub(super) fn is_working(&self, x: usize, y: usize) -> bool {
+        let sub = y / SUB_ROWS * (COLUMNS / SUB_COLUMNS) + x / SUB_COLUMNS;
+        self.masks[sub] >> (y % SUB_ROWS * SUB_COLUMNS + x % SUB_COLUMNS) & 1 != 0
+    }
+
     /// At the sample, something is at least as near as this; infinite where it is not open.
     #[inline(always)]
     pub(super) fn known(&self, x: usize, y: usize) -> f32 {

@@ -29,6 +29,7 @@ impl<A> OcclusionTree<A> {
     pub(super) fn insert(&mut self, occluder: &Occluder, near: f64, entry: Option<Entry>) {
         self.pieces.clear();
         self.edges.clear();
+        self.tree.firsts.push(self.tree.nodes.len() as u32);
         let Some(back) = Back::new(occluder.plane, self.tree.far) else {
             return;
         };

@@ -32,11 +32,13 @@ mod by_faces;
 mod insert;
 mod line;
 mod pieces;
+mod show;
 #[cfg(test)]
 mod tests;
 
 use super::{Cover, Hides};
 use crate::aperture::Rect;
+use crate::canvas::{Canvas, CoverShape};
 use crate::occluders::{Measure, Occluder};
 use crate::order::Unsorted;
 use crate::passage::Passage;
@@ -82,6 +84,8 @@ struct Tree {
     far: [f64; 2],
     root: Link,
     nodes: Vec<Node>,
+    /// For each occluder, how many nodes there were before it came.
+    firsts: Vec<u32>,
     /// Lines that bound a place; see [`Tree::gather_above`].
     above: Vec<Line>,
 }
@@ -161,6 +165,12 @@ impl<A: Asks> Cover for OcclusionTree<A> {
         // The pieces of one occluder or face may come to every leaf.
         (MOST_NODES * (size_of::<Node>() + 4 * size_of::<DVec3>())) as u64
     }
+
+    const SHAPE: Option<CoverShape> = Some(CoverShape::Tree);
+
+    fn show(&mut self, passage: &Passage, canvas: &mut dyn Canvas) {
+        self.tree.show(passage, canvas);
+    }
 }
 
 impl<A: Asks> Hides for OcclusionTree<A> {
@@ -170,6 +180,11 @@ impl<A: Asks> Hides for OcclusionTree<A> {
     fn clear(&mut self, passage: &Passage) {
         self.tree
             .open(passage.aperture.outline(), &passage.aperture.rect());
+    }
+
+    fn hides(&mut self, region: &Region) -> bool {
+        // By its faces it would cost more than most occluders save; and so both kinds of tree take the same ones.
+        self.sees_box(&region.volume) == Sight::Hidden
     }
 
     fn hide(&mut self, occluder: &Occluder, passage: &Passage, _stats: &mut Stats) {
@@ -184,6 +199,7 @@ impl Default for Tree {
             far: [0.0; 2],
             root: Link::Lit,
             nodes: Vec::new(),
+            firsts: Vec::new(),
             above: Vec::new(),
         }
     }
@@ -193,6 +209,7 @@ impl Tree {
     /// Starts over with an aperture: its outline, counter-clockwise on the screen, and the rectangle of its samples.
     fn open(&mut self, mut outline: &[[f64; 2]], rect: &Rect) {
         self.nodes.clear();
+        self.firsts.clear();
         self.root = Link::Lit;
         self.aperture.clear();
         let mut min = [rect.x0, rect.y0].map(f64::from);

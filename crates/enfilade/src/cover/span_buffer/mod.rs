@@ -10,6 +10,7 @@
 mod compare;
 mod face;
 mod rows;
+mod show;
 
 use super::raster::{Band, Raster, Sink};
 use super::report::Report;
@@ -18,7 +19,7 @@ use super::trace::Trace;
 use super::triangle::Triangle;
 use super::{Coarse, Cover, Paints};
 use crate::aperture::Rect;
-use crate::canvas::Canvas;
+use crate::canvas::{Canvas, CoverShape};
 use crate::content::Content;
 use crate::faces::Faces;
 use crate::mesh::NONE;
@@ -79,6 +80,12 @@ impl Cover for SpanBuffer {
         // A face of a pixel here and there: in practice far fewer.
         const BYTES_PER_SAMPLE: u64 = 48;
         u64::from(size[0]) * u64::from(size[1]) * BYTES_PER_SAMPLE
+    }
+
+    const SHAPE: Option<CoverShape> = Some(CoverShape::Spans);
+
+    fn show(&mut self, passage: &Passage, canvas: &mut dyn Canvas) {
+        self.show_spans(passage, canvas);
     }
 }
 

@@ -1,98 +1,14 @@
 //! The laws: each is stated once, and holds for every method on every scene.
 
-use enfilade::laws::{OwnerPicture, Reference};
-use enfilade::{Canvas, Contract, Limits, Method, Passage, PassageId, Scene, Span, View, Viewer, VisibleSet};
-use enfilade_scenes::{BuiltIn, Group, Named, SCENES, random_scene};
+mod doors;
+mod subject;
+
+use enfilade::laws::Reference;
+use enfilade::{Canvas, Contract, Method, Passage, PassageId, Span};
+use enfilade_scenes::{BuiltIn, Group, SCENES, random_scene};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use std::collections::BTreeSet;
-use std::sync::LazyLock;
-
-const SIZE: [u32; 2] = [128, 72];
-const LIMIT: u64 = Method::DEFAULT_LIMIT;
-
-/// Crossings that all parties are held to: two mirrors face to face would go on for ever.
-fn limits() -> Limits {
-    let mut limits = Limits::default();
-    limits.max_crossings = 6;
-    limits
-}
-
-fn viewer() -> Viewer {
-    let mut viewer = Viewer::new();
-    viewer.set_limits(limits());
-    viewer
-}
-
-fn seen_by(method: Method, scene: &Scene) -> Scene {
-    scene
-        .with_method(method, LIMIT)
-        .expect("the scenes of the laws are small")
-}
-
-/// What the laws look at.
-struct Subject {
-    name: &'static str,
-    built: BuiltIn,
-    /// The scene as each method sees it.
-    seen: Vec<(Method, Scene)>,
-}
-
-impl Subject {
-    fn new(name: &'static str, built: BuiltIn) -> Subject {
-        let seen = Method::ALL.map(|method| (method, seen_by(method, &built.scene)));
-        Subject {
-            name,
-            built,
-            seen: seen.into(),
-        }
-    }
-
-    fn seen_by(&self, wanted: Method) -> &Scene {
-        let mut all = self.seen.iter();
-        let (_, scene) = all.find(|(method, _)| *method == wanted).expect("every method");
-        scene
-    }
-
-    fn camera(&self, name: &str) -> View {
-        let mut cameras = self.built.cameras.iter();
-        let camera = cameras.find(|camera| camera.name == name);
-        camera.expect("a camera of that scene").view(SIZE)
-    }
-}
-
-/// All built-in scenes. They are built once, for some take a second.
-fn subjects() -> &'static [Subject] {
-    static SUBJECTS: LazyLock<Vec<Subject>> = LazyLock::new(|| {
-        let build = |named: &Named| Subject::new(named.name, named.build());
-        SCENES.iter().map(build).collect()
-    });
-    &SUBJECTS
-}
-
-fn subject(name: &str) -> &'static Subject {
-    let mut all = subjects().iter();
-    all.find(|subject| subject.name == name)
-        .expect("a built-in scene")
-}
-
-fn drawn(viewer: &mut Viewer, scene: &Scene, view: &View) -> OwnerPicture {
-    let mut picture = OwnerPicture::new(view.size);
-    viewer.draw(scene, view, &mut picture);
-    picture
-}
-
-/// The set as names, for comparing: FRAGMENT/ITEM.
-fn names(scene: &Scene, set: &VisibleSet) -> BTreeSet<String> {
-    let name = |item: &enfilade::VisibleItem| {
-        let fragment = set.passage(item.passage).fragment;
-        let content = scene
-            .content(fragment)
-            .expect("built-in scenes have no fragments of the user's own");
-        format!("{}/{}", scene.fragment_name(fragment), content.name(item.item))
-    };
-    set.items().iter().map(name).collect()
-}
+use subject::{SIZE, Subject, drawn, limits, names, subject, subjects, viewer};
 
 /// Holds every method to its contract on every camera; gives the number of items that the reference sees for certain.
 fn every_method_keeps_its_contract(subject: &Subject, size: [u32; 2]) -> usize {
@@ -322,74 +238,6 @@ fn a_limit_of_crossings_is_told() {
     );
     let BuiltIn { scene, cameras } = &subject("two-rooms").built;
     assert!(viewer.look(scene, &cameras[0].view(SIZE)).complete());
-}
-
-/// What is seen of a scene from one of its cameras, by every method, must be this; by exact ones, nothing else of what
-/// is named.
-fn sees(scene: &str, camera: &str, seen: &[&str], hidden: &[&str]) {
-    let subject = subject(scene);
-    for (method, scene) in &subject.seen {
-        let mut viewer = viewer();
-        viewer.look(scene, &subject.camera(camera));
-        let names = names(scene, viewer.visible());
-        let is_seen = |item: &str| names.iter().any(|name| name.ends_with(&format!("/{item}")));
-        let place = format!("on @{} from `{camera}`: {names:?}", subject.name);
-        for item in seen {
-            assert!(is_seen(item), "{method} misses `{item}` {place}");
-        }
-        // Others may say more than is seen.
-        for item in hidden.iter().filter(|_| method.contract() == Contract::Exact) {
-            assert!(!is_seen(item), "{method} sees `{item}` {place}");
-        }
-    }
-}
-
-#[test]
-fn a_door_shows_only_what_is_in_line_with_it() {
-    sees(
-        "two-rooms",
-        "in line",
-        &["ball", "near box"],
-        &["left box", "right box"],
-    );
-    sees("two-rooms", "away", &[], &["ball", "left box", "right box"]);
-}
-
-#[test]
-fn a_pillar_before_a_door_hides_what_is_right_behind_it() {
-    sees("pillar", "covered", &["pillar", "left", "right"], &["behind"]);
-}
-
-#[test]
-fn openings_are_holes_when_no_portal_is_followed() {
-    let built = &subject("two-rooms").built;
-    let flat = built.scene.without_portals();
-    let mut viewer = viewer();
-    let set = viewer.look(&flat, &built.cameras[0].view(SIZE));
-    assert_eq!(set.passages().len(), 1);
-    assert!(!set.items().is_empty());
-    let reference = Reference::new(&flat);
-    let view = built.cameras[0].view(SIZE);
-    let truth = reference.see(&flat, &view, &limits());
-    let picture = drawn(&mut viewer, &flat, &view);
-    assert_eq!(truth.check(viewer.visible(), Some(&picture)).pixels_different, 0);
-}
-
-#[test]
-fn a_closed_door_shows_nothing_of_what_is_behind_it() {
-    let built = &subject("two-rooms").built;
-    let doors: Vec<_> = (0..built.scene.portals().len() as u32)
-        .map(enfilade::PortalId)
-        .collect();
-    let mut scene = built.scene.clone();
-    doors.iter().for_each(|&door| scene.set_open(door, false));
-    let mut viewer = viewer();
-    let view = built.cameras[0].view(SIZE);
-    assert_eq!(viewer.look(&scene, &view).passages().len(), 1);
-    let truth = Reference::new(&scene).see(&scene, &view, &limits());
-    let picture = drawn(&mut viewer, &scene, &view);
-    let verdict = truth.check(viewer.visible(), Some(&picture));
-    assert_eq!((verdict.missed.len(), verdict.pixels_different), (0, 0));
 }
 
 #[test]

@@ -6,15 +6,17 @@
 //!     plainly seen; cells are brought up to date when a test needs them, not at each depth written.
 //! Exact: an owner is kept beside each depth; a box is tested by its nearest corner, so nothing seen is dropped.
 
-use super::raster::{Band, Raster, Sink};
-use super::report::Report;
-use super::samples::look_through;
-use super::tiles::{TILE_SHIFT, Tiles};
-use super::triangle::Triangle;
-use super::{Coarse, Cover, Paints};
+mod show;
+
 use crate::aperture::Rect;
-use crate::canvas::Canvas;
+use crate::canvas::{Canvas, CoverShape};
 use crate::content::Content;
+use crate::cover::raster::{Band, Raster, Sink};
+use crate::cover::report::Report;
+use crate::cover::samples::look_through;
+use crate::cover::tiles::{TILE_SHIFT, Tiles};
+use crate::cover::triangle::Triangle;
+use crate::cover::{Coarse, Cover, Paints};
 use crate::faces::Faces;
 use crate::order::Unsorted;
 use crate::passage::Passage;
@@ -69,6 +71,12 @@ impl Cover for DepthPyramid {
     fn needs_bytes(size: [u32; 2]) -> u64 {
         let tiles = size.map(|side| u64::from(side.div_ceil(1 << TILE_SHIFT)));
         Tiles::needs_bytes(size) + tiles[0] * tiles[1] * size_of::<Cell>() as u64
+    }
+
+    const SHAPE: Option<CoverShape> = Some(CoverShape::Pyramid);
+
+    fn show(&mut self, passage: &Passage, canvas: &mut dyn Canvas) {
+        self.depths.show(passage, canvas);
     }
 }
 

@@ -1,0 +1,297 @@
+//! How looks grow with the scene: copies of the palace in a grid, as one fragment and without portals, from 3·10⁵
+//! triangles to 10⁹.
+//!
+//! Every copy stands on the same meshes. The eye is in rooms of the copy in the middle, whose doors are plain holes, and
+//! sees the same things however many copies there are: another number than the table's is an error, not a time. Twelve
+//! views end on the walls of four rooms; those along the enfilade, over the court and into a mirror, which without its
+//! portal is a hole in the wall, are told apart, for from there more is in sight where there is more.
+//!
+//! Run by `cargo test` it stops at 10⁷ triangles, and only counts.
+#![allow(clippy::print_stdout, reason = "a bench prints its table")]
+
+use enfilade::{
+    Content, ContentBuilder, Contract, FragmentId, Mesh, MeshId, Method, Scene, SceneBuilder, Transform,
+    View, Viewer,
+};
+use enfilade_scenes::BuiltIn;
+use std::collections::HashMap;
+use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
+use std::time::Instant;
+
+const SIZE: [u32; 2] = [1280, 720];
+
+/// The rooms of the smallest scene: views of them end there.
+const FOUR_ROOMS: [&str; 4] = ["Treasury", "Porcelain Cabinet", "Red Salon", "Green Salon"];
+
+/// Copies along x, y and z; the first is of the four rooms alone.
+const GRIDS: [[i32; 3]; 5] = [[1; 3], [1; 3], [3; 3], [5; 3], [8; 3]];
+
+/// From one copy to the next, in metres: they stand 9 m apart, or one above the other 4 m.
+const STEP: [f32; 3] = [134.0, 20.0, 137.0];
+
+/// Cameras, quarter turns to the right, and the items that are seen from there.
+const INSIDE: [(&str, u8, usize); 12] = [
+    ("porcelain cabinet", 0, 162),
+    ("porcelain cabinet", 1, 65),
+    ("porcelain cabinet", 2, 6),
+    ("porcelain cabinet", 3, 20),
+    ("treasury", 0, 169),
+    ("treasury", 1, 34),
+    ("green salon", 1, 25),
+    ("green salon", 2, 5),
+    ("green salon", 3, 8),
+    ("red salon", 1, 10),
+    ("red salon", 2, 6),
+    ("red salon", 3, 37),
+];
+
+/// From where one sees through many doors, or out.
+const OUTWARD: [(&str, u8); 3] = [("enfilade", 0), ("mirror room", 0), ("court", 0)];
+
+/// By how much the boxes that a look from inside asks about may grow from the smallest scene to the largest, for the view
+/// in the middle: trees are deeper, and past the edges of a doorway methods that hold no picture see a little of what
+/// the wall around it hides.
+const MOST_GROWTH: f64 = 2.0;
+
+/// Bytes of a content for each more item, at most.
+const BYTES_AN_ITEM: u64 = 100;
+
+/// Bytes of anything that a method builds for each more item, at most.
+const BYTES_BUILT: u64 = 200;
+
+const METHODS: [Method; 5] = [
+    Method::HierarchicalZ,
+    Method::HierarchicalS,
+    Method::Masked,
+    Method::Svbsp,
+    Method::Mobsp,
+];
+
+const ROUNDS: usize = 9;
+
+/// What a look from inside comes to, over all views.
+struct Counted {
+    items: usize,
+    /// Boxes asked about, view by view.
+    boxes: Vec<f64>,
+}
+
+/// A scene of one fragment, and what it took.
+struct Grown {
+    scene: Scene,
+    build_ms: f64,
+}
+
+/// The palace's rooms: what is reached through doors alone. The doll's house has measures of its own.
+fn rooms(palace: &Scene) -> Vec<FragmentId> {
+    let is_door = |there: &Transform| there.columns() == Transform::IDENTITY.columns();
+    let mut found = vec![FragmentId(0)];
+    let mut at = 0;
+    while at < found.len() {
+        for portal in palace.portals() {
+            let leads_on = portal.from == found[at] && is_door(&portal.there_from_here);
+            if leads_on && !found.contains(&portal.to) {
+                found.push(portal.to);
+            }
+        }
+        at += 1;
+    }
+    found
+}
+
+/// Copies of rooms in a grid, the middle one where the rooms are.
+fn copies(palace: &Scene, rooms: &[FragmentId], grid: [i32; 3]) -> Content {
+    let contents: Vec<&Content> = rooms
+        .iter()
+        .map(|&room| &**palace.content(room).expect("a room of ours"))
+        .collect();
+    let materials = contents[0].materials();
+    let mut builder = ContentBuilder::new(materials);
+    let mut meshes: HashMap<*const Mesh, MeshId> = HashMap::new();
+    let mut placed = Vec::new();
+    for content in contents {
+        assert_eq!(content.materials(), materials, "one table for all");
+        for item in content.items() {
+            let mesh = &content.meshes()[item.mesh.0 as usize];
+            let mesh = *meshes
+                .entry(Arc::as_ptr(mesh))
+                .or_insert_with(|| builder.mesh(Arc::clone(mesh)));
+            placed.push((mesh, item.transform()));
+        }
+    }
+    let along = |axis: usize| (0..grid[axis]).map(move |i| (i - grid[axis] / 2) as f32 * STEP[axis]);
+    for x in along(0) {
+        for y in along(1) {
+            for z in along(2) {
+                let copy = Transform::translation([x, y, z]);
+                for &(mesh, place) in &placed {
+                    builder.item("", mesh, copy * place);
+                }
+            }
+        }
+    }
+    builder.build().expect("a palace beside a palace")
+}
+
+/// A camera of the palace, turned.
+fn view(palace: &BuiltIn, name: &str, turns: u8) -> View {
+    let camera = palace.cameras.iter().find(|camera| camera.name == name);
+    let camera = camera.expect("a camera of the palace");
+    let (sine, cosine) = (f64::from(turns) * FRAC_PI_2).sin_cos();
+    let [eye, toward] = [camera.eye, camera.toward].map(|at| at.map(f64::from));
+    let [x, z] = [toward[0] - eye[0], toward[2] - eye[2]];
+    let toward = [
+        eye[0] + x * cosine - z * sine,
+        toward[1],
+        eye[2] + x * sine + z * cosine,
+    ];
+    View::new(camera.eye, toward.map(|value| value as f32), SIZE)
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
+}
+
+/// Holds what is seen from inside against the table, and counts.
+fn count(scene: &Scene, method: Method, views: &[View], viewer: &mut Viewer) -> Counted {
+    let mut counted = Counted {
+        items: 0,
+        boxes: Vec::new(),
+    };
+    for (view, (camera, turns, expected)) in views.iter().zip(INSIDE) {
+        let seen = viewer.look(scene, view).items().len();
+        counted.items += seen;
+        counted.boxes.push(viewer.stats().boxes_tested as f64);
+        let right = match method.contract() {
+            Contract::Exact => seen == expected,
+            _ => seen >= expected,
+        };
+        let triangles = scene.triangle_count();
+        assert!(
+            right,
+            "{method}, {triangles} triangles, {camera} turned {turns} times: {seen}, not {expected}"
+        );
+    }
+    counted
+}
+
+/// For each size, the milliseconds of each view's look: the median of some rounds, the sizes in turn.
+fn times(grown: &[Grown], views: &[View], viewers: &mut [Viewer]) -> Vec<Vec<f64>> {
+    let mut times = vec![vec![Vec::with_capacity(ROUNDS); views.len()]; grown.len()];
+    for _ in 0..ROUNDS {
+        for ((grown, viewer), times) in grown.iter().zip(&mut *viewers).zip(&mut times) {
+            for (view, times) in views.iter().zip(times) {
+                let start = Instant::now();
+                viewer.look(&grown.scene, view);
+                times.push(start.elapsed().as_secs_f64() * 1e3);
+            }
+        }
+    }
+    let medians = |views: Vec<Vec<f64>>| views.into_iter().map(median).collect();
+    times.into_iter().map(medians).collect()
+}
+
+fn main() {
+    let all = std::env::args().any(|argument| argument == "--bench");
+    let palace = enfilade_scenes::built_in("enfilade").expect("it is built in");
+    let rooms = rooms(&palace.scene);
+    let is_of_four = |room: &FragmentId| FOUR_ROOMS.contains(&palace.scene.fragment_name(*room));
+    let four: Vec<FragmentId> = rooms.iter().copied().filter(is_of_four).collect();
+    let grids = if all {
+        &GRIDS[..]
+    } else {
+        &[[1; 3], [1; 3], [2; 3]]
+    };
+
+    println!(
+        "{:>14}{:>11}{:>22}{:>10}",
+        "triangles", "items", "bytes/more item", "build ms"
+    );
+    let mut plain: Vec<Grown> = Vec::new();
+    for (number, &grid) in grids.iter().enumerate() {
+        let start = Instant::now();
+        let content = copies(&palace.scene, if number == 0 { &four } else { &rooms }, grid);
+        let build_ms = start.elapsed().as_secs_f64() * 1e3;
+        let mut builder = SceneBuilder::new();
+        builder.add("palaces", content, Method::ZBuffer);
+        let scene = builder.build().expect("one fragment");
+        plain.push(Grown { scene, build_ms });
+        say_size(&plain, BYTES_AN_ITEM);
+    }
+
+    let inside: Vec<View> = INSIDE
+        .iter()
+        .map(|&(camera, turns, _)| view(&palace, camera, turns))
+        .collect();
+    let outward: Vec<View> = OUTWARD
+        .iter()
+        .map(|&(camera, turns)| view(&palace, camera, turns))
+        .collect();
+    for method in METHODS {
+        println!("\n{method}");
+        let mut grown: Vec<Grown> = Vec::new();
+        for Grown { scene, .. } in &plain {
+            let start = Instant::now();
+            let scene = scene.with_method(method, u64::MAX).expect("no limit");
+            let build_ms = start.elapsed().as_secs_f64() * 1e3;
+            grown.push(Grown { scene, build_ms });
+            say_size(&grown, BYTES_AN_ITEM + BYTES_BUILT);
+        }
+        let mut viewers: Vec<Viewer> = grown.iter().map(|_| Viewer::new()).collect();
+        let counted: Vec<Counted> = grown
+            .iter()
+            .zip(&mut viewers)
+            .map(|(grown, viewer)| count(&grown.scene, method, &inside, viewer))
+            .collect();
+        let items: Vec<usize> = counted.iter().map(|counted| counted.items).collect();
+        let [first, last] = [&counted[0].boxes, &counted[counted.len() - 1].boxes];
+        let growth = median(growth(first, last));
+        println!("  items inside {items:?}; boxes asked about grow {growth:.2} times");
+        assert!(
+            growth < MOST_GROWTH,
+            "{method}: boxes asked about grow {growth:.2} times"
+        );
+        if all {
+            say_times("inside", &times(&grown, &inside, &mut viewers));
+            say_times("outward", &times(&grown[1..], &outward, &mut viewers[1..]));
+        }
+    }
+}
+
+/// How often the first goes into the last, view by view.
+fn growth(first: &[f64], last: &[f64]) -> Vec<f64> {
+    last.iter().zip(first).map(|(last, first)| last / first).collect()
+}
+
+/// Prints the last of several sizes, and holds that its memory grows with the items alone: from the whole palace on,
+/// which has all meshes.
+fn say_size(grown: &[Grown], most_bytes: u64) {
+    let last = &grown[grown.len() - 1];
+    let (scene, build_ms) = (&last.scene, last.build_ms);
+    print!("{:14}{:11}", scene.triangle_count(), scene.item_count());
+    if grown.len() > 2 {
+        let first = &grown[1].scene;
+        let more = (scene.item_count() - first.item_count()) as u64;
+        let bytes = (scene.bytes() - first.bytes()) / more;
+        println!("{bytes:22}{build_ms:10.0}");
+        assert!(bytes <= most_bytes, "{bytes} bytes for each more item");
+    } else {
+        println!("{:>22}{build_ms:10.0}", format!("({} in all)", scene.bytes()));
+    }
+}
+
+/// Prints the median look of each size, and how the last compares with the first.
+fn say_times(what: &str, times: &[Vec<f64>]) {
+    print!("  look {what:8}");
+    for views in times {
+        print!("{:9.2}", median(views.clone()));
+    }
+    let ratios = growth(&times[0], &times[times.len() - 1]);
+    let most = ratios.iter().copied().fold(0.0, f64::max);
+    println!(
+        " ms; a view grows {:.2} times in the middle, {most:.2} at most",
+        median(ratios)
+    );
+}

@@ -1,0 +1,36 @@
+//! How a cover shows itself: row by row, within the aperture.
+
+use crate::aperture::Rect;
+use crate::canvas::{Canvas, CoverSpan};
+use crate::passage::Passage;
+
+/// Hands the rows of a passage to a canvas; `run` adds the spans of row `y` in the open columns `run[0]..run[1]`.
+///
+/// Allocates: looks do not come here.
+pub(super) fn show_rows(
+    passage: &Passage,
+    canvas: &mut dyn Canvas,
+    mut run: impl FnMut(u16, [u16; 2], &mut Vec<CoverSpan>),
+) {
+    let Rect { y0, y1, .. } = passage.aperture.rect();
+    let (mut open, mut spans) = (Vec::new(), Vec::new());
+    for y in y0..y1 {
+        passage.aperture.open_in_row(y, &mut open);
+        spans.clear();
+        for &columns in &open {
+            run(y, columns, &mut spans);
+        }
+        canvas.cover(y, &spans);
+    }
+}
+
+/// Adds a span, or lengthens the last where it is of the same cell and hidden by the same.
+pub(super) fn push(spans: &mut Vec<CoverSpan>, span: CoverSpan) {
+    match spans.last_mut() {
+        Some(last) if last.x1 == span.x0 && (last.cell, last.by) == (span.cell, span.by) => {
+            last.x1 = span.x1;
+            last.nearness[1] = span.nearness[1];
+        }
+        _ => spans.push(span),
+    }
+}

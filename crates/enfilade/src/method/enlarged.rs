@@ -1,0 +1,53 @@
+//! Shows what a cover in cells knows, at the samples of the screen.
+
+use crate::canvas::{Canvas, CoverSpan, Span};
+use crate::passage::{Passage, PassageId};
+
+/// A canvas of cells that puts them on one of samples, within the aperture there.
+pub(super) struct Enlarged<'a> {
+    canvas: &'a mut dyn Canvas,
+    passage: &'a Passage,
+    /// Cells to a sample.
+    scale: [f64; 2],
+    spans: Vec<CoverSpan>,
+    open: Vec<[u16; 2]>,
+}
+
+impl<'a> Enlarged<'a> {
+    /// For a passage of the whole screen that is shown in so many cells.
+    pub(super) fn new(canvas: &'a mut dyn Canvas, passage: &'a Passage, cells: [u32; 2]) -> Enlarged<'a> {
+        Enlarged {
+            canvas,
+            scale: [0, 1].map(|axis| f64::from(cells[axis]) / f64::from(passage.size[axis])),
+            passage,
+            spans: Vec::new(),
+            open: Vec::new(),
+        }
+    }
+
+    /// The first sample whose centre is not before a cell.
+    fn first(&self, cell: u16, axis: usize) -> u16 {
+        (f64::from(cell) / self.scale[axis] - 0.5).ceil().max(0.0) as u16
+    }
+}
+
+impl Canvas for Enlarged<'_> {
+    fn enter(&mut self, _id: PassageId, _passage: &Passage) {}
+
+    fn row(&mut self, _y: u16, _spans: &[Span]) {}
+
+    fn cover(&mut self, y: u16, spans: &[CoverSpan]) {
+        for row in self.first(y, 1)..self.first(y + 1, 1) {
+            self.spans.clear();
+            self.passage.aperture.open_in_row(row, &mut self.open);
+            for span in spans {
+                let [x0, x1] = [self.first(span.x0, 0), self.first(span.x1, 0)];
+                let within = self.open.iter().map(|open| [open[0].max(x0), open[1].min(x1)]);
+                let seen = within.filter(|[x0, x1]| x0 < x1);
+                self.spans
+                    .extend(seen.map(|[x0, x1]| CoverSpan { x0, x1, ..*span }));
+            }
+            self.canvas.cover(row, &self.spans);
+        }
+    }
+}

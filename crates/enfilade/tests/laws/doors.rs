@@ -1,0 +1,73 @@
+//! What is seen through doors that are open, closed or plain holes.
+
+use crate::subject::{SIZE, drawn, limits, names, subject, viewer};
+use enfilade::Contract;
+use enfilade::laws::Reference;
+
+/// What is seen of a scene from one of its cameras, by every method, must be this; by exact ones, nothing else of what
+/// is named.
+fn sees(scene: &str, camera: &str, seen: &[&str], hidden: &[&str]) {
+    let subject = subject(scene);
+    for (method, scene) in &subject.seen {
+        let mut viewer = viewer();
+        viewer.look(scene, &subject.camera(camera));
+        let names = names(scene, viewer.visible());
+        let is_seen = |item: &str| names.iter().any(|name| name.ends_with(&format!("/{item}")));
+        let place = format!("on @{} from `{camera}`: {names:?}", subject.name);
+        for item in seen {
+            assert!(is_seen(item), "{method} misses `{item}` {place}");
+        }
+        // Others may say more than is seen.
+        for item in hidden.iter().filter(|_| method.contract() == Contract::Exact) {
+            assert!(!is_seen(item), "{method} sees `{item}` {place}");
+        }
+    }
+}
+
+#[test]
+fn a_door_shows_only_what_is_in_line_with_it() {
+    sees(
+        "two-rooms",
+        "in line",
+        &["ball", "near box"],
+        &["left box", "right box"],
+    );
+    sees("two-rooms", "away", &[], &["ball", "left box", "right box"]);
+}
+
+#[test]
+fn a_pillar_before_a_door_hides_what_is_right_behind_it() {
+    sees("pillar", "covered", &["pillar", "left", "right"], &["behind"]);
+}
+
+#[test]
+fn openings_are_holes_when_no_portal_is_followed() {
+    let built = &subject("two-rooms").built;
+    let flat = built.scene.without_portals();
+    let mut viewer = viewer();
+    let set = viewer.look(&flat, &built.cameras[0].view(SIZE));
+    assert_eq!(set.passages().len(), 1);
+    assert!(!set.items().is_empty());
+    let reference = Reference::new(&flat);
+    let view = built.cameras[0].view(SIZE);
+    let truth = reference.see(&flat, &view, &limits());
+    let picture = drawn(&mut viewer, &flat, &view);
+    assert_eq!(truth.check(viewer.visible(), Some(&picture)).pixels_different, 0);
+}
+
+#[test]
+fn a_closed_door_shows_nothing_of_what_is_behind_it() {
+    let built = &subject("two-rooms").built;
+    let doors: Vec<_> = (0..built.scene.portals().len() as u32)
+        .map(enfilade::PortalId)
+        .collect();
+    let mut scene = built.scene.clone();
+    doors.iter().for_each(|&door| scene.set_open(door, false));
+    let mut viewer = viewer();
+    let view = built.cameras[0].view(SIZE);
+    assert_eq!(viewer.look(&scene, &view).passages().len(), 1);
+    let truth = Reference::new(&scene).see(&scene, &view, &limits());
+    let picture = drawn(&mut viewer, &scene, &view);
+    let verdict = truth.check(viewer.visible(), Some(&picture));
+    assert_eq!((verdict.missed.len(), verdict.pixels_different), (0, 0));
+}

@@ -1,0 +1,93 @@
+//! What the laws look at, and how.
+
+use enfilade::laws::OwnerPicture;
+use enfilade::{Limits, Method, Scene, View, Viewer, VisibleSet};
+use enfilade_scenes::{BuiltIn, Named, SCENES};
+use std::collections::BTreeSet;
+use std::sync::LazyLock;
+
+pub(crate) const SIZE: [u32; 2] = [128, 72];
+pub(crate) const LIMIT: u64 = Method::DEFAULT_LIMIT;
+
+/// Crossings that all parties are held to: two mirrors face to face would go on for ever.
+pub(crate) fn limits() -> Limits {
+    let mut limits = Limits::default();
+    limits.max_crossings = 6;
+    limits
+}
+
+pub(crate) fn viewer() -> Viewer {
+    let mut viewer = Viewer::new();
+    viewer.set_limits(limits());
+    viewer
+}
+
+fn seen_by(method: Method, scene: &Scene) -> Scene {
+    scene
+        .with_method(method, LIMIT)
+        .expect("the scenes of the laws are small")
+}
+
+/// What the laws look at.
+pub(crate) struct Subject {
+    pub(crate) name: &'static str,
+    pub(crate) built: BuiltIn,
+    /// The scene as each method sees it.
+    pub(crate) seen: Vec<(Method, Scene)>,
+}
+
+impl Subject {
+    pub(crate) fn new(name: &'static str, built: BuiltIn) -> Subject {
+        let seen = Method::ALL.map(|method| (method, seen_by(method, &built.scene)));
+        Subject {
+            name,
+            built,
+            seen: seen.into(),
+        }
+    }
+
+    pub(crate) fn seen_by(&self, wanted: Method) -> &Scene {
+        let mut all = self.seen.iter();
+        let (_, scene) = all.find(|(method, _)| *method == wanted).expect("every method");
+        scene
+    }
+
+    pub(crate) fn camera(&self, name: &str) -> View {
+        let mut cameras = self.built.cameras.iter();
+        let camera = cameras.find(|camera| camera.name == name);
+        camera.expect("a camera of that scene").view(SIZE)
+    }
+}
+
+/// All built-in scenes. They are built once, for some take a second.
+pub(crate) fn subjects() -> &'static [Subject] {
+    static SUBJECTS: LazyLock<Vec<Subject>> = LazyLock::new(|| {
+        let build = |named: &Named| Subject::new(named.name, named.build());
+        SCENES.iter().map(build).collect()
+    });
+    &SUBJECTS
+}
+
+pub(crate) fn subject(name: &str) -> &'static Subject {
+    let mut all = subjects().iter();
+    all.find(|subject| subject.name == name)
+        .expect("a built-in scene")
+}
+
+pub(crate) fn drawn(viewer: &mut Viewer, scene: &Scene, view: &View) -> OwnerPicture {
+    let mut picture = OwnerPicture::new(view.size);
+    viewer.draw(scene, view, &mut picture);
+    picture
+}
+
+/// The set as names, for comparing: FRAGMENT/ITEM.
+pub(crate) fn names(scene: &Scene, set: &VisibleSet) -> BTreeSet<String> {
+    let name = |item: &enfilade::VisibleItem| {
+        let fragment = set.passage(item.passage).fragment;
+        let content = scene
+            .content(fragment)
+            .expect("built-in scenes have no fragments of the user's own");
+        format!("{}/{}", scene.fragment_name(fragment), content.name(item.item))
+    };
+    set.items().iter().map(name).collect()
+}

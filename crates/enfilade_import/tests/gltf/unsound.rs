@@ -1,0 +1,167 @@
+//! Documents whose nodes, extensions or version break a rule: each is refused with the place and the rule.
+
+use crate::broken::check;
+use crate::file::{File, refusal};
+use serde_json::{Value, json};
+
+#[test]
+fn forests_that_are_none() {
+    check(&[
+        (
+            "two parents",
+            &|j| {
+                j["nodes"] =
+                    json!([{ "name": "Door" }, { "children": [0] }, { "name": "Hall", "children": [0] }])
+            },
+            "node 0 \"Door\" is a child of both node 1 and node 2 \"Hall\"",
+        ),
+        (
+            "a parent that names its child twice",
+            &|j| j["nodes"] = json!([{ "children": [1, 1] }, {}]),
+            "node 1 is a child of both node 0 and node 0",
+        ),
+        (
+            "a node that is its own child",
+            &|j| j["nodes"] = json!([{ "name": "Ouroboros", "children": [0] }]),
+            "in a ring: node 0 \"Ouroboros\", node 0 \"Ouroboros\"",
+        ),
+        (
+            "a ring of three, with a tail",
+            &|j| j["nodes"] = json!([{}, { "children": [3] }, { "children": [1, 0] }, { "children": [2] }]),
+            "in a ring: node 2, node 1, node 3, node 2",
+        ),
+        (
+            "a ring that no scene shows",
+            &|j| {
+                j["nodes"] = json!([{ "mesh": 0 }, { "children": [2] }, { "children": [1] }]);
+                j["scenes"] = json!([{ "nodes": [0] }]);
+            },
+            "in a ring",
+        ),
+        (
+            "a scene that begins in the middle",
+            &|j| {
+                j["nodes"] = json!([{ "name": "House", "children": [1] }, { "name": "Door" }]);
+                j["scenes"] = json!([{ "nodes": [1] }]);
+            },
+            "scene 0 begins with node 1 \"Door\", which is a child of node 0 \"House\"",
+        ),
+    ]);
+}
+
+#[test]
+fn a_long_ring_is_not_told_in_full() {
+    let mut nodes: Vec<Value> = (1..100_000).map(|child| json!({ "children": [child] })).collect();
+    nodes.push(json!({ "children": [0] }));
+    check(&[(
+        "a ring of 100,000",
+        &|j| j["nodes"] = Value::Array(nodes.clone()),
+        "and so on: 99994 more",
+    )]);
+}
+
+#[test]
+fn places_that_are_none() {
+    let huge = 1e39;
+    check(&[
+        (
+            "a matrix with perspective",
+            &|j| j["nodes"][0]["matrix"] = json!([1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]),
+            "node 0 \"Leaf\" has a matrix with perspective",
+        ),
+        (
+            "no rotation",
+            &|j| j["nodes"][0]["rotation"] = json!([0, 0, 0, 0]),
+            "node 0 \"Leaf\" has a rotation of length zero",
+        ),
+        (
+            "a place too far out",
+            &|j| j["nodes"][0]["translation"] = json!([huge, 0, 0]),
+            "node 0 \"Leaf\" stands at a place, or has a size, that is not finite",
+        ),
+        (
+            "a size too large",
+            &|j| j["nodes"][0]["matrix"] = json!([huge, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]),
+            "node 0 \"Leaf\" stands at a place, or has a size, that is not finite",
+        ),
+        (
+            "a short matrix",
+            &|j| j["nodes"][0]["matrix"] = json!([1, 0, 0]),
+            "its JSON cannot be read: invalid length 3",
+        ),
+        (
+            "a place in words",
+            &|j| j["nodes"][0]["translation"] = json!(["far", 0, 0]),
+            "its JSON cannot be read: invalid type",
+        ),
+    ]);
+}
+
+#[test]
+fn a_mesh_that_its_node_makes_too_large() {
+    let mut file = File::empty();
+    let primitive = file.primitive(&[[0.0; 3], [3e38, 0.0, 0.0], [0.0, 3e38, 0.0]], &[0, 1, 2]);
+    let mesh = file.mesh(json!([primitive]));
+    file.node(json!({ "name": "Sky", "mesh": mesh, "scale": [10, 10, 10] }));
+    let said = refusal(&file.glb()).expect("an error");
+    assert!(
+        said.contains("node 0 \"Sky\" stands at a place, or has a size, that is not finite"),
+        "{said}"
+    );
+}
+
+#[test]
+fn extensions_that_shapes_depend_on() {
+    for (name, remedy) in [
+        (
+            "KHR_mesh_quantization",
+            "export it again with positions as 32-bit floats",
+        ),
+        (
+            "KHR_draco_mesh_compression",
+            "export it again without compression",
+        ),
+        ("EXT_meshopt_compression", "export it again without compression"),
+        (
+            "EXT_mesh_gpu_instancing",
+            "export it again with one node for each copy",
+        ),
+        ("ACME_time_travel", "export it again without it"),
+    ] {
+        let expected = format!("needs the extension {name}, which is not read; {remedy}");
+        check(&[(
+            name,
+            &|j| j["extensionsRequired"] = json!(["KHR_materials_unlit", name]),
+            &expected,
+        )]);
+    }
+}
+
+#[test]
+fn other_versions_of_gltf() {
+    check(&[
+        (
+            "1.0",
+            &|j| j["asset"]["version"] = json!("1.0"),
+            "is of glTF version 1.0; only version 2.0 is read",
+        ),
+        (
+            "20.0",
+            &|j| j["asset"]["version"] = json!("20.0"),
+            "is of glTF version 20.0",
+        ),
+        (
+            "2.1 at least",
+            &|j| j["asset"] = json!({ "version": "2.1", "minVersion": "2.1" }),
+            "is of glTF version 2.1; only version 2.0 is read",
+        ),
+        (
+            "none",
+            &|j| j["asset"] = json!({}),
+            "its JSON cannot be read: missing field `version`",
+        ),
+    ]);
+    let mut later = File::leaf();
+    later.json["asset"] = json!({ "version": "2.1", "minVersion": "2.0" });
+    assert_eq!(refusal(&later.glb()), None);
+}

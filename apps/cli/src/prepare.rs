@@ -149,6 +149,10 @@ fn build(scene: &Scene, choice: Choice, how: &HowArgs, view: Option<&View>) -> R
             .iter()
             .try_for_each(|method| method.check_screen(view, how.cover_size, limit))?;
     }
+    // As many cells as the screen has samples are those samples.
+    let cover_size = how
+        .cover_size
+        .filter(|&cells| view.is_none_or(|view| view.size != cells));
     Ok(Prepared {
         method: if let Choice::One(method) = choice {
             method.name()
@@ -158,7 +162,7 @@ fn build(scene: &Scene, choice: Choice, how: &HowArgs, view: Option<&View>) -> R
         contract: methods
             .iter()
             .map(|method| match method.contract() {
-                Contract::Exact if how.cover_size.is_some() && method.takes_cover_size() => {
+                Contract::Exact if cover_size.is_some() && method.takes_cover_size() => {
                     Contract::Conservative
                 }
                 contract => contract,

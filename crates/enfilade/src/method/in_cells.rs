@@ -68,13 +68,19 @@ impl<C: Coarse> Visit for Walk<'_, C> {
 
     fn faces(&mut self, faces: &Faces) {
         match faces.of {
-            Of::Item(item, cluster) if self.surface.may_show(faces, self.passage, self.cover) => {
+            Of::Item(item, cluster) => {
+                let Some(region) = self.region_of(faces, item, cluster) else {
+                    return;
+                };
+                let worth = Surface::is_worth(faces, &region);
+                if worth && !self.surface.may_show(faces, self.passage, self.cover) {
+                    return;
+                }
                 self.found.clusters.push((item, cluster));
-                if faces.alpha == Alpha::Opaque {
+                if worth && faces.alpha == Alpha::Opaque {
                     self.surface.add(faces, self.passage, self.stats, self.cover);
                 }
             }
-            Of::Item(..) => {}
             Of::Opening(opening) => self.found.openings.push(opening),
         }
     }
@@ -128,16 +134,22 @@ impl<M: InParts> InCells<M> {
 }
 
 impl<C: Coarse> Walk<'_, C> {
+    fn region_of(&self, faces: &Faces, item: ItemId, cluster: u32) -> Option<Region> {
+        let bounds = &self.content.mesh_of(item).clusters()[cluster as usize].bounds;
+        Region::of(self.passage, faces.screen_from_local, bounds)
+    }
+
     /// Drops what came before all that hides it.
     fn look_again(&mut self) {
         let mut clusters = std::mem::take(&mut self.found.clusters);
         clusters.retain(|&(item, cluster)| {
             let screen_from_item = self.passage.screen_from(&self.content.item(item).transform());
-            let bounds = &self.content.mesh_of(item).clusters()[cluster as usize].bounds;
-            let region = Region::of(self.passage, &screen_from_item, bounds);
             let faces = Faces::of_cluster(self.content, item, cluster, &screen_from_item);
-            region.is_some_and(|region| self.enter(&region) != Sight::Hidden)
-                && self.surface.may_show(&faces, self.passage, self.cover)
+            self.region_of(&faces, item, cluster).is_some_and(|region| {
+                self.enter(&region) != Sight::Hidden
+                    && (!Surface::is_worth(&faces, &region)
+                        || self.surface.may_show(&faces, self.passage, self.cover))
+            })
         });
         self.found.clusters = clusters;
         let mut openings = std::mem::take(&mut self.found.openings);

@@ -6,6 +6,8 @@
 pub(super) struct Waiting {
     edges: [u64; 3],
     least: [f32; 3],
+    /// The last cluster that was added.
+    batch: u32,
 }
 
 impl Default for Waiting {
@@ -13,14 +15,20 @@ impl Default for Waiting {
         Waiting {
             edges: [0; 3],
             least: [f32::INFINITY; 3],
+            batch: 0,
         }
     }
 }
 
 impl Waiting {
-    /// Takes what another cluster leaves open. Where it closes what waited, gives the least nearness of both.
+    /// Takes what cluster `batch` leaves open. Where it closes what waited, gives the least nearness of both. What waited
+    /// since before cluster `first` is of another passage.
     #[inline]
-    pub(super) fn add(&mut self, edges: u64, least: f32) -> Option<f32> {
+    pub(super) fn add(&mut self, edges: u64, least: f32, batch: u32, first: u32) -> Option<f32> {
+        if self.batch < first {
+            *self = Waiting::default();
+        }
+        self.batch = batch;
         let with = |place: usize| {
             (
                 self.edges[place].wrapping_add(edges),
@@ -59,8 +67,14 @@ mod tests {
         let [a, b] = [4_u64, 5];
         let rest = (a + b).wrapping_neg();
         let mut waiting = Waiting::default();
-        assert_eq!(waiting.add(a, 0.5), None);
-        assert_eq!(waiting.add(b, 0.1), None);
-        assert_eq!(waiting.add(rest, 0.5), Some(0.1));
+        assert_eq!(waiting.add(a, 0.5, 1, 1), None);
+        assert_eq!(waiting.add(b, 0.1, 2, 1), None);
+        assert_eq!(waiting.add(rest, 0.5, 3, 1), Some(0.1));
+    }
+    #[test]
+    fn what_another_passage_left_open_stays_there() {
+        let mut waiting = Waiting::default();
+        assert_eq!(waiting.add(7, 0.5, 4, 1), None);
+        assert_eq!(waiting.add(7_u64.wrapping_neg(), 0.5, 9, 5), None);
     }
 }

@@ -1,20 +1,22 @@
 //! What waits in a cell for the rest of its surface.
 
-/// Sums of what clusters left open in a cell: of the last alone, of the last two, and of all since the cell was covered
-/// last. More ways to choose among them are not worth the room.
+/// Sums of what clusters left open in a cell: of the last, of the last two, of the last three, and of all since the cell
+/// was covered last. Three meet at the corner of a cluster; more ways to choose are not worth the room.
 #[derive(Clone, Copy)]
 pub(super) struct Waiting {
-    edges: [u64; 3],
-    least: [f32; 3],
+    edges: [u64; WAYS],
+    least: [f32; WAYS],
     /// The last cluster that was added.
     batch: u32,
 }
 
+const WAYS: usize = 4;
+
 impl Default for Waiting {
     fn default() -> Waiting {
         Waiting {
-            edges: [0; 3],
-            least: [f32::INFINITY; 3],
+            edges: [0; WAYS],
+            least: [f32::INFINITY; WAYS],
             batch: 0,
         }
     }
@@ -29,19 +31,14 @@ impl Waiting {
             *self = Waiting::default();
         }
         self.batch = batch;
-        let with = |place: usize| {
-            (
-                self.edges[place].wrapping_add(edges),
-                if least < self.least[place] {
-                    least
-                } else {
-                    self.least[place]
-                },
-            )
-        };
-        let [(two, least_of_two), (all, least_of_all)] = [with(0), with(2)];
-        self.edges = [edges, two, all];
-        self.least = [least, least_of_two, least_of_all];
+        // The last becomes one of the last two, and so on; that of all stays.
+        self.edges.copy_within(..WAYS - 2, 1);
+        self.least.copy_within(..WAYS - 2, 1);
+        (self.edges[0], self.least[0]) = (0, f32::INFINITY);
+        for way in 0..WAYS {
+            self.edges[way] = self.edges[way].wrapping_add(edges);
+            self.least[way] = self.least[way].min(least);
+        }
         let closed = self.edges.iter().position(|&sum| sum == 0)?;
         let nearness = self.least[closed];
         *self = Waiting::default();
@@ -53,24 +50,38 @@ impl Waiting {
 mod tests {
     use super::*;
 
-    #[test]
-    fn what_closes_the_last_the_last_two_or_all_covers_the_cell() {
+    /// Adds what clusters of one passage leave open, one after the other; gives what the last covers.
+    fn last_of(clusters: &[(u64, f32)]) -> Option<f32> {
         let mut waiting = Waiting::default();
-        assert_eq!(waiting.add(7, 0.5), None);
-        assert_eq!(waiting.add(3, 0.25), None);
-        assert_eq!(waiting.add(3_u64.wrapping_neg(), 0.75), Some(0.25));
-        assert_eq!(
-            waiting.add(7_u64.wrapping_neg(), 0.5),
-            None,
-            "what waited is gone"
-        );
-        let [a, b] = [4_u64, 5];
-        let rest = (a + b).wrapping_neg();
-        let mut waiting = Waiting::default();
-        assert_eq!(waiting.add(a, 0.5, 1, 1), None);
-        assert_eq!(waiting.add(b, 0.1, 2, 1), None);
-        assert_eq!(waiting.add(rest, 0.5, 3, 1), Some(0.1));
+        let added = (1..).zip(clusters);
+        let covered = added.map(|(batch, &(edges, least))| waiting.add(edges, least, batch, 1));
+        covered.last().flatten()
     }
+
+    #[test]
+    fn what_closes_the_last_few_or_all_covers_the_cell() {
+        let minus = u64::wrapping_neg;
+        assert_eq!(last_of(&[(7, 0.5), (3, 0.25)]), None);
+        assert_eq!(last_of(&[(7, 0.5), (3, 0.25), (minus(3), 0.75)]), Some(0.25));
+        assert_eq!(
+            last_of(&[(9, 0.1), (7, 0.5), (3, 0.25), (minus(10), 0.75)]),
+            Some(0.25)
+        );
+        assert_eq!(
+            last_of(&[(9, 0.1), (7, 0.5), (3, 0.25), (minus(19), 0.75)]),
+            Some(0.1)
+        );
+    }
+
+    #[test]
+    fn what_waited_is_gone_when_the_cell_is_covered() {
+        let minus = u64::wrapping_neg;
+        assert_eq!(
+            last_of(&[(7, 0.5), (3, 0.25), (minus(3), 0.75), (minus(7), 0.5)]),
+            None
+        );
+    }
+
     #[test]
     fn what_another_passage_left_open_stays_there() {
         let mut waiting = Waiting::default();

@@ -34,6 +34,8 @@ pub struct Faces<'a> {
     pub(crate) double_sided: bool,
     /// Opaque faces hide; others are kept out of every cover.
     pub(crate) alpha: Alpha,
+    /// Do they hide also where a method chooses what does?
+    pub(crate) may_be_chosen: bool,
     /// Only what is on the inner side of all of these is meant: faces cut by a tree keep their outlines and planes.
     pub(crate) cuts: &'a [Cut],
 }
@@ -80,6 +82,7 @@ impl<'a> Faces<'a> {
             mirrored: content.item(item).transform().mirrors(),
             double_sided: material.double_sided,
             alpha: material.alpha,
+            may_be_chosen: material.may_be_chosen(),
             cuts: &[],
         }
     }
@@ -126,6 +129,7 @@ impl<'a> Faces<'a> {
             mirrored: false,
             double_sided: false,
             alpha: Alpha::Opaque,
+            may_be_chosen: false,
             cuts: &[],
         }
     }

@@ -36,6 +36,9 @@ pub struct Material {
     pub alpha: Alpha,
     /// Is it seen from both sides? If not, it is neither seen nor hides from behind.
     pub double_sided: bool,
+    /// Is it of small things: plants, crockery, railings? Exact methods see no difference; those that choose what hides
+    /// never choose this, nor let it in.
+    pub detail: bool,
 }
 
 /// Whether a face hides what is behind it.
@@ -57,7 +60,13 @@ impl Material {
             base_color: [r, g, b, 1.0],
             alpha: Alpha::Opaque,
             double_sided: false,
+            detail: false,
         }
+    }
+
+    /// May a method that chooses what hides choose it?
+    pub(crate) fn may_be_chosen(&self) -> bool {
+        self.alpha == Alpha::Opaque && !self.detail
     }
 }
 

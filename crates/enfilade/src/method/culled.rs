@@ -9,7 +9,7 @@ use super::gathered::draw_gathered;
 use super::in_cells::InParts;
 use super::{Method, TooLarge};
 use crate::canvas::Canvas;
-use crate::content::{Alpha, Content, ItemId, Opening, OpeningId};
+use crate::content::{Content, ItemId, Opening, OpeningId};
 use crate::cover::{Coarse, Hides};
 use crate::faces::{Faces, Of};
 use crate::fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
@@ -171,7 +171,7 @@ impl<C: Hides> Visit for Walk<'_, C> {
     fn faces(&mut self, faces: &Faces) {
         match faces.of {
             Of::Item(item, cluster) => {
-                let hides = C::TAKES_FACES && faces.alpha == Alpha::Opaque;
+                let hides = C::TAKES_FACES && faces.may_be_chosen;
                 if !hides || self.hide_faces(faces, item, cluster) {
                     self.found.clusters.push((item, cluster));
                 }

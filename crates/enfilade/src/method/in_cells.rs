@@ -10,7 +10,7 @@ use super::enlarged::Enlarged;
 use super::gathered::draw_gathered;
 use crate::aperture::CellRoom;
 use crate::canvas::Canvas;
-use crate::content::{Alpha, Content, ItemId, Opening, OpeningId};
+use crate::content::{Content, ItemId, Opening, OpeningId};
 use crate::cover::{Coarse, Cover, Surface};
 use crate::faces::{Faces, Of};
 use crate::fragment::{Built, Contract, Fragment, Hit, Ray, Surface as FaceSurface};
@@ -77,7 +77,7 @@ impl<C: Coarse> Visit for Walk<'_, C> {
                     return;
                 }
                 self.found.clusters.push((item, cluster));
-                if worth && faces.alpha == Alpha::Opaque {
+                if worth && faces.may_be_chosen {
                     self.surface.add(faces, self.passage, self.stats, self.cover);
                 }
             }

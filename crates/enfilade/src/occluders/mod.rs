@@ -10,8 +10,7 @@
 //! Exact, not simplified: what is hidden by an occluder is hidden by the faces it stands for. A point is behind one
 //! where it is on the inner side of the planes through the eye and each edge, and behind the occluder's plane; and that
 //! is pushed back, away from the eye, by [`Polygon::slack`], for corners of f32 do not lie in one plane.
-//! Only opaque faces become occluders. What the maker of a scene marks as detail would be left out beside them, in
-//! [`soup::Soup::of`]; nothing is marked so far.
+//! Only opaque faces become occluders, and none that the maker of a scene marks as detail.
 
 mod choose;
 mod flat;

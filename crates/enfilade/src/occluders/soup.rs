@@ -4,7 +4,7 @@
 //! edge; so nothing lies between them, not even a crack.
 //! Cost: O(n log n) for sorting corners and edges.
 
-use crate::content::{Alpha, Content};
+use crate::content::Content;
 use crate::mesh::Mesh;
 use glam::DVec3;
 
@@ -28,11 +28,11 @@ pub(super) struct Soup {
 }
 
 impl Soup {
-    /// The opaque faces of a mesh; `None` where it has none.
+    /// The opaque faces of a mesh that are no detail; `None` where it has none.
     pub(super) fn of(mesh: &Mesh, content: &Content) -> Option<Soup> {
-        let opaque = |cluster: &&crate::mesh::Cluster| content.material_of(cluster).alpha == Alpha::Opaque;
+        let chosen = |cluster: &&crate::mesh::Cluster| content.material_of(cluster).may_be_chosen();
         let (mut starts, mut corners, mut double_sided) = (vec![0], Vec::new(), Vec::new());
-        for cluster in mesh.clusters().iter().filter(opaque) {
+        for cluster in mesh.clusters().iter().filter(chosen) {
             let both = content.material_of(cluster).double_sided;
             for face in cluster.faces.clone() {
                 corners.extend_from_slice(mesh.face(face));

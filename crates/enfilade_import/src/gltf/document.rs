@@ -4,6 +4,7 @@ use crate::BrokenRule;
 use crate::budget::Budget;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
+use serde_json::value::RawValue;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
@@ -116,6 +117,9 @@ pub(super) struct Material<'a> {
     pub(super) double_sided: bool,
     #[serde(default)]
     pub(super) extensions: MaterialExtensions,
+    /// Anything at all.
+    #[serde(borrow)]
+    pub(super) extras: Option<&'a RawValue>,
 }
 
 fn opaque() -> Cow<'static, str> {

@@ -3,6 +3,8 @@
 use super::document::{Document, Material as Source, short};
 use crate::BrokenRule;
 use enfilade::{Alpha, Material, MaterialId};
+use serde::Deserialize;
+use serde_json::value::RawValue;
 
 /// The document's materials by their numbers, then the one of primitives that name none.
 pub(super) fn read(document: &Document) -> Result<Vec<Material>, BrokenRule> {
@@ -42,5 +44,30 @@ fn material(number: usize, source: &Source) -> Result<Material, BrokenRule> {
         base_color: [r, g, b, a],
         alpha,
         double_sided: source.double_sided,
+        detail: is_detail(source.extras),
+    })
+}
+
+/// Is it marked by `{"enfilade": {"detail": true}}`? What is not of that form is someone else's.
+fn is_detail(extras: Option<&RawValue>) -> bool {
+    #[derive(Deserialize)]
+    struct Extras {
+        enfilade: Ours,
+    }
+    #[derive(Deserialize)]
+    struct Ours {
+        detail: Mark,
+    }
+    /// Exporters write 1 for true.
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Mark {
+        Bool(bool),
+        Number(f64),
+    }
+    let read = extras.and_then(|extras| serde_json::from_str::<Extras>(extras.get()).ok());
+    read.is_some_and(|extras| match extras.enfilade.detail {
+        Mark::Bool(marked) => marked,
+        Mark::Number(number) => number != 0.0,
     })
 }

@@ -166,6 +166,7 @@ fn materials_say_what_hides_and_from_which_side() {
         base_color,
         alpha,
         double_sided,
+        detail: false,
     };
     for (source, expected) in [
         (json!({}), Material::opaque([1.0; 3])),
@@ -206,6 +207,25 @@ fn materials_say_what_hides_and_from_which_side() {
             expected,
             "{source}"
         );
+    }
+}
+
+#[test]
+fn materials_may_be_marked_as_detail() {
+    for (extras, expected) in [
+        (json!({ "enfilade": { "detail": true } }), true),
+        (json!({ "enfilade": { "detail": 1 }, "of others": [1, 2] }), true),
+        (json!({ "enfilade": { "detail": 0 } }), false),
+        (json!({ "enfilade": { "detail": "very" } }), false),
+        (json!({ "enfilade": 7 }), false),
+        (json!(["enfilade"]), false),
+        (json!(null), false),
+    ] {
+        let mut file = File::leaf();
+        file.push("materials", json!({ "extras": extras }));
+        file.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+        let content = reads(&file).content;
+        assert_eq!(content.materials()[0].detail, expected, "{extras}");
     }
 }
 

@@ -38,7 +38,7 @@ fn materials() -> [Material; 14] {
     let glass = |[r, g, b]: [f32; 3]| Material {
         base_color: [r, g, b, 0.4],
         alpha: Alpha::Blend,
-        double_sided: true,
+        ..sheet([r, g, b])
     };
     [
         Material::opaque([0.35, 0.34, 0.32]),

@@ -31,7 +31,7 @@ const fn glass(r: f32, g: f32, b: f32, coverage: f32) -> Material {
     Material {
         base_color: [r, g, b, coverage],
         alpha: Alpha::Blend,
-        double_sided: true,
+        ..sheet(r, g, b)
     }
 }
 

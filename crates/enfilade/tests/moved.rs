@@ -1,0 +1,67 @@
+//! A camera that moves a little costs what one that stands still does, and what has appeared.
+
+use enfilade::{ItemId, Method, Scene, Viewer};
+use enfilade_scenes::built_in;
+use std::collections::BTreeMap;
+
+/// Triangles of each cluster that was seen last.
+fn clusters(viewer: &Viewer, scene: &Scene) -> BTreeMap<(u32, ItemId, u32), u64> {
+    let set = viewer.visible();
+    let mut all = BTreeMap::new();
+    for item in set.items() {
+        let fragment = set.passage(item.passage).fragment;
+        let mesh = scene.content(fragment).expect("of ours").mesh_of(item.item);
+        let only = [0];
+        let seen = set.clusters(item);
+        for &cluster in if seen.is_empty() { &only[..] } else { seen } {
+            let faces = mesh.clusters()[cluster as usize].faces.clone();
+            all.insert(
+                (fragment.0, item.item, cluster),
+                u64::from(faces.end - faces.start),
+            );
+        }
+    }
+    all
+}
+
+#[test]
+fn a_moved_camera_costs_no_more_than_a_still_one_and_what_appeared() {
+    let built = built_in("enfilade").expect("the palace");
+    for method in [Method::HierarchicalZ, Method::HierarchicalS] {
+        let scene = built
+            .scene
+            .with_method(method, Method::DEFAULT_LIMIT)
+            .expect("it fits");
+        let (mut still, mut moved, mut appeared) = (0, 0, 0);
+        for camera in built.cameras.iter().take(6) {
+            let at = camera.view([320, 180]);
+            let step = |number: u8| {
+                let far = 0.02 * f32::from(number);
+                let on = |[x, y, z]: [f32; 3]| [x + far, y, z + 0.5 * far];
+                let mut view = at;
+                [view.eye, view.toward] = [on(at.eye), on(at.toward)];
+                view
+            };
+            let mut viewer = Viewer::new();
+            for number in 0..8 {
+                viewer.look(&scene, &step(number));
+                viewer.look(&scene, &step(number));
+                still += viewer.stats().triangles;
+                let before = clusters(&viewer, &scene);
+                viewer.look(&scene, &step(number + 1));
+                moved += viewer.stats().triangles;
+                let now = clusters(&viewer, &scene);
+                let new = now.iter().filter(|(cluster, _)| !before.contains_key(cluster));
+                appeared += new.map(|(_, triangles)| triangles).sum::<u64>();
+            }
+        }
+        println!(
+            "{method}: {still} triangles where it stands, {moved} where it moves, {appeared} of what appeared"
+        );
+        assert!(appeared > 0, "{method}: nothing appeared");
+        assert!(
+            moved <= still + still / 50 + appeared,
+            "{method}: {moved} after {still}, and {appeared} appeared"
+        );
+    }
+}

@@ -55,9 +55,6 @@ fn a_moved_camera_costs_no_more_than_a_still_one_and_what_appeared() {
                 appeared += new.map(|(_, triangles)| triangles).sum::<u64>();
             }
         }
-        println!(
-            "{method}: {still} triangles where it stands, {moved} where it moves, {appeared} of what appeared"
-        );
         assert!(appeared > 0, "{method}: nothing appeared");
         assert!(
             moved <= still + still / 50 + appeared,

@@ -181,6 +181,8 @@ impl<'a> Newcomer<'a> {
 
     /// The span to the left ends where this one begins, also in space, and the newcomer lies across both: it passes
     /// their common end on the same side.
+    ///
+    /// That they share an edge is not enough: of a fold, one hides part of the other, and ends before it.
     #[inline]
     fn like_the_left(&self, span: &Span, old: &Face) -> Option<Order> {
         let (left, order) = self.left?;
@@ -188,7 +190,20 @@ impl<'a> Newcomer<'a> {
             order,
             Order::Before { apart: true } | Order::Behind { apart: true }
         );
-        (clear && left.x1 == span.x0 && self.kept[left.face as usize].adjoins(old)).then_some(order)
+        let before = &self.kept[left.face as usize];
+        (clear && left.x1 == span.x0 && before.adjoins(old) && self.meet(before, old, span.x0))
+            .then_some(order)
+    }
+
+    /// Do the planes of two faces meet in the row at hand between the sample before column `x` and the one there?
+    #[inline]
+    fn meet(&self, left: &Face, right: &Face, x: u16) -> bool {
+        if left.triangle.owner == right.triangle.owner {
+            return true;
+        }
+        let [left, right] = [left, right].map(|face| face.triangle.row(self.y));
+        let [here, there] = [x - 1, x].map(|x| left.beyond(x) - right.beyond(x));
+        (here >= 0.0 && there <= 0.0) || (here <= 0.0 && there >= 0.0)
     }
 
     /// A neighbour of the newcomer was the last to be held against the old face, and the edge between both passes it:

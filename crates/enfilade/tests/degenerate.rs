@@ -231,3 +231,27 @@ fn a_thousand_copies_of_one_face_look_like_one() {
         assert!(items == 1 || (items > 1 && !exact), "{method}: {items}");
     }
 }
+
+#[test]
+fn the_near_half_of_a_fold_hides_a_blade_that_passes_before_the_far_half() {
+    // A sheet is folded at an upright edge, and both halves lie to the left of it: the far half runs away to the left,
+    // and the near one comes back before it. A slanting blade stands before the far half and behind the near one.
+    // Where the near half ends, the far one goes on beside it, though not at the fold.
+    let [low, high] = [[3.2, -4.0, -8.0], [3.2, 4.0, -8.0]];
+    let far = [-15.0, 0.0, -30.0];
+    let near = [-1.0, 0.0, -5.0];
+    let fold = Mesh::triangles(&[low, high, far, near], &[0, 1, 2, 1, 0, 3], MaterialId(0));
+    let blade = [[-4.0, -0.5, -10.0], [0.9, -0.5, -10.0], [-1.5, 0.8, -10.0]];
+    let blade = Mesh::triangles(&blade, &[0, 1, 2], MaterialId(0));
+    let mut content = ContentBuilder::new([Material {
+        double_sided: true,
+        ..Material::opaque([0.5; 3])
+    }]);
+    for mesh in [fold, blade] {
+        let mesh = content.mesh(mesh.expect("sound triangles"));
+        content.item("part", mesh, Transform::IDENTITY);
+    }
+    let scene = scene(content.build().expect("two items"));
+    let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [160, 90]);
+    assert_eq!(every_method_keeps_its_contract(&scene, &view), 2);
+}

@@ -5,21 +5,22 @@
 //! Drawn by a z-buffer, which gets what may be seen and nothing else: the picture is exact though the set is not.
 
 use super::count::count_faces;
+use super::found::{Against, find};
 use super::gathered::draw_gathered;
 use super::in_cells::InParts;
 use super::{Method, TooLarge};
 use crate::canvas::Canvas;
-use crate::content::{Content, ItemId, Opening, OpeningId};
+use crate::content::{Content, ItemId, Opening};
 use crate::cover::{Coarse, Hides};
-use crate::faces::{Faces, Of};
+use crate::faces::Faces;
 use crate::fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
 use crate::geom::Aabb;
-use crate::memory::{Marks, Memory};
+use crate::memory::Memory;
 use crate::occluders::{Choice, OccluderRoom, OccluderSet};
-use crate::order::{Gives, Order, Visit};
+use crate::order::{Gives, Order};
 use crate::passage::Passage;
 use crate::region::{Region, Sight};
-use crate::seen::{Seen, report_owners};
+use crate::seen::Seen;
 use crate::stats::Stats;
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -77,111 +78,34 @@ where
 
     /// Reports what may be seen past the cover, which knows at the end all that hides.
     fn look(&self, cover: &mut C, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
-        let mut scratch = memory.take::<O::Scratch>();
-        let mut found = memory.take::<Found>();
         self.fill(cover, passage, memory);
-        memory.marks.begin(self.content.items().len());
-        let mut walk = Walk {
+        find(
+            &self.order,
+            &self.content,
             passage,
-            content: &self.content,
-            cover,
-            marks: &mut memory.marks,
-            stats: &mut memory.stats,
-            found: &mut found,
-        };
-        self.order.visit(&self.content, passage, &mut scratch, &mut walk);
-        if C::TAKES_FACES {
-            walk.look_again();
-        }
-        report_owners(&mut found.clusters, &self.content, seen);
-        found.clusters.clear();
-        for opening in found.openings.drain(..) {
-            seen.opening(opening, None);
-        }
-        memory.put_back(scratch);
-        memory.put_back(found);
+            &mut InSamples(cover),
+            memory,
+            seen,
+        );
     }
 }
 
-/// What is found by a walk: clusters and openings that nothing hides.
-#[derive(Default)]
-struct Found {
-    clusters: Vec<(ItemId, u32)>,
-    openings: Vec<OpeningId>,
-}
+/// A walk is held against a cover as it is.
+struct InSamples<'a, C>(&'a mut C);
 
-/// Joins an order's walk to a cover.
-struct Walk<'a, C> {
-    passage: &'a Passage,
-    content: &'a Content,
-    cover: &'a mut C,
-    marks: &'a mut Marks,
-    stats: &'a mut Stats,
-    found: &'a mut Found,
-}
+impl<C: Hides> Against for InSamples<'_, C> {
+    const TAKES_FACES: bool = C::TAKES_FACES;
 
-impl<C: Hides> Walk<'_, C> {
-    /// Lets the faces of a cluster hide what is behind them; may any of them be seen?
-    fn hide_faces(&mut self, faces: &Faces, item: ItemId, cluster: u32) -> bool {
-        self.region_of(faces, item, cluster)
-            .is_some_and(|region| self.cover.hide_faces(faces, &region, self.passage, self.stats))
+    fn sees(&mut self, region: &Region) -> Sight {
+        self.0.sees(region)
     }
 
-    fn region_of(&self, faces: &Faces, item: ItemId, cluster: u32) -> Option<Region> {
-        let bounds = &self.content.mesh_of(item).clusters()[cluster as usize].bounds;
-        Region::of(self.passage, faces.screen_from_local, bounds)
+    fn take_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool {
+        !faces.may_be_chosen || self.0.hide_faces(faces, region, passage, stats)
     }
 
-    /// Drops what is hidden by what was found after it.
-    fn look_again(&mut self) {
-        let mut clusters = std::mem::take(&mut self.found.clusters);
-        clusters.retain(|&(item, cluster)| {
-            let screen_from_item = self.passage.screen_from(&self.content.item(item).transform());
-            let faces = Faces::of_cluster(self.content, item, cluster, &screen_from_item);
-            self.region_of(&faces, item, cluster).is_some_and(|region| {
-                self.enter(&region) != Sight::Hidden
-                    && self.cover.sees_faces(&faces, &region, self.passage, self.stats)
-            })
-        });
-        self.found.clusters = clusters;
-        let mut openings = std::mem::take(&mut self.found.openings);
-        openings.retain(|&opening| self.sees_opening(opening));
-        self.found.openings = openings;
-    }
-
-    fn sees_opening(&mut self, opening: OpeningId) -> bool {
-        let outline = &self.content.openings()[usize::from(opening.0)].outline;
-        let region = self.passage.region_of_opening(outline);
-        region.is_some_and(|region| self.enter(&region) != Sight::Hidden)
-    }
-}
-
-impl<C: Hides> Visit for Walk<'_, C> {
-    fn enter(&mut self, region: &Region) -> Sight {
-        self.stats.boxes_tested += 1;
-        let sight = self.cover.sees(region);
-        self.stats.boxes_hidden += u64::from(sight == Sight::Hidden);
-        sight
-    }
-
-    fn first_time(&mut self, item: ItemId) -> bool {
-        self.marks.first_time(item)
-    }
-
-    fn faces(&mut self, faces: &Faces) {
-        match faces.of {
-            Of::Item(item, cluster) => {
-                let hides = C::TAKES_FACES && faces.may_be_chosen;
-                if !hides || self.hide_faces(faces, item, cluster) {
-                    self.found.clusters.push((item, cluster));
-                }
-            }
-            Of::Opening(opening) => {
-                if self.sees_opening(opening) {
-                    self.found.openings.push(opening);
-                }
-            }
-        }
+    fn sees_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool {
+        self.0.sees_faces(faces, region, passage, stats)
     }
 }
 

@@ -7,19 +7,20 @@
 //! Conservative at the screen's samples, and at any place between them.
 
 use super::enlarged::Enlarged;
+use super::found::{Against, find};
 use super::gathered::draw_gathered;
 use crate::aperture::CellRoom;
 use crate::canvas::Canvas;
-use crate::content::{Content, ItemId, Opening, OpeningId};
+use crate::content::{Content, ItemId, Opening};
 use crate::cover::{Coarse, Cover, Surface};
-use crate::faces::{Faces, Of};
+use crate::faces::Faces;
 use crate::fragment::{Built, Contract, Fragment, Hit, Ray, Surface as FaceSurface};
 use crate::geom::Aabb;
-use crate::memory::{Marks, Memory};
-use crate::order::{Order, Visit};
+use crate::memory::Memory;
+use crate::order::Order;
 use crate::passage::Passage;
 use crate::region::{Region, Sight};
-use crate::seen::{Seen, report_owners};
+use crate::seen::Seen;
 use crate::stats::Stats;
 
 /// An order and a cover that can do with cells.
@@ -34,55 +35,33 @@ pub(super) trait InParts: Fragment {
 /// A method that looks in cells where the viewer asks for them, and as it is where not.
 pub(super) struct InCells<M>(pub(super) M);
 
-/// Clusters and openings that the walk finds.
-#[derive(Default)]
-struct Found {
-    clusters: Vec<(ItemId, u32)>,
-    openings: Vec<OpeningId>,
-}
-
-/// Joins an order's walk to a cover in cells.
-struct Walk<'a, C> {
-    passage: &'a Passage,
-    content: &'a Content,
+/// A walk is held against a cover in cells, and the surfaces that go into it.
+struct Cells<'a, C> {
     cover: &'a mut C,
     surface: &'a mut Surface,
-    marks: &'a mut Marks,
-    stats: &'a mut Stats,
-    found: &'a mut Found,
 }
 
-impl<C: Coarse> Visit for Walk<'_, C> {
-    fn enter(&mut self, region: &Region) -> Sight {
-        self.stats.boxes_tested += 1;
+impl<C: Coarse> Against for Cells<'_, C> {
+    const TAKES_FACES: bool = true;
+
+    fn sees(&mut self, region: &Region) -> Sight {
         if self.cover.sees_cells(&region.rect, region.nearest) {
-            return Sight::Partly;
+            Sight::Partly
+        } else {
+            Sight::Hidden
         }
-        self.stats.boxes_hidden += 1;
-        Sight::Hidden
     }
 
-    fn first_time(&mut self, item: ItemId) -> bool {
-        self.marks.first_time(item)
+    fn take_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool {
+        let seen = self.sees_faces(faces, region, passage, stats);
+        if seen && faces.may_be_chosen && Surface::is_worth(faces, region) {
+            self.surface.add(faces, passage, stats, self.cover);
+        }
+        seen
     }
 
-    fn faces(&mut self, faces: &Faces) {
-        match faces.of {
-            Of::Item(item, cluster) => {
-                let Some(region) = self.region_of(faces, item, cluster) else {
-                    return;
-                };
-                let worth = Surface::is_worth(faces, &region);
-                if worth && !self.surface.may_show(faces, self.passage, self.cover) {
-                    return;
-                }
-                self.found.clusters.push((item, cluster));
-                if worth && faces.may_be_chosen {
-                    self.surface.add(faces, self.passage, self.stats, self.cover);
-                }
-            }
-            Of::Opening(opening) => self.found.openings.push(opening),
-        }
+    fn sees_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, _stats: &mut Stats) -> bool {
+        !Surface::is_worth(faces, region) || self.surface.may_show(faces, passage, self.cover)
     }
 }
 
@@ -99,28 +78,14 @@ impl<M: InParts> InCells<M> {
         let mut room = memory.take::<CellRoom>();
         let mut cover = memory.take::<M::Cover>();
         let mut surface = memory.take::<Surface>();
-        let mut scratch = memory.take::<<M::Order as Order>::Scratch>();
-        let mut found = memory.take::<Found>();
         let passage = whole.in_cells(cells, &mut room);
         cover.clear_cells(&passage);
         surface.clear(&passage);
-        memory.marks.begin(content.items().len());
-        let mut walk = Walk {
-            passage: &passage,
-            content,
+        let mut against = Cells {
             cover: &mut *cover,
             surface: &mut surface,
-            marks: &mut memory.marks,
-            stats: &mut memory.stats,
-            found: &mut found,
         };
-        self.0.order().visit(content, &passage, &mut scratch, &mut walk);
-        walk.look_again();
-        report_owners(&mut found.clusters, content, seen);
-        found.clusters.clear();
-        for opening in found.openings.drain(..) {
-            seen.opening(opening, None);
-        }
+        find(self.0.order(), content, &passage, &mut against, memory, seen);
         if let Some(canvas) = canvas {
             cover.show(&passage, &mut Enlarged::new(canvas, whole, cells));
         }
@@ -128,37 +93,6 @@ impl<M: InParts> InCells<M> {
         memory.put_back(room);
         memory.put_back(cover);
         memory.put_back(surface);
-        memory.put_back(scratch);
-        memory.put_back(found);
-    }
-}
-
-impl<C: Coarse> Walk<'_, C> {
-    fn region_of(&self, faces: &Faces, item: ItemId, cluster: u32) -> Option<Region> {
-        let bounds = &self.content.mesh_of(item).clusters()[cluster as usize].bounds;
-        Region::of(self.passage, faces.screen_from_local, bounds)
-    }
-
-    /// Drops what came before all that hides it.
-    fn look_again(&mut self) {
-        let mut clusters = std::mem::take(&mut self.found.clusters);
-        clusters.retain(|&(item, cluster)| {
-            let screen_from_item = self.passage.screen_from(&self.content.item(item).transform());
-            let faces = Faces::of_cluster(self.content, item, cluster, &screen_from_item);
-            self.region_of(&faces, item, cluster).is_some_and(|region| {
-                self.enter(&region) != Sight::Hidden
-                    && (!Surface::is_worth(&faces, &region)
-                        || self.surface.may_show(&faces, self.passage, self.cover))
-            })
-        });
-        self.found.clusters = clusters;
-        let mut openings = std::mem::take(&mut self.found.openings);
-        openings.retain(|opening| {
-            let outline = &self.content.openings()[usize::from(opening.0)].outline;
-            let region = self.passage.region_of_opening(outline);
-            region.is_some_and(|region| self.enter(&region) != Sight::Hidden)
-        });
-        self.found.openings = openings;
     }
 }
 

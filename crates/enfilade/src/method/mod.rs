@@ -3,6 +3,7 @@
 mod count;
 mod culled;
 mod enlarged;
+mod found;
 mod gathered;
 mod in_cells;
 mod paired;

@@ -173,9 +173,7 @@ fn build(scene: &Scene, choice: Choice, how: &HowArgs, view: Option<&View>) -> R
         build_ms,
         coherence: !how.no_coherence,
         occluders: how.occluders,
-        cover_size: how
-            .cover_size
-            .filter(|&cells| view.is_none_or(|view| view.size != cells)),
+        cover_size,
     })
 }
 

@@ -1,13 +1,12 @@
 //! Puts a scene together, and refuses one that cannot be.
 
-use super::{Body, Exit, FragmentId, Placed, Portal, PortalId, Scene};
+use super::{Body, Exit, FragmentId, Placed, Portal, PortalId, Scene, SceneError};
 use crate::content::{Content, OpeningId};
 use crate::fragment::Fragment;
 use crate::geom::Transform;
-use crate::method::{Method, TooLarge};
+use crate::method::Method;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
-use thiserror::Error;
 
 /// Gathers fragments and portals; [`SceneBuilder::build`] checks them.
 #[derive(Default)]
@@ -28,13 +27,16 @@ enum Waiting {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NestedId(u32);
 
-/// One end of a portal: an opening of a fragment, or a named exit of a nested scene.
+/// One end of a portal: an opening of a fragment, a named exit of a nested scene, or anywhere in a fragment.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum End {
     /// An opening of a fragment of this scene.
     Opening(FragmentId, OpeningId),
     /// An exit of a scene that stands in this one.
     Exit(NestedId, String),
+    /// Anywhere in a fragment of this scene, as its portal's transform says: a portal may lead there, as a teleport does,
+    /// but not out of it.
+    Anywhere(FragmentId),
 }
 
 impl From<(FragmentId, OpeningId)> for End {
@@ -43,71 +45,16 @@ impl From<(FragmentId, OpeningId)> for End {
     }
 }
 
+impl From<FragmentId> for End {
+    fn from(fragment: FragmentId) -> End {
+        End::Anywhere(fragment)
+    }
+}
+
 impl From<(NestedId, &str)> for End {
     fn from((scene, exit): (NestedId, &str)) -> End {
         End::Exit(scene, exit.to_owned())
     }
-}
-
-/// Why fragments and portals do not make a scene.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum SceneError {
-    /// A portal names a fragment that is not there.
-    #[error("portal {portal} leads to fragment {fragment}, but there are only {fragments}")]
-    NoSuchFragment {
-        /// Which portal, by the order in which they were added; a door is two.
-        portal: usize,
-        /// The fragment it names.
-        fragment: u32,
-        /// How many there are.
-        fragments: usize,
-    },
-    /// A portal names an opening that its fragment does not have.
-    #[error("portal {portal} uses opening {opening} of fragment `{fragment}`, which has only {openings}")]
-    NoSuchOpening {
-        /// Which portal.
-        portal: usize,
-        /// The fragment's name.
-        fragment: String,
-        /// The opening it names.
-        opening: u16,
-        /// How many there are.
-        openings: usize,
-    },
-    /// A portal names an exit that the nested scene does not have.
-    #[error("portal {portal} uses exit `{exit}` of a nested scene, which has only: {exits}")]
-    NoSuchExit {
-        /// Which portal.
-        portal: usize,
-        /// The exit it names.
-        exit: String,
-        /// Those that there are.
-        exits: String,
-    },
-    /// Two portals lead out of one opening.
-    #[error("portals {first} and {second} both lead out of opening `{opening}` of fragment `{fragment}`")]
-    TwoPortals {
-        /// The first of the two.
-        first: usize,
-        /// The second of the two.
-        second: usize,
-        /// The opening's name.
-        opening: String,
-        /// The fragment's name.
-        fragment: String,
-    },
-    /// A portal's transform flattens, shears or stretches.
-    #[error("the transform of portal {0} is not rigid, uniformly scaling or reflecting")]
-    NotSimilar(usize),
-    /// A fragment needs more memory than allowed.
-    #[error("fragment `{fragment}`: {why}")]
-    TooLarge {
-        /// The fragment's name.
-        fragment: String,
-        /// What it needs.
-        why: TooLarge,
-    },
 }
 
 impl SceneBuilder {
@@ -205,7 +152,7 @@ impl SceneBuilder {
             if !is_similarity(&there_from_here) {
                 return Err(SceneError::NotSimilar(number));
             }
-            let (from, opening) = joined.resolve(number, &from)?;
+            let (from, opening) = joined.resolve_opening(number, &from)?;
             let (to, _) = joined.resolve(number, &to)?;
             joined.portals.push(Portal {
                 from,
@@ -217,7 +164,7 @@ impl SceneBuilder {
         }
         let mut exits = Vec::new();
         for (name, from) in self.exits {
-            let (fragment, opening) = joined.resolve(joined.portals.len() - taken_in, &from)?;
+            let (fragment, opening) = joined.resolve_opening(joined.portals.len() - taken_in, &from)?;
             exits.push(Exit {
                 name,
                 fragment,
@@ -296,9 +243,15 @@ impl Joined {
         self.fragments.extend(scene.fragments);
     }
 
-    fn resolve(&self, portal: usize, end: &End) -> Result<(FragmentId, OpeningId), SceneError> {
+    fn resolve_opening(&self, portal: usize, end: &End) -> Result<(FragmentId, OpeningId), SceneError> {
+        let (fragment, opening) = self.resolve(portal, end)?;
+        Ok((fragment, opening.ok_or(SceneError::NoOpening(portal))?))
+    }
+
+    fn resolve(&self, portal: usize, end: &End) -> Result<(FragmentId, Option<OpeningId>), SceneError> {
         let (fragment, opening) = match end {
-            End::Opening(fragment, opening) => (*fragment, *opening),
+            End::Anywhere(fragment) => (*fragment, None),
+            End::Opening(fragment, opening) => (*fragment, Some(*opening)),
             End::Exit(scene, name) => {
                 let exits = self.scenes.get(scene.0 as usize).map_or(&[][..], Vec::as_slice);
                 let found = exits.iter().find(|exit| exit.name == *name);
@@ -311,7 +264,7 @@ impl Joined {
                         .collect::<Vec<_>>()
                         .join(", "),
                 })?;
-                return Ok((exit.fragment, exit.opening));
+                return Ok((exit.fragment, Some(exit.opening)));
             }
         };
         if fragment.0 as usize >= self.own_fragments {
@@ -323,7 +276,7 @@ impl Joined {
         }
         let placed = &self.fragments[fragment.0 as usize];
         let openings = placed.openings().len();
-        if usize::from(opening.0) >= openings {
+        if let Some(opening) = opening.filter(|opening| usize::from(opening.0) >= openings) {
             let fragment = placed.name.clone();
             return Err(SceneError::NoSuchOpening {
                 portal,

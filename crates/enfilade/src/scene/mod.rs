@@ -5,9 +5,11 @@
 //! Source: Boreskov, Using portals to create aggregate scenes; RenderWare, Portal culling.
 
 mod builder;
+mod error;
 mod portal;
 
-pub use builder::{End, NestedId, SceneBuilder, SceneError};
+pub use builder::{End, NestedId, SceneBuilder};
+pub use error::SceneError;
 pub use portal::{FragmentId, Portal, PortalId};
 
 use crate::content::{Content, OpeningId};

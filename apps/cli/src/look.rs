@@ -9,7 +9,7 @@ use crate::open::{allow_threads, open};
 use crate::out;
 use crate::prepare::prepare;
 use crate::progress::Progress;
-use crate::report::{Report, Reports, SceneReport, Sink, Skipped, Summary};
+use crate::report::{Report, Reports, SceneReport, Sink, Skipped, Summary, WayReport};
 use crate::text::{bytes, count, ms, plural, point, table};
 use crate::values::Choice;
 use anyhow::Result;
@@ -182,9 +182,36 @@ fn add_report(text: &mut String, report: &Report) {
         text.push_str("+ a limit of portals in a row or of passages ended the look: more may be visible\n");
     }
     if let [view] = &report.views[..] {
+        add_passages(text, &view.through);
         add_visible(text, &view.visible);
     }
     add_summary(text, report);
+}
+
+fn add_passages(text: &mut String, passages: &[WayReport]) {
+    const FEW: usize = 16;
+    if passages.len() < 2 {
+        return;
+    }
+    let header = ["passage", "portals", "contract", "visible"];
+    let row = |way: &WayReport| {
+        vec![
+            match &way.portal {
+                Some(portal) => format!("{} through {portal}", way.fragment),
+                None => way.fragment.clone(),
+            },
+            way.crossings.to_string(),
+            way.contract.to_string(),
+            count(way.items_visible as u64),
+        ]
+    };
+    let rows: Vec<Vec<String>> = passages.iter().take(FEW).map(row).collect();
+    let _ = write!(text, "\n{}", table(&header, &rows));
+    if passages.len() > FEW {
+        let more = count((passages.len() - FEW) as u64);
+        let _ = writeln!(text, "and {more} passages more (--json - names all)");
+    }
+    text.push('\n');
 }
 
 fn add_visible(text: &mut String, visible: &[String]) {

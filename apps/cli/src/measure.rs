@@ -5,7 +5,7 @@
 use crate::draw::draw;
 use crate::prepare::Prepared;
 use crate::progress::Progress;
-use enfilade::{FragmentId, ItemId, Scene, View, Viewer, VisibleSet};
+use enfilade::{Contract, FragmentId, ItemId, OpeningId, Passage, Scene, View, Viewer, VisibleSet};
 use enfilade_draw::Show;
 use std::time::Instant;
 
@@ -16,13 +16,23 @@ pub(crate) const PASSES: usize = 3;
 pub(crate) struct Look {
     /// Median of the passes.
     pub(crate) ms: f64,
-    pub(crate) passages: usize,
+    pub(crate) passages: Vec<Way>,
     pub(crate) items_in_frustum: usize,
     pub(crate) triangles_in_frustum: u64,
     pub(crate) triangles_visible: u64,
     pub(crate) complete: bool,
     /// Over all passages, each once, in order.
     pub(crate) visible: Vec<(FragmentId, ItemId)>,
+}
+
+/// A passage of a look.
+pub(crate) struct Way {
+    pub(crate) fragment: FragmentId,
+    /// The opening that its portal leads out of.
+    pub(crate) through: Option<(FragmentId, OpeningId)>,
+    pub(crate) crossings: u16,
+    pub(crate) contract: Contract,
+    pub(crate) items_visible: usize,
 }
 
 /// The looks at all views, and what the last pass cost over all of them.
@@ -128,7 +138,7 @@ impl Look {
         let (items_in_frustum, triangles_in_frustum) = set.in_frustum(scene);
         Look {
             ms: 0.0,
-            passages: set.passages().len(),
+            passages: ways(set, scene),
             items_in_frustum,
             triangles_in_frustum,
             triangles_visible: set.triangle_count(scene),
@@ -136,6 +146,24 @@ impl Look {
             visible: distinct(set),
         }
     }
+}
+
+fn ways(set: &VisibleSet, scene: &Scene) -> Vec<Way> {
+    let way = |passage: &Passage| {
+        let portal = passage.portal.map(|portal| &scene.portals()[portal.0 as usize]);
+        Way {
+            fragment: passage.fragment,
+            through: portal.map(|portal| (portal.from, portal.opening)),
+            crossings: passage.crossings,
+            contract: passage.contract,
+            items_visible: 0,
+        }
+    };
+    let mut ways: Vec<Way> = set.passages().iter().map(way).collect();
+    for item in set.items() {
+        ways[item.passage.0 as usize].items_visible += 1;
+    }
+    ways
 }
 
 /// The items of a set over all passages, each once, in order.

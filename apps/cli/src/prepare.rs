@@ -14,7 +14,7 @@ use std::time::Instant;
 pub(crate) struct Prepared {
     /// The method's name, or `own`.
     pub(crate) method: &'static str,
-    /// The weakest of its fragments'.
+    /// Of all fragments together; where only some are seen, more may be promised.
     pub(crate) contract: Contract,
     pub(crate) scene: Scene,
     pub(crate) build_ms: f64,
@@ -159,15 +159,13 @@ fn build(scene: &Scene, choice: Choice, how: &HowArgs, view: Option<&View>) -> R
         } else {
             "own"
         },
-        contract: methods
-            .iter()
-            .map(|method| match method.contract() {
-                Contract::Exact if cover_size.is_some() && method.takes_cover_size() => {
-                    Contract::Conservative
-                }
-                contract => contract,
+        contract: built
+            .fragments()
+            .map(|id| match built.method(id) {
+                Some(method) if cover_size.is_some() => method.contract_in_cells(),
+                _ => built.fragment(id).contract(),
             })
-            .min()
+            .reduce(Contract::together)
             .unwrap_or(Contract::Exact),
         scene: if how.flat { built.without_portals() } else { built },
         build_ms,

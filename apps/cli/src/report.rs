@@ -2,14 +2,14 @@
 
 use crate::args::JsonArg;
 use crate::check::Found;
-use crate::measure::{Look, Looks, median, p99};
+use crate::measure::{Look, Looks, Way, median, p99};
 use crate::names::Names;
 use crate::open::Opened;
 use crate::out;
 use crate::prepare::Prepared;
 use crate::save::Destination;
 use anyhow::{Context, Result};
-use enfilade::{Contract, Scene, View};
+use enfilade::{Contract, FragmentId, OpeningId, Scene, View};
 use serde::{Serialize, Serializer};
 use std::fmt::Display;
 use std::fs;
@@ -54,6 +54,8 @@ pub(crate) struct ViewReport {
     /// Degrees.
     pub(crate) fov: f64,
     pub(crate) passages: usize,
+    /// Each of them, the one that the eye stands in first.
+    pub(crate) through: Vec<WayReport>,
     pub(crate) items_in_frustum: usize,
     pub(crate) items_visible: usize,
     pub(crate) triangles_in_frustum: u64,
@@ -69,6 +71,19 @@ pub(crate) struct ViewReport {
     pub(crate) visible: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) check: Option<CheckReport>,
+}
+
+/// A passage: one way from the eye into a fragment.
+#[derive(Debug, Serialize)]
+pub(crate) struct WayReport {
+    pub(crate) fragment: String,
+    /// `FRAGMENT/OPENING` where its last portal begins.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) portal: Option<String>,
+    pub(crate) crossings: u16,
+    #[serde(serialize_with = "as_text")]
+    pub(crate) contract: Contract,
+    pub(crate) items_visible: usize,
 }
 
 #[derive(Debug, Serialize)]
@@ -216,7 +231,7 @@ impl Report {
             views: views
                 .iter()
                 .zip(looks.each)
-                .map(|(view, look)| ViewReport::new(view, look, &names))
+                .map(|(view, look)| ViewReport::new(view, look, &names, &prepared.scene))
                 .collect(),
         }
     }
@@ -262,14 +277,35 @@ impl Report {
     }
 }
 
+impl WayReport {
+    fn new(way: &Way, scene: &Scene) -> WayReport {
+        let opening = |(fragment, opening): (FragmentId, OpeningId)| {
+            let name = &scene.fragment(fragment).openings()[usize::from(opening.0)].name;
+            format!("{}/{name}", scene.fragment_name(fragment))
+        };
+        WayReport {
+            fragment: scene.fragment_name(way.fragment).to_owned(),
+            portal: way.through.map(opening),
+            crossings: way.crossings,
+            contract: way.contract,
+            items_visible: way.items_visible,
+        }
+    }
+}
+
 impl ViewReport {
-    fn new(view: &View, look: Look, names: &Names) -> ViewReport {
+    fn new(view: &View, look: Look, names: &Names, scene: &Scene) -> ViewReport {
         ViewReport {
             eye: view.eye,
             toward: view.toward,
             up: view.up,
             fov: rounded(f64::from(view.fov_y).to_degrees()),
-            passages: look.passages,
+            passages: look.passages.len(),
+            through: look
+                .passages
+                .iter()
+                .map(|way| WayReport::new(way, scene))
+                .collect(),
             items_in_frustum: look.items_in_frustum,
             items_visible: look.visible.len(),
             triangles_in_frustum: look.triangles_in_frustum,

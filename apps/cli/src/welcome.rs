@@ -55,7 +55,7 @@ pub(crate) fn run() -> Result<Outcome> {
             rows.push(vec![
                 prepared.method.to_owned(),
                 prepared.contract.to_string(),
-                look.passages.to_string(),
+                look.passages.len().to_string(),
                 count(look.visible.len() as u64),
                 count(look.triangles_visible),
                 ms(look.ms),

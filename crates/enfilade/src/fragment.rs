@@ -120,6 +120,20 @@ pub enum Contract {
     Exact,
 }
 
+impl Contract {
+    /// What is promised of what two fragments report together, one seen through an opening of the other: the weaker, and
+    /// of exact and strict neither. A strict parent opens more than is seen, an exact one only what the middles of pixels
+    /// show.
+    #[must_use]
+    pub fn together(self, other: Contract) -> Contract {
+        match (self, other) {
+            (Contract::Approximate, _) | (_, Contract::Approximate) => Contract::Approximate,
+            (a, b) if a == b => a,
+            _ => Contract::Conservative,
+        }
+    }
+}
+
 impl fmt::Display for Contract {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self {

@@ -24,6 +24,8 @@ pub struct Passage {
     pub fragment: FragmentId,
     /// Portals followed on the way, 0 where the eye stands.
     pub crossings: u16,
+    /// What is promised of what is reported through it: by its fragment and all on the way to it together.
+    pub contract: Contract,
     /// The part of the screen that is left.
     pub aperture: Aperture,
     /// What is nearer than this along the line of sight neither is seen nor hides.
@@ -55,6 +57,7 @@ impl Passage {
             portal: None,
             fragment,
             crossings: 0,
+            contract: Contract::Approximate,
             aperture: Aperture::screen(view.size),
             near: view.near,
             size: view.size,
@@ -87,6 +90,7 @@ impl Passage {
             portal: Some(portal_id),
             fragment: portal.to,
             crossings: self.crossings + 1,
+            contract: self.contract,
             aperture,
             near: self.near,
             size: self.size,
@@ -105,10 +109,15 @@ impl Passage {
         next_chain(self.chain, portal)
     }
 
-    /// The same passage for a fragment with this contract.
-    pub(crate) fn held_to(self, contract: Contract) -> Passage {
+    /// The same passage for a fragment with this contract. What is `painted` has samples, whatever a method promises of
+    /// the places between them.
+    pub(crate) fn held_to(self, own: Contract, painted: bool) -> Passage {
         Passage {
-            any_place: contract == Contract::Strict,
+            contract: match self.parent {
+                Some(_) => self.contract.together(own),
+                None => own,
+            },
+            any_place: own == Contract::Strict && !painted,
             ..self
         }
     }
@@ -128,6 +137,7 @@ impl Passage {
             portal: self.portal,
             fragment: self.fragment,
             crossings: self.crossings,
+            contract: self.contract,
             near: self.near,
             size: cells,
             flat: self.flat,

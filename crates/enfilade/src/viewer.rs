@@ -212,14 +212,13 @@ impl Look<'_> {
     }
 
     fn go_through(&mut self, passage: Passage) {
-        let contract = self.scene.fragment(passage.fragment).contract();
-        // What is painted has samples, whatever was asked for before.
-        let passage = if self.canvas.is_none() {
-            passage.held_to(contract)
-        } else {
-            passage
+        let own = match self.scene.method(passage.fragment) {
+            Some(method) if self.memory.cover_size.is_some() => method.contract_in_cells(),
+            _ => self.scene.fragment(passage.fragment).contract(),
         };
-        self.set.passages.push(passage);
+        self.set
+            .passages
+            .push(passage.held_to(own, self.canvas.is_some()));
         self.pass(PassageId(self.set.passages.len() as u32 - 1));
     }
 

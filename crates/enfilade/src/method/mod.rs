@@ -199,6 +199,15 @@ impl Method {
         )
     }
 
+    /// What it promises where a viewer asks for covers of another resolution than the screen.
+    pub fn contract_in_cells(self) -> Contract {
+        if self.takes_cover_size() {
+            Contract::Conservative
+        } else {
+            self.contract()
+        }
+    }
+
     /// Prepares a content to be seen.
     ///
     /// # Errors

@@ -237,7 +237,7 @@ fn read_path(path: &Path, args: &CameraArgs) -> Result<Vec<View>> {
 
 /// Do rays in all directions end, most of them at the backs of faces? `false` when unsure.
 fn is_inside_a_solid(scene: &Scene, view: &View) -> bool {
-    let Some(fragment) = scene.locate(view.eye, view.toward) else {
+    let Some(fragment) = scene.fragment_of(view) else {
         return false;
     };
     let steps = [-1.0_f32, 0.0, 1.0];
@@ -247,13 +247,10 @@ fn is_inside_a_solid(scene: &Scene, view: &View) -> bool {
         .flat_map(|[x, y]| steps.map(|z| [x, y, z]));
     let (mut rays, mut from_behind) = (0, 0);
     for direction in directions.filter(|direction| *direction != [0.0; 3]) {
-        let Some(hit) = scene.cast(
-            fragment,
-            &Ray {
-                origin: view.eye,
-                direction,
-            },
-        ) else {
+        let Some(hit) = scene.fragment(fragment).cast(&Ray {
+            origin: view.eye,
+            direction,
+        }) else {
             return false;
         };
         rays += 1;

@@ -78,9 +78,11 @@ pub use method::{
 };
 pub use occluders::{Choice, Chosen, Measure, Occluder, OccluderRoom, OccluderSet, OccluderSummary};
 pub use passage::{Passage, PassageId};
-pub use query::{Standpoint, survey};
+pub use query::{Cast, Met, Near, Place, Presence, Reached, SightLine, Standpoint, Walked, survey};
 pub use region::{Region, Sight};
-pub use scene::{End, FragmentId, NestedId, Portal, PortalId, Scene, SceneBuilder, SceneError};
+pub use scene::{
+    End, FragmentId, Light, LightId, NestedId, Portal, PortalId, Scene, SceneBuilder, SceneError,
+};
 pub use seen::Seen;
 pub use simd::simd_level;
 pub use stats::{SpanStats, Stats};

@@ -1,5 +1,6 @@
 //! The eye's place, lens and screen.
 
+use crate::scene::FragmentId;
 use glam::{DAffine3, DMat3, DVec3};
 use thiserror::Error;
 
@@ -7,6 +8,9 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct View {
+    /// The fragment that the eye stands in; `None`: found by [`Scene::locate`](crate::Scene::locate), which cannot tell
+    /// apart what lies in one place.
+    pub fragment: Option<FragmentId>,
     /// The eye's place, in the space of the fragment it stands in.
     pub eye: [f32; 3],
     /// A point that is seen in the middle of the screen.
@@ -51,6 +55,7 @@ impl View {
     pub fn new(eye: [f32; 3], toward: [f32; 3], size: [u32; 2]) -> View {
         let distance = DVec3::from(eye.map(f64::from)).distance(DVec3::from(toward.map(f64::from))) as f32;
         View {
+            fragment: None,
             eye,
             toward,
             up: [0.0, 1.0, 0.0],

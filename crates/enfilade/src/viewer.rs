@@ -205,7 +205,7 @@ impl Look<'_> {
         self.set.clusters.clear();
         self.set.complete = true;
         let sound = view.check().is_ok();
-        if let Some(fragment) = self.scene.locate(view.eye, view.toward).filter(|_| sound) {
+        if let Some(fragment) = self.scene.fragment_of(view).filter(|_| sound) {
             let root = Passage::at_the_eye(view, fragment, self.scene.is_flat());
             self.go_through(root);
         }

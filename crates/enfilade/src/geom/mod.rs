@@ -5,6 +5,7 @@ mod bsp;
 mod cross;
 mod kd_tree;
 mod octree;
+mod pierce;
 mod polygon;
 mod transform;
 
@@ -13,5 +14,6 @@ pub use bsp::{BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
 pub(crate) use cross::cross;
 pub use kd_tree::KdTree;
 pub use octree::{Copies, Enter, Octree, Step};
+pub(crate) use pierce::{Pierced, nearest_in, pierced};
 pub use polygon::{ConvexPolygon, PolygonError};
 pub use transform::Transform;

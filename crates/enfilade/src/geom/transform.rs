@@ -65,6 +65,23 @@ impl Transform {
         (self.0.matrix3.determinant() != 0.0 && inverse.is_finite()).then_some(Transform(inverse))
     }
 
+    /// Is the linear part a rotation or reflection times a factor, up to what f32 columns lose?
+    pub fn is_similarity(&self) -> bool {
+        let matrix = self.0.matrix3;
+        let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+        let square = columns[0].length_squared();
+        let close = |value: f64, expected: f64| (value - expected).abs() <= 1e-5 * square;
+        self.is_finite()
+            && square > 0.0
+            && (columns.iter()).all(|column| close(column.length_squared(), square))
+            && (0..3).all(|i| close(columns[i].dot(columns[(i + 1) % 3]), 0.0))
+    }
+
+    /// The factor by which lengths grow; of a map that stretches, the mean one.
+    pub fn scale(&self) -> f64 {
+        self.0.matrix3.determinant().abs().cbrt()
+    }
+
     /// Does the map turn left hands into right ones?
     pub fn mirrors(&self) -> bool {
         self.0.matrix3.determinant() < 0.0

@@ -62,7 +62,7 @@ impl Reference {
         limits: &Limits,
         rays: impl Fn(u32, u32, &mut Vec<(Bundle, [bool; RAYS])>) + Sync,
     ) -> Vec<Vec<Sample>> {
-        let Some(fragment) = scene.locate(view.eye, view.toward) else {
+        let Some(fragment) = scene.fragment_of(view) else {
             return Vec::new();
         };
         let row = |y| {

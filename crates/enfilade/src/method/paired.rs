@@ -143,8 +143,10 @@ impl<C: Paints> Walk<'_, C> {
     fn prime(&mut self, content: &Content) {
         let mut first = std::mem::take(&mut self.work.first);
         first.extend(self.primed.iter().filter_map(|&(item, cluster)| {
-            let screen_from_item = self.passage.screen_from(&content.item(item).transform());
-            let bounds = &content.mesh_of(item).clusters()[cluster as usize].bounds;
+            // The content may be another than the last look saw.
+            let placed = content.items().get(item.0 as usize)?;
+            let screen_from_item = self.passage.screen_from(&placed.transform());
+            let bounds = &content.mesh_of(item).clusters().get(cluster as usize)?.bounds;
             let region = Region::of(self.passage, &screen_from_item, bounds)?;
             Some((region.nearest, item, cluster))
         }));

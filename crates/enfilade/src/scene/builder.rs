@@ -1,11 +1,10 @@
 //! Puts a scene together, and refuses one that cannot be.
 
-use super::{Body, Exit, FragmentId, Placed, Portal, PortalId, Scene, SceneError};
+use super::{Body, Exit, FragmentId, Light, LightId, Placed, Portal, PortalId, Scene, SceneError};
 use crate::content::{Content, OpeningId};
 use crate::fragment::Fragment;
 use crate::geom::Transform;
 use crate::method::Method;
-use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
 /// Gathers fragments and portals; [`SceneBuilder::build`] checks them.
@@ -15,6 +14,7 @@ pub struct SceneBuilder {
     nested: Vec<Scene>,
     portals: Vec<(End, End, Transform)>,
     exits: Vec<(String, End)>,
+    lights: Vec<Light>,
     limit_bytes: Option<u64>,
 }
 
@@ -127,6 +127,12 @@ impl SceneBuilder {
         self
     }
 
+    /// Hangs up a lamp in a fragment of this scene.
+    pub fn light(&mut self, light: Light) -> LightId {
+        self.lights.push(light);
+        LightId(self.lights.len() as u32 - 1)
+    }
+
     /// Builds every fragment's method and joins everything.
     ///
     /// # Errors
@@ -142,14 +148,21 @@ impl SceneBuilder {
             own_fragments,
             fragments,
             portals: Vec::new(),
+            lights: Vec::new(),
             scenes: Vec::new(),
         };
+        for (number, light) in self.lights.into_iter().enumerate() {
+            if !light.is_sound() || light.fragment.0 as usize >= own_fragments {
+                return Err(SceneError::BadLight(number));
+            }
+            joined.lights.push(light);
+        }
         for scene in self.nested {
             joined.take_in(scene);
         }
         let taken_in = joined.portals.len();
         for (number, (from, to, there_from_here)) in self.portals.into_iter().enumerate() {
-            if !is_similarity(&there_from_here) {
+            if !there_from_here.is_similarity() {
                 return Err(SceneError::NotSimilar(number));
             }
             let (from, opening) = joined.resolve_opening(number, &from)?;
@@ -171,22 +184,8 @@ impl SceneBuilder {
                 opening,
             });
         }
-        joined.finish(taken_in, exits)
+        joined.finish(taken_in, exits, limit)
     }
-}
-
-/// Is the linear part a rotation or reflection times a factor, up to what f32 columns lose?
-fn is_similarity(transform: &Transform) -> bool {
-    let matrix: DMat3 = transform.0.matrix3;
-    let columns: [DVec3; 3] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
-    let square = columns[0].length_squared();
-    let close = |value: f64, expected: f64| (value - expected).abs() <= 1e-5 * square;
-    transform.is_finite()
-        && square > 0.0
-        && columns
-            .iter()
-            .all(|column| close(column.length_squared(), square))
-        && (0..3).all(|i| close(columns[i].dot(columns[(i + 1) % 3]), 0.0))
 }
 
 fn place(waiting: Waiting, limit: u64) -> Result<Placed, SceneError> {
@@ -194,6 +193,7 @@ fn place(waiting: Waiting, limit: u64) -> Result<Placed, SceneError> {
         Waiting::Own(name, fragment) => Placed {
             name,
             body: Body::Own(fragment),
+            builds: 0,
         },
         Waiting::Ours(name, content, method) => {
             let built = method.build(Arc::clone(&content), limit);
@@ -208,6 +208,7 @@ fn place(waiting: Waiting, limit: u64) -> Result<Placed, SceneError> {
                     method,
                     fragment,
                 },
+                builds: 1,
             }
         }
     })
@@ -218,6 +219,7 @@ struct Joined {
     own_fragments: usize,
     fragments: Vec<Placed>,
     portals: Vec<Portal>,
+    lights: Vec<Light>,
     scenes: Vec<Vec<Exit>>,
 }
 
@@ -240,6 +242,10 @@ impl Joined {
                 })
                 .collect(),
         );
+        self.lights.extend(scene.lights.into_iter().map(|light| Light {
+            fragment: moved(light.fragment),
+            ..light
+        }));
         self.fragments.extend(scene.fragments);
     }
 
@@ -288,7 +294,7 @@ impl Joined {
         Ok((fragment, opening))
     }
 
-    fn finish(self, taken_in: usize, exits: Vec<Exit>) -> Result<Scene, SceneError> {
+    fn finish(self, taken_in: usize, exits: Vec<Exit>, limit_bytes: u64) -> Result<Scene, SceneError> {
         let mut first_opening = vec![0];
         for placed in &self.fragments {
             first_opening.push(first_opening[first_opening.len() - 1] + placed.openings().len() as u32);
@@ -312,6 +318,8 @@ impl Joined {
             portal_of,
             first_opening,
             flat: false,
+            lights: self.lights,
+            limit_bytes,
             exits,
         })
     }

@@ -42,6 +42,22 @@ pub enum SceneError {
     /// A portal or an exit leads out of a fragment, but not of an opening of it.
     #[error("portal {0} begins anywhere in a fragment; a portal leads out of an opening, or out of an exit")]
     NoOpening(usize),
+    /// Content is given to a fragment that is the user's own.
+    #[error("fragment `{0}` is one of your own: it has no content to exchange")]
+    NotOurs(String),
+    /// Content that is to replace another has more or fewer openings.
+    #[error("fragment `{fragment}` has {had} openings, but the content that is to replace its own has {has}")]
+    Openings {
+        /// The fragment's name.
+        fragment: String,
+        /// How many there were.
+        had: usize,
+        /// How many there would be.
+        has: usize,
+    },
+    /// A light has a number that is not finite, a range of nothing, or a fragment that is not there.
+    #[error("light {0} must have finite numbers, a range above 0, and a fragment of this scene")]
+    BadLight(usize),
     /// Two portals lead out of one opening.
     #[error("portals {first} and {second} both lead out of opening `{opening}` of fragment `{fragment}`")]
     TwoPortals {

@@ -6,16 +6,19 @@
 
 mod builder;
 mod error;
+mod light;
 mod portal;
 
 pub use builder::{End, NestedId, SceneBuilder};
 pub use error::SceneError;
+pub use light::{Light, LightId};
 pub use portal::{FragmentId, Portal, PortalId};
 
 use crate::content::{Content, OpeningId};
-use crate::fragment::{Built, Fragment, Hit, Ray};
-use crate::geom::Aabb;
+use crate::fragment::{Built, Fragment};
+use crate::geom::{Aabb, Transform};
 use crate::method::{Method, TooLarge};
+use crate::view::View;
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -29,6 +32,9 @@ pub struct Scene {
     portal_of: Vec<Option<PortalId>>,
     first_opening: Vec<u32>,
     flat: bool,
+    lights: Vec<Light>,
+    /// What one fragment's method may build, in bytes.
+    limit_bytes: u64,
     /// Openings through which one leaves the scene, when it stands in another.
     exits: Vec<Exit>,
 }
@@ -38,6 +44,8 @@ pub struct Scene {
 struct Placed {
     name: String,
     body: Body,
+    /// How often its method was built.
+    builds: u64,
 }
 
 #[derive(Clone)]
@@ -120,12 +128,74 @@ impl Scene {
         self.portals[portal.0 as usize].open = open;
     }
 
+    /// Gives a fragment other content, seen by the same method: what moves every frame has a fragment of its own, and no
+    /// other is touched. Its openings may move but not become more or fewer.
+    ///
+    /// Cost: that of building the method, which is next to nothing for [`Method::ZBuffer`] and [`Method::SBuffer`].
+    ///
+    /// # Errors
+    /// [`SceneError::NotOurs`], [`SceneError::Openings`] or [`SceneError::TooLarge`], and then it stays as it was.
+    pub fn set_content(
+        &mut self,
+        id: FragmentId,
+        content: impl Into<Arc<Content>>,
+    ) -> Result<(), SceneError> {
+        let content = content.into();
+        let limit = self.limit_bytes;
+        let placed = &mut self.fragments[id.0 as usize];
+        let name = || placed.name.clone();
+        let Body::Ours {
+            method,
+            content: before,
+            ..
+        } = &placed.body
+        else {
+            return Err(SceneError::NotOurs(name()));
+        };
+        let [had, has] = [before, &content].map(|content| content.openings().len());
+        if had != has {
+            let fragment = name();
+            return Err(SceneError::Openings { fragment, had, has });
+        }
+        let method = *method;
+        let built = method.build(Arc::clone(&content), limit);
+        let fragment = built.map_err(|why| SceneError::TooLarge {
+            fragment: name(),
+            why,
+        })?;
+        placed.body = Body::Ours {
+            content,
+            method,
+            fragment,
+        };
+        placed.builds += 1;
+        Ok(())
+    }
+
+    /// How often a fragment's method was built since the fragment was added; 0 of one of the user's own.
+    pub fn builds(&self, id: FragmentId) -> u64 {
+        self.fragments[id.0 as usize].builds
+    }
+
+    /// Moves where a portal leads, in O(1): the fragment behind it moves as a whole.
+    ///
+    /// # Errors
+    /// [`SceneError::NotSimilar`], and then it stays as it was.
+    pub fn set_portal(&mut self, portal: PortalId, there_from_here: Transform) -> Result<(), SceneError> {
+        if !there_from_here.is_similarity() {
+            return Err(SceneError::NotSimilar(portal.0 as usize));
+        }
+        self.portals[portal.0 as usize].there_from_here = there_from_here;
+        Ok(())
+    }
+
     /// The same scene with every fragment of ours seen by `method`. Contents are shared, not copied.
     ///
     /// # Errors
     /// [`TooLarge`] where a fragment would need more than `limit_bytes` for what the method builds.
     pub fn with_method(&self, method: Method, limit_bytes: u64) -> Result<Scene, TooLarge> {
         let mut scene = self.clone();
+        scene.limit_bytes = limit_bytes;
         #[cfg(feature = "rayon")]
         let fragments = scene.fragments.par_iter_mut();
         #[cfg(not(feature = "rayon"))]
@@ -139,6 +209,7 @@ impl Scene {
                     method,
                     fragment,
                 };
+                placed.builds += 1;
             }
             Ok(())
         };
@@ -194,14 +265,17 @@ impl Scene {
             .or_else(|| self.fragments().next())
     }
 
+    /// The fragment that a view's eye stands in; `None` where the scene has none, or not the one that the view names.
+    pub fn fragment_of(&self, view: &View) -> Option<FragmentId> {
+        match view.fragment {
+            Some(id) => ((id.0 as usize) < self.fragments.len()).then_some(id),
+            None => self.locate(view.eye, view.toward),
+        }
+    }
+
     /// The smallest box around a fragment's content, in the fragment's own space.
     pub fn bounds(&self, id: FragmentId) -> Aabb {
         self.fragment(id).bounds()
-    }
-
-    /// The first face along a ray inside one fragment; portals are not followed.
-    pub fn cast(&self, fragment: FragmentId, ray: &Ray) -> Option<Hit> {
-        self.fragment(fragment).cast(ray)
     }
 
     /// Items of all fragments of ours; one that stands in two is counted twice.

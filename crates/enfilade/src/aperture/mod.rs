@@ -1,8 +1,11 @@
 //! The part of the screen that is left to see through.
 
+mod outline;
+
 use crate::geom::ConvexPolygon;
-use glam::{DAffine3, DVec3};
-use smallvec::{SmallVec, smallvec};
+use glam::DAffine3;
+use outline::{Outline, within};
+use smallvec::smallvec;
 
 /// A rectangle of samples: columns `x0..x1`, rows `y0..y1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -123,7 +126,7 @@ impl Rows {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Aperture {
     /// Corners on the screen, in pixels, y down.
-    outline: SmallVec<[[f64; 2]; MOST_CORNERS]>,
+    outline: Outline,
     rect: Rect,
     rows: Option<Rows>,
 }
@@ -144,12 +147,6 @@ impl CellRoom {
         }
     }
 }
-
-/// Corners of an outline, hardly ever more.
-const MOST_CORNERS: usize = 16;
-
-/// Corners as (X, Y, W).
-type Corners = SmallVec<[DVec3; MOST_CORNERS]>;
 
 impl Aperture {
     /// The whole screen.
@@ -178,7 +175,7 @@ impl Aperture {
         rows: Option<Rows>,
         any_place: bool,
     ) -> Option<Aperture> {
-        let outline = self.clip(opening, screen_from_here);
+        let outline = within(&self.outline, opening, screen_from_here);
         let rect = match &rows {
             Some(rows) => rows.rect(),
             None => {
@@ -233,45 +230,6 @@ impl Aperture {
         }
     }
 
-    /// The opening's outline within this one.
-    ///
-    /// Clipped in eye space by the planes through the eye and this outline's edges, never divided before: what is
-    /// behind the eye is gone then, and an opening that the eye stands in is still seen through.
-    fn clip(
-        &self,
-        opening: &ConvexPolygon,
-        screen_from_here: &DAffine3,
-    ) -> SmallVec<[[f64; 2]; MOST_CORNERS]> {
-        let mut corners: Corners = opening
-            .corners()
-            .iter()
-            .map(|&corner| screen_from_here.transform_point3(DVec3::from(corner.map(f64::from))))
-            .collect();
-        let homogeneous = |point: [f64; 2]| DVec3::new(point[0], point[1], 1.0);
-        for (i, &from) in self.outline.iter().enumerate() {
-            let to = self.outline[(i + 1) % self.outline.len()];
-            // The outline runs counter-clockwise on a screen whose y points down: inside is on the left.
-            let plane = homogeneous(to).cross(homogeneous(from));
-            corners = clip_by(plane, &corners);
-        }
-        if corners.iter().any(|corner| corner.z <= 0.0) {
-            // The eye stands on the outline itself: anything of this aperture may be seen through it.
-            return self.outline.clone();
-        }
-        let mut outline: SmallVec<[[f64; 2]; MOST_CORNERS]> =
-            corners.iter().map(|c| [c.x / c.z, c.y / c.z]).collect();
-        let twice_area: f64 = (0..outline.len())
-            .map(|i| {
-                let [a, b] = [outline[i], outline[(i + 1) % outline.len()]];
-                a[0] * b[1] - a[1] * b[0]
-            })
-            .sum();
-        if twice_area > 0.0 {
-            outline.reverse();
-        }
-        outline
-    }
-
     /// Corners on the screen, in pixels, y down, counter-clockwise; fewer than three where the aperture is only
     /// known by its samples.
     pub fn outline(&self) -> &[[f64; 2]] {
@@ -318,22 +276,6 @@ impl Aperture {
             runs.push(run);
         }
     }
-}
-
-/// The part of a polygon on the side of a plane through the eye to which `plane` points.
-fn clip_by(plane: DVec3, corners: &[DVec3]) -> Corners {
-    let mut kept = Corners::new();
-    for (i, &corner) in corners.iter().enumerate() {
-        let next = corners[(i + 1) % corners.len()];
-        let [here, there] = [plane.dot(corner), plane.dot(next)];
-        if here >= 0.0 {
-            kept.push(corner);
-        }
-        if (here > 0.0 && there < 0.0) || (here < 0.0 && there > 0.0) {
-            kept.push(corner + (next - corner) * (here / (here - there)));
-        }
-    }
-    kept
 }
 
 #[cfg(test)]

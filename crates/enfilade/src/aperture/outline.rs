@@ -1,0 +1,117 @@
+//! The convex outline of an aperture: what of an opening is seen through those before it.
+
+use crate::geom::ConvexPolygon;
+use glam::{DAffine3, DVec2, DVec3};
+use smallvec::SmallVec;
+
+/// Corners of an outline; of more, a wider one is made.
+const MOST_CORNERS: usize = 16;
+
+/// Corners on the screen, in pixels, y down, counter-clockwise.
+pub(super) type Outline = SmallVec<[[f64; 2]; MOST_CORNERS]>;
+
+/// Corners as (X, Y, W).
+type Corners = SmallVec<[DVec3; MOST_CORNERS]>;
+
+/// An opening's outline within an aperture's.
+///
+/// Clipped in eye space by the planes through the eye and this outline's edges, never divided before: what is
+/// behind the eye is gone then, and an opening that the eye stands in is still seen through.
+pub(super) fn within(parent: &Outline, opening: &ConvexPolygon, screen_from_here: &DAffine3) -> Outline {
+    let mut corners: Corners = opening
+        .corners()
+        .iter()
+        .map(|&corner| screen_from_here.transform_point3(DVec3::from(corner.map(f64::from))))
+        .collect();
+    let homogeneous = |point: [f64; 2]| DVec3::new(point[0], point[1], 1.0);
+    for (i, &from) in parent.iter().enumerate() {
+        let to = parent[(i + 1) % parent.len()];
+        // The outline runs counter-clockwise on a screen whose y points down: inside is on the left.
+        let plane = homogeneous(to).cross(homogeneous(from));
+        corners = clip_by(plane, &corners);
+    }
+    if corners.iter().any(|corner| corner.z <= 0.0) {
+        // The eye stands on the outline itself: anything of this aperture may be seen through it.
+        return parent.clone();
+    }
+    let mut outline: Outline = corners.iter().map(|c| [c.x / c.z, c.y / c.z]).collect();
+    let twice_area: f64 = (0..outline.len())
+        .map(|i| {
+            let [a, b] = [outline[i], outline[(i + 1) % outline.len()]];
+            a[0] * b[1] - a[1] * b[0]
+        })
+        .sum();
+    if twice_area > 0.0 {
+        outline.reverse();
+    }
+    widen(&mut outline, MOST_CORNERS);
+    outline
+}
+
+/// Leaves out edges until no more than `most` are left: the neighbours of an edge go on until they meet, so that nothing
+/// is lost; of all edges the one that adds least.
+fn widen(outline: &mut Outline, most: usize) {
+    while outline.len() > most {
+        let count = outline.len();
+        let corner = |i: usize| DVec2::from(outline[i % count]);
+        let without = |i: usize| {
+            let [before, start, end, after] = [i + count - 1, i, i + 1, i + 2].map(corner);
+            let [along, back] = [start - before, end - after];
+            let part = (end - start).perp_dot(back) / along.perp_dot(back);
+            let tip = start + along * part;
+            // Neighbours that run apart, or nearly so, never meet.
+            let meets = part >= 0.0 && (tip - end).dot(back) >= 0.0;
+            let added = (end - start).perp_dot(tip - start).abs();
+            (meets && added.is_finite()).then_some((added, i, tip))
+        };
+        let best = (0..count).filter_map(without).min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((_, i, tip)) = best else { return };
+        outline[i] = tip.into();
+        outline.remove((i + 1) % count);
+    }
+}
+
+/// The part of a polygon on the side of a plane through the eye to which `plane` points.
+fn clip_by(plane: DVec3, corners: &[DVec3]) -> Corners {
+    let mut kept = Corners::new();
+    for (i, &corner) in corners.iter().enumerate() {
+        let next = corners[(i + 1) % corners.len()];
+        let [here, there] = [plane.dot(corner), plane.dot(next)];
+        if here >= 0.0 {
+            kept.push(corner);
+        }
+        if (here > 0.0 && there < 0.0) || (here < 0.0 && there > 0.0) {
+            kept.push(corner + (next - corner) * (here / (here - there)));
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_outline_of_many_corners_becomes_a_wider_one_of_few() {
+        let corner = |i: usize| {
+            let angle = -(i as f64) * std::f64::consts::TAU / 40.0;
+            [100.0 + 50.0 * angle.cos(), 80.0 + 30.0 * angle.sin()]
+        };
+        let round: Outline = (0..40).map(corner).collect();
+        let mut wider = round.clone();
+        widen(&mut wider, MOST_CORNERS);
+        assert_eq!(wider.len(), MOST_CORNERS);
+        let area = |outline: &Outline| -> f64 {
+            let pairs = (0..outline.len()).map(|i| (outline[i], outline[(i + 1) % outline.len()]));
+            0.5 * pairs.map(|(a, b)| a[1] * b[0] - a[0] * b[1]).sum::<f64>()
+        };
+        assert!(area(&wider) > area(&round) && area(&wider) < 1.05 * area(&round));
+        for &point in &round {
+            for (i, &from) in wider.iter().enumerate() {
+                let [from, to] = [from, wider[(i + 1) % wider.len()]].map(DVec2::from);
+                let off = (to - from).normalize().perp_dot(DVec2::from(point) - from);
+                assert!(off <= 1e-9, "corner {point:?} is {off} outside");
+            }
+        }
+    }
+}

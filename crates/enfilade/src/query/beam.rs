@@ -1,0 +1,169 @@
+//! What a point reaches through openings in straight lines: light, and sight in all directions.
+//!
+//! A beam leaves a point, is narrowed by every opening that it goes through, and nothing else is in its way.
+//! Source: RenderWare, Portal culling: lights reach through portals, transformed.
+//! Cost: O(openings) for each fragment that it reaches, once for each chain of portals.
+
+use super::place::{Place, corners, slack};
+use crate::geom::{Transform, nearest_in};
+use crate::scene::{FragmentId, PortalId, Scene};
+use crate::viewer::Limits;
+use glam::DVec3;
+use smallvec::SmallVec;
+
+/// A fragment that a point reaches into, through zero or more portals.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Reached {
+    /// Where it comes from, by its place in the list; `None` for the fragment that the point is in.
+    pub parent: Option<u32>,
+    /// The portal through which it leaves its parent.
+    pub portal: Option<PortalId>,
+    /// The fragment that is reached.
+    pub fragment: FragmentId,
+    /// Portals on the way.
+    pub crossings: u16,
+    /// From the space that the point is in to that of the fragment.
+    pub there_from_here: Transform,
+    /// Where the point is, as seen from the fragment.
+    pub origin: [f64; 3],
+    /// What the last opening lets through: a convex outline in the fragment's space. Empty where the point is.
+    pub window: Vec<[f64; 3]>,
+    /// The planes that the beam is between, beyond the last opening: it holds points with n · x ≥ d for all.
+    planes: SmallVec<[(DVec3, f64); 8]>,
+}
+
+impl Reached {
+    /// Does a straight line from the point, through all openings on the way, lead to a point of the fragment? What is in
+    /// its way besides is not asked.
+    pub fn holds(&self, point: [f64; 3]) -> bool {
+        let point = DVec3::from(point);
+        self.planes
+            .iter()
+            .all(|&(normal, distance)| normal.dot(point) >= distance)
+    }
+}
+
+impl Scene {
+    /// The fragments that a point reaches into in straight lines through open portals, its own first, each after its
+    /// parent: the light of a lamp, say. What is farther than `range`, in the point's own units, is not reached.
+    ///
+    /// A fragment that is reached in several ways is there several times. Where `limits` bite, the rest is left out.
+    pub fn reach(&self, from: Place, range: f32, limits: &Limits) -> Vec<Reached> {
+        let mut all = vec![Reached {
+            parent: None,
+            portal: None,
+            fragment: from.fragment,
+            crossings: 0,
+            there_from_here: Transform::IDENTITY,
+            origin: from.position.map(f64::from),
+            window: Vec::new(),
+            planes: SmallVec::new(),
+        }];
+        let mut next = 0;
+        while next < all.len() {
+            if all[next].crossings < limits.max_crossings {
+                for (portal, _) in self.ways_out(all[next].fragment) {
+                    if all.len() >= limits.max_passages as usize {
+                        return all;
+                    }
+                    let child = self.beam_through(&all[next], next as u32, portal, f64::from(range));
+                    all.extend(child);
+                }
+            }
+            next += 1;
+        }
+        all
+    }
+
+    /// What of a beam goes on through a portal; `None` if nothing does.
+    pub(super) fn beam_through(
+        &self,
+        beam: &Reached,
+        number: u32,
+        portal_id: PortalId,
+        range: f64,
+    ) -> Option<Reached> {
+        if (beam.portal).is_some_and(|came| self.leads_back(came, portal_id)) {
+            return None;
+        }
+        let portal = &self.portals()[portal_id.0 as usize];
+        let opening = &self.fragment(portal.from).openings()[usize::from(portal.opening.0)];
+        let normal = DVec3::from(opening.outline.normal().map(f64::from));
+        let mut window = corners(&opening.outline);
+        let origin = DVec3::from(beam.origin);
+        let before = normal.dot(origin - window[0]);
+        if before < -slack(&opening.outline) {
+            return None;
+        }
+        for &(normal, distance) in &beam.planes {
+            window = clip(&window, normal, distance);
+        }
+        if window.len() < 3 {
+            return None;
+        }
+        let off = nearest_in(&window, origin).distance(origin);
+        // A point in the plane of an opening goes through it where it stands in it, and nowhere else.
+        let in_plane = before <= slack(&opening.outline);
+        if off > range * beam.there_from_here.scale() || (in_plane && off > slack(&opening.outline)) {
+            return None;
+        }
+        let there = portal.there_from_here;
+        let moved = |point: DVec3| there.0.transform_point3(point);
+        let here_from_there = there.inverse()?.0;
+        let mut child = Reached {
+            parent: Some(number),
+            portal: Some(portal_id),
+            fragment: portal.to,
+            crossings: beam.crossings + 1,
+            there_from_here: there * beam.there_from_here,
+            origin: moved(origin).into(),
+            window: window.iter().map(|&corner| moved(corner).into()).collect(),
+            planes: SmallVec::new(),
+        };
+        let turned = |normal: DVec3| here_from_there.matrix3.transpose() * normal;
+        let onwards = turned(-normal).normalize_or_zero();
+        let entry = DVec3::from(child.window[0]);
+        child.planes.push((onwards, onwards.dot(entry)));
+        if in_plane {
+            let moved = |&(normal, distance): &(DVec3, f64)| {
+                (turned(normal), distance - normal.dot(here_from_there.translation))
+            };
+            child.planes.extend(beam.planes.iter().map(moved));
+        } else {
+            let apex = DVec3::from(child.origin);
+            let sides = sides(origin, &window).map(turned);
+            child
+                .planes
+                .extend(sides.map(|normal| (normal, normal.dot(apex))));
+        }
+        Some(child)
+    }
+}
+
+/// The planes through a beam's origin and the edges of its window.
+fn sides(origin: DVec3, window: &[DVec3]) -> impl Iterator<Item = DVec3> {
+    let middle = window.iter().sum::<DVec3>() / window.len() as f64;
+    (0..window.len()).map(move |i| {
+        let [start, end] = [window[i], window[(i + 1) % window.len()]];
+        let normal = (start - origin).cross(end - origin).normalize_or_zero();
+        // Turned inwards, whichever way the outline runs.
+        normal * normal.dot(middle - origin).signum()
+    })
+}
+
+/// The part of a convex outline where n · x ≥ d.
+fn clip(outline: &[DVec3], normal: DVec3, distance: f64) -> Vec<DVec3> {
+    let mut kept = Vec::with_capacity(outline.len() + 1);
+    for (i, &corner) in outline.iter().enumerate() {
+        let next = outline[(i + 1) % outline.len()];
+        let [here, there] = [corner, next].map(|point| normal.dot(point) - distance);
+        if here >= 0.0 {
+            kept.push(corner);
+        }
+        if (here > 0.0 && there < 0.0) || (here < 0.0 && there > 0.0) {
+            kept.push(corner + (next - corner) * (here / (here - there)));
+        }
+    }
+    kept
+}

@@ -1,0 +1,119 @@
+//! Rays that follow portals.
+
+use crate::content::OpeningId;
+use crate::fragment::{Hit, Ray};
+use crate::geom::{Transform, pierced};
+use crate::scene::{FragmentId, PortalId, Scene};
+use glam::DVec3;
+
+/// Where a ray ends.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Cast {
+    /// In which fragment.
+    pub fragment: FragmentId,
+    /// What stops it there.
+    pub met: Met,
+    /// How far that is, over all portals, in lengths of the ray's direction.
+    pub distance: f64,
+    /// From the space that the ray begins in to that of `fragment`.
+    pub there_from_here: Transform,
+    /// The portals that it went through, in order.
+    pub crossed: Vec<PortalId>,
+}
+
+/// What stops a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Met {
+    /// A face; its distance is counted from the last portal.
+    Face(Hit),
+    /// An opening, from its front, that is closed or leads nowhere.
+    Closed(OpeningId),
+    /// An opening that is not followed: it would be one more than [`Cast::MOST_CROSSED`].
+    Limit(OpeningId),
+    /// Nothing, however far.
+    Nothing,
+}
+
+impl Cast {
+    /// Portals that one ray goes through at most.
+    pub const MOST_CROSSED: usize = 256;
+}
+
+impl Scene {
+    /// Follows a ray through every open portal that it crosses, to the first thing that stops it.
+    ///
+    /// Cost: for each fragment on the way that of its own [`Fragment::cast`](crate::Fragment::cast), and O(openings).
+    pub fn cast(&self, from: FragmentId, ray: &Ray) -> Cast {
+        self.cast_until(from, ray, f64::INFINITY)
+    }
+
+    /// As [`Scene::cast`], but follows no opening that is farther than `limit`.
+    pub(super) fn cast_until(&self, from: FragmentId, ray: &Ray, limit: f64) -> Cast {
+        let mut cast = Cast {
+            fragment: from,
+            met: Met::Nothing,
+            distance: 0.0,
+            there_from_here: Transform::IDENTITY,
+            crossed: Vec::new(),
+        };
+        let mut ray = *ray;
+        loop {
+            let hit = self.fragment(cast.fragment).cast(&ray);
+            let opening = self.next_opening(cast.fragment, &ray, cast.crossed.last().copied());
+            let Some((opening, at)) = opening.filter(|&(_, at)| hit.is_none_or(|hit| at <= hit.distance))
+            else {
+                cast.met = hit.map_or(Met::Nothing, Met::Face);
+                cast.distance += hit.map_or(f64::INFINITY, |hit| hit.distance);
+                return cast;
+            };
+            cast.distance += at;
+            let way = self.portal_of(cast.fragment, opening);
+            let Some(portal_id) = way.filter(|id| self.portals()[id.0 as usize].open) else {
+                cast.met = Met::Closed(opening);
+                return cast;
+            };
+            if cast.crossed.len() == Cast::MOST_CROSSED || cast.distance > limit {
+                cast.met = Met::Limit(opening);
+                return cast;
+            }
+            let portal = &self.portals()[portal_id.0 as usize];
+            let there = portal.there_from_here;
+            let [origin, direction] = [ray.origin, ray.direction].map(|v| DVec3::from(v.map(f64::from)));
+            ray = Ray {
+                origin: there.0.transform_point3(origin + direction * at).as_vec3().into(),
+                direction: there.direction(ray.direction),
+            };
+            cast.fragment = portal.to;
+            cast.there_from_here = there * cast.there_from_here;
+            cast.crossed.push(portal_id);
+        }
+    }
+
+    /// The nearest opening that a ray goes into from the front, and where.
+    fn next_opening(
+        &self,
+        fragment: FragmentId,
+        ray: &Ray,
+        came_through: Option<PortalId>,
+    ) -> Option<(OpeningId, f64)> {
+        if self.is_flat() {
+            return None;
+        }
+        let [origin, direction] = [ray.origin, ray.direction].map(|v| DVec3::from(v.map(f64::from)));
+        let is_way_back = |opening: OpeningId| {
+            let portal = self.portal_of(fragment, opening);
+            (came_through.zip(portal)).is_some_and(|(came, portal)| self.leads_back(came, portal))
+        };
+        let openings = (0..).map(OpeningId).zip(self.fragment(fragment).openings());
+        openings
+            .filter_map(|(id, opening)| {
+                let pierced = pierced(&opening.outline, [origin, origin + direction])?;
+                // From the front, and ahead: the second point may lie before the plane or behind it.
+                let inwards = pierced.at >= 0.0 && pierced.from_front;
+                (inwards && pierced.at.is_finite() && !is_way_back(id)).then_some((id, pierced.at))
+            })
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}

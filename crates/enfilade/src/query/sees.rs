@@ -1,0 +1,55 @@
+//! Whether one place sees another.
+
+use super::beam::Reached;
+use super::place::Place;
+use super::ray::{Cast, Met};
+use crate::fragment::Ray;
+use crate::scene::{PortalId, Scene};
+use crate::viewer::Limits;
+
+/// A straight line from one place to another that nothing stops.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct SightLine {
+    /// From the first place to where the other appears from it, in the space of the first.
+    pub direction: [f32; 3],
+    /// The portals that it goes through, in order.
+    pub crossed: Vec<PortalId>,
+}
+
+impl Scene {
+    /// Does one place see another, straight or through open portals? Gives the first line that is found, by the fewest
+    /// portals; `None` where no line is, or none within the default [`Limits`]. Faces of glass stop it as others do.
+    ///
+    /// Cost: O(beams that reach the other's fragment) rays.
+    pub fn sees(&self, from: Place, to: Place) -> Option<SightLine> {
+        let reached = self.reach(from, f32::INFINITY, &Limits::default());
+        let reaches =
+            |beam: &&Reached| beam.fragment == to.fragment && beam.holds(to.position.map(f64::from));
+        let mut beams = reached.iter().filter(reaches);
+        beams.find_map(|beam| self.line_through(from, to, beam, &reached))
+    }
+
+    fn line_through(&self, from: Place, to: Place, beam: &Reached, all: &[Reached]) -> Option<SightLine> {
+        // Where a line ends before the other place, by rounding, it ends there.
+        const THERE: f64 = 1.0 - 1e-5;
+        let up = |beam: &&Reached| beam.parent.map(|parent| &all[parent as usize]);
+        let chain = std::iter::successors(Some(beam), up);
+        let mut crossed: Vec<PortalId> = chain.filter_map(|beam| beam.portal).collect();
+        crossed.reverse();
+        let image = beam.there_from_here.inverse()?.point_f64(to.position);
+        let direction = std::array::from_fn(|axis| (image[axis] - f64::from(from.position[axis])) as f32);
+        let ray = Ray {
+            origin: from.position,
+            direction,
+        };
+        let Cast {
+            met,
+            distance,
+            crossed: followed,
+            ..
+        } = self.cast_until(from.fragment, &ray, THERE);
+        let arrives = direction == [0.0; 3] || met == Met::Nothing || distance >= THERE;
+        (arrives && followed.starts_with(&crossed)).then_some(SightLine { direction, crossed })
+    }
+}

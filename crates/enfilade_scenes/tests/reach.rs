@@ -1,0 +1,230 @@
+//! What reaches where through portals, held against all chains of portals tried one by one.
+
+use enfilade::{FragmentId, Light, Limits, Met, Place, PortalId, Ray, Scene, Transform};
+use enfilade_scenes::{BuiltIn, built_in};
+use glam::{DVec3, Vec3};
+
+const SCENES: [&str; 6] = ["two-rooms", "mirror", "free-doorway", "slits", "pillar", "glass"];
+const MOST_CROSSED: u16 = 3;
+
+fn limits() -> Limits {
+    let mut limits = Limits::default();
+    limits.max_crossings = MOST_CROSSED;
+    limits
+}
+
+/// Points all over a fragment's box.
+fn points(scene: &Scene, fragment: FragmentId, per_side: u32) -> Vec<[f32; 3]> {
+    let bounds = scene.bounds(fragment);
+    let along = |axis: usize, i: u32| {
+        let part = (i as f32 + 0.37) / per_side as f32;
+        bounds.min[axis] + (bounds.max[axis] - bounds.min[axis]) * part
+    };
+    let count = per_side * per_side * per_side;
+    let point = |n| {
+        let [x, y, z] = [n % per_side, n / per_side % per_side, n / per_side / per_side];
+        [along(0, x), along(1, y), along(2, z)]
+    };
+    (0..count).map(point).collect()
+}
+
+/// All chains of open portals that begin in a fragment, and where they lead.
+fn chains(scene: &Scene, from: FragmentId) -> Vec<(Vec<PortalId>, FragmentId)> {
+    let mut all = vec![(Vec::new(), from)];
+    let mut next = 0;
+    while next < all.len() {
+        let (chain, at) = all[next].clone();
+        next += 1;
+        if chain.len() == usize::from(MOST_CROSSED) {
+            continue;
+        }
+        for (portal, id) in scene.portals().iter().zip((0..).map(PortalId)) {
+            if portal.open && portal.from == at {
+                let mut longer: Vec<PortalId> = chain.clone();
+                longer.push(id);
+                all.push((longer, portal.to));
+            }
+        }
+    }
+    all
+}
+
+/// Does the straight line from one point go through all openings of a chain to another? `None` where that is a matter of
+/// rounding.
+fn goes_straight(scene: &Scene, from: [f32; 3], chain: &[PortalId], to: [f32; 3]) -> Option<bool> {
+    const CLEAR: f64 = 1e-4;
+    let f64s = |point: [f32; 3]| DVec3::from(point.map(f64::from));
+    let moved = |transform: &Transform, point: DVec3| {
+        let columns = transform.columns().map(f64s);
+        columns[0] * point.x + columns[1] * point.y + columns[2] * point.z + columns[3]
+    };
+    // The origin in each space, from the first on, and the target in each, from the last back.
+    let portals: Vec<_> = chain.iter().map(|id| &scene.portals()[id.0 as usize]).collect();
+    let mut origins = vec![f64s(from)];
+    for portal in &portals {
+        origins.push(moved(&portal.there_from_here, origins[origins.len() - 1]));
+    }
+    let mut targets = vec![f64s(to)];
+    for portal in portals.iter().rev() {
+        let back = portal.there_from_here.inverse().expect("a portal leads back");
+        targets.push(moved(&back, targets[targets.len() - 1]));
+    }
+    targets.reverse();
+    let mut last = 0.0;
+    for (i, portal) in portals.iter().enumerate() {
+        let outline = &scene.fragment(portal.from).openings()[usize::from(portal.opening.0)].outline;
+        let corners: Vec<DVec3> = outline.corners().iter().map(|&corner| f64s(corner)).collect();
+        let normal = f64s(outline.normal());
+        let [near, far] = [origins[i], targets[i]].map(|point| normal.dot(point - corners[0]));
+        if near.abs() < CLEAR || far.abs() < CLEAR {
+            return None;
+        }
+        if near < 0.0 || far > 0.0 {
+            return Some(false);
+        }
+        let at = near / (near - far);
+        if (at - last).abs() < CLEAR && i > 0 {
+            return None;
+        }
+        let met = origins[i].lerp(targets[i], at);
+        let edges = (0..corners.len()).map(|k| (corners[k], corners[(k + 1) % corners.len()]));
+        let off = edges.map(|(a, b)| normal.cross(b - a).normalize().dot(met - a));
+        let least = off.fold(f64::INFINITY, f64::min);
+        if least.abs() < CLEAR {
+            return None;
+        }
+        if least < 0.0 || at < last {
+            return Some(false);
+        }
+        last = at;
+    }
+    Some(true)
+}
+
+#[test]
+fn a_beam_holds_what_a_straight_line_through_the_same_openings_leads_to() {
+    let (mut held, mut beyond) = (0, 0);
+    for name in SCENES {
+        let BuiltIn { scene, cameras } = built_in(name).expect("it is built in");
+        for camera in &cameras {
+            let fragment = scene.locate(camera.eye, camera.toward).expect("a room");
+            let from = Place {
+                fragment,
+                position: camera.eye,
+            };
+            let beams = scene.reach(from, 1e6, &limits());
+            let chain_of = |mut number: usize| {
+                let mut chain = Vec::new();
+                while let Some(portal) = beams[number].portal {
+                    chain.insert(0, portal);
+                    number = beams[number].parent.expect("a portal has a parent") as usize;
+                }
+                chain
+            };
+            for (chain, to) in chains(&scene, fragment) {
+                let beam = (0..beams.len()).find(|&number| chain_of(number) == chain);
+                for point in points(&scene, to, 5) {
+                    let Some(expected) = goes_straight(&scene, camera.eye, &chain, point) else {
+                        continue;
+                    };
+                    let holds = beam.is_some_and(|number| beams[number].holds(point.map(f64::from)));
+                    assert_eq!(
+                        holds, expected,
+                        "@{name} from `{}` by {chain:?} to {point:?}",
+                        camera.name
+                    );
+                    held += usize::from(expected);
+                    beyond += usize::from(expected && !chain.is_empty());
+                }
+            }
+        }
+    }
+    assert!(held > 1000 && beyond > 100, "{held}, {beyond} through portals");
+}
+
+#[test]
+fn one_place_sees_another_where_no_face_is_on_the_straight_line_between() {
+    let (mut seen, mut through) = (0, 0);
+    for name in SCENES {
+        let BuiltIn { scene, cameras } = built_in(name).expect("it is built in");
+        let camera = &cameras[0];
+        let fragment = scene.locate(camera.eye, camera.toward).expect("a room");
+        let from = Place {
+            fragment,
+            position: camera.eye,
+        };
+        for to in scene.fragments() {
+            for point in points(&scene, to, 4) {
+                let chains = chains(&scene, fragment).into_iter().filter(|(_, end)| *end == to);
+                let answers: Vec<_> = chains
+                    .map(|(chain, _)| {
+                        goes_straight(&scene, camera.eye, &chain, point)
+                            .map(|straight| straight && is_free(&scene, camera.eye, fragment, &chain, point))
+                    })
+                    .collect();
+                let expected = answers.contains(&Some(true));
+                if !expected && answers.contains(&None) {
+                    continue;
+                }
+                let place = Place {
+                    fragment: to,
+                    position: point,
+                };
+                let line = scene.sees(from, place).filter(|line| line.crossed.len() <= 3);
+                assert_eq!(line.is_some(), expected, "@{name}: {place:?}");
+                seen += usize::from(expected);
+                through += usize::from(line.is_some_and(|line| !line.crossed.is_empty()));
+            }
+        }
+    }
+    assert!(seen > 100 && through > 10, "{seen}, {through} through portals");
+}
+
+/// Is there no face on a straight line that is known to go through a chain of portals?
+fn is_free(scene: &Scene, from: [f32; 3], fragment: FragmentId, chain: &[PortalId], to: [f32; 3]) -> bool {
+    let back = chain.iter().rev().fold(Transform::IDENTITY, |sum, id| {
+        let portal = &scene.portals()[id.0 as usize];
+        portal.there_from_here.inverse().expect("it leads back") * sum
+    });
+    let target = Vec3::from(back.point(to));
+    let ray = Ray {
+        origin: from,
+        direction: (target - Vec3::from(from)).into(),
+    };
+    let cast = scene.cast(fragment, &ray);
+    assert!(cast.distance < 0.999 || cast.met == Met::Nothing || cast.crossed.starts_with(chain));
+    cast.distance >= 0.9999
+}
+
+#[test]
+fn a_lamp_reaches_no_farther_than_its_range() {
+    let BuiltIn { scene, cameras } = built_in("two-rooms").expect("it is built in");
+    let fragment = scene.locate(cameras[0].eye, cameras[0].toward).expect("a room");
+    let portal = scene
+        .portals()
+        .iter()
+        .find(|portal| portal.from == fragment)
+        .expect("a door");
+    let outline = &scene.fragment(fragment).openings()[usize::from(portal.opening.0)].outline;
+    let [middle, normal] = [outline.bounds().center(), outline.normal()];
+    let place = Place {
+        fragment,
+        position: std::array::from_fn(|axis| middle[axis] + 1.5 * normal[axis]),
+    };
+    assert_eq!(scene.reach(place, 1.4, &limits()).len(), 1);
+    assert_eq!(scene.reach(place, 1.6, &limits()).len(), 2);
+}
+
+#[test]
+fn light_fades_to_nothing_at_its_range_and_stays_finite_at_the_lamp() {
+    let lamp = Light {
+        fragment: FragmentId(0),
+        position: [0.0; 3],
+        color: [1.0; 3],
+        range: 10.0,
+    };
+    assert!((lamp.falloff(1.0) - (1.0 - 1e-4)).abs() < 1e-12);
+    assert_eq!([lamp.falloff(10.0), lamp.falloff(11.0)], [0.0; 2]);
+    assert!(lamp.falloff(0.0).is_finite());
+    assert!(lamp.falloff(2.0) > lamp.falloff(3.0));
+}

@@ -1,0 +1,215 @@
+//! Walking through the built-in scenes: nobody leaks through an edge or a corner, and everybody knows where they are.
+
+use enfilade::{FragmentId, Met, Place, Ray, Scene, Transform};
+use enfilade_scenes::{BuiltIn, built_in};
+
+/// Numbers by chance, the same every time. Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, 2014.
+struct Chance(u64);
+
+impl Chance {
+    /// From -1 to 1.
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((mixed ^ mixed >> 31) >> 40) as f32 / (1_u64 << 23) as f32 - 1.0
+    }
+}
+
+/// The fragments whose boxes hold a place, a hair's breadth more or less: told without any portal.
+fn holders(scene: &Scene, position: [f32; 3]) -> Vec<FragmentId> {
+    const HAIR: f32 = 1e-3;
+    let holds = |&id: &FragmentId| {
+        let bounds = scene.bounds(id);
+        (0..3).all(|a| bounds.min[a] - HAIR <= position[a] && position[a] <= bounds.max[a] + HAIR)
+    };
+    scene.fragments().filter(holds).collect()
+}
+
+/// Wanders about in the free space that rays find; gives how many portals were crossed.
+fn wander(scene: &Scene, from: Place, steps: usize, seed: u64, check: impl Fn(&Place, &Place)) -> usize {
+    let mut chance = Chance(seed);
+    let (mut place, mut crossings) = (from, 0);
+    for step in 0..steps {
+        let mut direction: [f32; 3] = std::array::from_fn(|_| chance.next());
+        // Courts have no roof: from so high up one comes down.
+        if place.position[1] > 4.0 {
+            direction[1] = -direction[1].abs();
+        }
+        let ray = Ray {
+            origin: place.position,
+            direction,
+        };
+        let cast = scene.cast(place.fragment, &ray);
+        // Nobody walks into a wall, nor so near that the next ray starts in it.
+        const AWAY: f32 = 0.05;
+        let length = direction.map(|value| value * value).iter().sum::<f32>().sqrt();
+        let far = (cast.distance as f32 - AWAY / length).clamp(0.0, 2.0);
+        let walked = scene.walk(place, direction.map(|value| value * far));
+        assert!(walked.complete);
+        // As far as a ray that goes the same way.
+        assert!(
+            cast.crossed.starts_with(&walked.crossed),
+            "step {step} from {place:?}: {:?}, but the ray {:?}",
+            walked.crossed,
+            cast.crossed
+        );
+        check(&place, &walked.place);
+        crossings += walked.crossed.len();
+        place = walked.place;
+    }
+    crossings
+}
+
+#[test]
+fn a_hundred_thousand_steps_through_the_palace_never_leak() {
+    let BuiltIn { scene, cameras } = built_in("enfilade").expect("it is built in");
+    let mut crossings = 0;
+    for (camera, seed) in cameras.iter().zip(0..) {
+        let fragment = scene.locate(camera.eye, camera.toward).expect("there are rooms");
+        let place = Place {
+            fragment,
+            position: camera.eye,
+        };
+        crossings += wander(
+            &scene,
+            place,
+            100_000 / cameras.len() + 1,
+            seed,
+            |before, after| {
+                let holders = holders(&scene, after.position);
+                assert!(
+                    holders.contains(&after.fragment),
+                    "{before:?} to {after:?}, but there are {holders:?}"
+                );
+            },
+        );
+    }
+    assert!(crossings > 500, "only {crossings} doors were gone through");
+}
+
+#[test]
+fn steps_through_edges_and_corners_of_neighbouring_openings_never_leak() {
+    // A block of 3 × 3 × 3 rooms whose walls are all openings: everywhere edges meet four to four, corners eight to eight.
+    let scene = honeycomb();
+    let mut chance = Chance(7);
+    let mut place = Place {
+        fragment: FragmentId(13),
+        position: [1.5; 3],
+    };
+    let mut at_edges = 0;
+    for _ in 0..100_000 {
+        // To multiples of a quarter: planes, edges and corners are met exactly, and all the time.
+        let mut end = place
+            .position
+            .map(|value| value + (chance.next() * 8.0).round() * 0.25);
+        for value in &mut end {
+            *value = value.clamp(0.25, 2.75);
+        }
+        let step = std::array::from_fn(|axis| end[axis] - place.position[axis]);
+        let walked = scene.walk(place, step);
+        assert_eq!(walked.place.position, end);
+        at_edges += usize::from(end.iter().filter(|value| value.fract() == 0.0).count() > 1);
+        let room = walked.place.fragment.0;
+        for (axis, value) in end.iter().enumerate() {
+            let low = (room / 3_u32.pow(axis as u32) % 3) as f32;
+            assert!(
+                (low..=low + 1.0).contains(value),
+                "{place:?} to {end:?} ends in room {room}"
+            );
+        }
+        place = walked.place;
+    }
+    assert!(at_edges > 4000, "only {at_edges}");
+}
+
+/// Rooms of 1 × 1 × 1, each open to its neighbours on all of its sides.
+fn honeycomb() -> Scene {
+    use enfilade::{ContentBuilder, ConvexPolygon, Material, Method, SceneBuilder};
+    const N: u32 = 3;
+    let number = |[x, y, z]: [u32; 3]| x + N * (y + N * z);
+    let mut scene = SceneBuilder::new();
+    let mut doors: Vec<Vec<(FragmentId, enfilade::OpeningId)>> = vec![Vec::new(); 3 * (N * N * N) as usize];
+    for room in 0..N * N * N {
+        let at = [room % N, room / N % N, room / N / N];
+        let mut content = ContentBuilder::new([Material::opaque([1.0; 3])]);
+        let mut openings = Vec::new();
+        for axis in 0..3 {
+            for up in [false, true] {
+                let beside = at[axis].checked_add_signed(if up { 1 } else { -1 });
+                let Some(_) = beside.filter(|&beside| beside < N) else {
+                    continue;
+                };
+                let mut corner = at.map(|value| value as f32);
+                corner[axis] += f32::from(u8::from(up));
+                let [mut along, mut across] = [[0.0; 3]; 2];
+                along[(axis + 1) % 3] = 1.0;
+                across[(axis + 2) % 3] = 1.0;
+                // Its front is towards the room: upwards for a wall below.
+                let outline = ConvexPolygon::rectangle(corner, along, across).expect("a square");
+                let outline = if up { outline.flipped() } else { outline };
+                let mut lower = at;
+                lower[axis] -= u32::from(!up);
+                openings.push((
+                    3 * number(lower) as usize + axis,
+                    content.opening("wall", outline),
+                ));
+            }
+        }
+        let content = content.build().expect("six openings at most");
+        let id = scene.add("room", content, Method::ZBuffer);
+        for (door, opening) in openings {
+            doors[door].push((id, opening));
+        }
+    }
+    for ends in doors.into_iter().filter(|ends| !ends.is_empty()) {
+        let [a, b] = ends.try_into().expect("a wall has two sides");
+        scene.door(a, b);
+    }
+    scene.build().expect("a honeycomb")
+}
+
+#[test]
+fn who_walks_through_a_mirror_stands_before_it_again_turned_over() {
+    let BuiltIn { scene, .. } = built_in("mirror").expect("it is built in");
+    let before = Place {
+        fragment: FragmentId(0),
+        position: [0.3, 1.5, -2.0],
+    };
+    let walked = scene.walk(before, [0.0, 0.0, -2.0]);
+    assert_eq!(walked.crossed.len(), 1);
+    assert!(walked.there_from_here.mirrors());
+    let [x, y, z] = walked.place.position;
+    assert!(
+        (x - 0.3).abs() < 1e-6 && (y - 1.5).abs() < 1e-6 && (z + 2.1).abs() < 1e-5,
+        "{z}"
+    );
+}
+
+#[test]
+fn a_ball_in_a_doorway_stands_in_both_rooms_and_one_in_a_room_in_that_alone() {
+    let BuiltIn { scene, cameras } = built_in("two-rooms").expect("it is built in");
+    let portal = &scene.portals()[0];
+    let door = &scene.fragment(portal.from).openings()[usize::from(portal.opening.0)].outline;
+    let middle: [f32; 3] = door.bounds().center();
+    let normal = door.normal();
+    let at = |off: f32| Place {
+        fragment: portal.from,
+        position: std::array::from_fn(|axis| middle[axis] + normal[axis] * off),
+    };
+    for (off, radius, expected) in [(0.2, 0.3, 2), (0.4, 0.3, 1), (0.0, 0.3, 2)] {
+        let present = scene.stands_in(at(off), radius);
+        assert_eq!(present.len(), expected, "{off} before the door");
+        assert_eq!(present[0].place, at(off));
+        assert_eq!(present[0].there_from_here, Transform::IDENTITY);
+        if let Some(other) = present.get(1) {
+            assert_eq!(other.place.fragment, portal.to);
+        }
+    }
+    let fragment = scene.locate(cameras[0].eye, cameras[0].toward).expect("a room");
+    let far = Place {
+        fragment,
+        position: cameras[0].eye,
+    };
+    assert_eq!(scene.stands_in(far, 0.1).len(), 1);
+}

@@ -72,10 +72,11 @@ impl Named {
 pub const SCENES: [Named; 40] = [
     Named {
         name: "enfilade",
-        about: "a palace: twelve rooms in line, a gallery, a court, cabinets, a doll's house",
+        about: "a palace: twelve rooms in line, a gallery, a court, cabinets, a doll's house, a fountain that can move",
         groups: &[
             Group::Doors,
             Group::Mirrors,
+            Group::Teleports,
             Group::Nested,
             Group::Glass,
             Group::Intersections,

@@ -97,7 +97,7 @@ pub(crate) fn palace(seed: u64) -> BuiltIn {
         }
     }
     // It changes at every moment, so a method that builds nothing sees it.
-    let id = scene.add(fountain::GROTTO.name, fountain(0.0), Method::SBuffer);
+    let id = scene.add(fountain::GROTTO.name, fountain(0.0), Method::ZBuffer);
     let arches = (0..DOORS.len()).filter(|&number| DOORS[number].to == Name::Fountain);
     for (opening, number) in arches.enumerate() {
         door_ends[number].push((id, OpeningId(opening as u16)));

@@ -158,7 +158,7 @@ pub(crate) const DOORS: [Door; 30] = [
             at: [-41.45, -51.5],
             width: 2.8,
             sill: 0.0,
-            spring: 3.0,
+            spring: 2.6,
             rise: 1.4,
         },
     },

@@ -24,7 +24,7 @@ const SIZE: [u32; 2] = [1280, 720];
 const PATHS: [Path; 3] = [
     Path {
         scene: "enfilade",
-        cameras: &[("enfilade", 1_726), ("rotunda", 2_122), ("gallery", 4_173)],
+        cameras: &[("enfilade", 1_726), ("rotunda", 2_122), ("gallery", 4_185)],
         draws: true,
     },
     Path {

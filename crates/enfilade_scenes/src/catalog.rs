@@ -32,6 +32,8 @@ pub enum Group {
     Doors,
     /// Mirrors.
     Mirrors,
+    /// Portals that lead to a place where no opening stands, so that there is no way back.
+    Teleports,
     /// Scenes within the scene.
     Nested,
     /// Faces that overlap in a cycle, so that no order paints them.
@@ -67,13 +69,14 @@ impl Named {
 }
 
 /// All scenes: the default, those of the laws, and the figures of the thesis.
-pub const SCENES: [Named; 38] = [
+pub const SCENES: [Named; 40] = [
     Named {
         name: "enfilade",
-        about: "a palace: twelve rooms in line, a gallery, a court, cabinets, a doll's house",
+        about: "a palace: twelve rooms in line, a gallery, a court, cabinets, a doll's house, a fountain that can move",
         groups: &[
             Group::Doors,
             Group::Mirrors,
+            Group::Teleports,
             Group::Nested,
             Group::Glass,
             Group::Intersections,
@@ -100,16 +103,28 @@ pub const SCENES: [Named; 38] = [
         laws::mirror,
     ),
     law(
-        "facing-mirrors",
+        "mirrors",
         "two mirrors face to face",
         &[Group::Mirrors],
-        laws::facing_mirrors,
+        laws::mirrors,
     ),
     law(
-        "cabinet",
-        "a scene in a scene in a scene",
+        "teleport",
+        "openings that turn, shrink and enlarge what is seen, some with no way back",
+        &[Group::Doors, Group::Teleports],
+        laws::teleport,
+    ),
+    law(
+        "nested",
+        "a scene in a scene in a scene, and a second way out",
         &[Group::Nested],
-        laws::cabinet,
+        laws::nested,
+    ),
+    law(
+        "impossible",
+        "a hut larger inside than outside, a corridor that joins itself, five rooms around a pillar of four",
+        &[Group::Doors, Group::Teleports],
+        laws::impossible,
     ),
     law(
         "free-doorway",

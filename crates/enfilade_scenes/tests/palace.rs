@@ -1,7 +1,7 @@
 //! The palace stands as drawn: counted, closed, joined, and the same every time.
 
-use enfilade::{Aabb, Content, FragmentId, ItemId, Scene, Transform};
-use enfilade_scenes::{BuiltIn, built_in};
+use enfilade::{Aabb, Content, FragmentId, ItemId, Method, Scene, Transform};
+use enfilade_scenes::{BuiltIn, FOUNTAIN_SECONDS, built_in, fountain};
 use std::collections::{BTreeSet, HashMap};
 
 fn palace() -> BuiltIn {
@@ -32,8 +32,8 @@ fn it_has_the_rooms_doors_items_and_triangles_that_it_is_known_for() {
         .iter()
         .filter(|portal| portal.from == portal.to)
         .count();
-    assert_eq!((scene.fragment_count(), doors, mirrors), (21, 29, 7));
-    assert_eq!((scene.item_count(), scene.triangle_count()), (4659, 2_177_215));
+    assert_eq!((scene.fragment_count(), doors, mirrors), (23, 31, 8));
+    assert_eq!((scene.item_count(), scene.triangle_count()), (4989, 2_205_790));
 }
 
 #[test]
@@ -42,13 +42,7 @@ fn two_builds_are_equal() {
         let mut hash = Fnv::new();
         for (_, name, content) in rooms(scene) {
             hash.add(name.as_bytes());
-            for (number, item) in content.items().iter().enumerate() {
-                hash.add(content.name(ItemId(number as u32)).as_bytes());
-                hash.floats(&item.fragment_from_item);
-            }
-            for mesh in content.meshes() {
-                hash.floats(mesh.positions());
-            }
+            hash.content(content);
         }
         hash.0
     };
@@ -69,11 +63,87 @@ impl Fnv {
         }
     }
 
+    fn content(&mut self, content: &Content) {
+        for (number, item) in content.items().iter().enumerate() {
+            self.add(content.name(ItemId(number as u32)).as_bytes());
+            self.floats(&item.fragment_from_item);
+        }
+        for mesh in content.meshes() {
+            self.floats(mesh.positions());
+        }
+    }
+
     fn floats(&mut self, rows: &[[f32; 3]]) {
         rows.iter()
             .flatten()
             .for_each(|value| self.add(&value.to_bits().to_le_bytes()));
     }
+}
+
+fn room(scene: &Scene, wanted: &str) -> FragmentId {
+    let mut all = rooms(scene);
+    all.find(|(_, name, _)| *name == wanted).expect("a room").0
+}
+
+#[test]
+fn the_fountain_moves_and_comes_back_and_keeps_its_things_and_openings() {
+    let fingerprint = |seconds| {
+        let mut hash = Fnv::new();
+        hash.content(&fountain(seconds));
+        hash.0
+    };
+    let moments: BTreeSet<u64> = (0..10).map(|i| fingerprint(0.37 * i as f32)).collect();
+    assert_eq!(moments.len(), 10, "it stands still");
+    assert_eq!(fingerprint(FOUNTAIN_SECONDS), fingerprint(0.0));
+    assert_eq!(fingerprint(-0.5), fingerprint(FOUNTAIN_SECONDS - 0.5));
+    let scene = palace().scene;
+    let id = room(&scene, "Fountain");
+    assert_eq!(scene.method(id), Some(Method::ZBuffer));
+    let built = scene.content(id).expect("it is ours");
+    let later = fountain(1.3);
+    assert_eq!(later.openings(), built.openings());
+    let names = |content: &Content| -> Vec<String> {
+        (0..content.items().len())
+            .map(|i| content.name(ItemId(i as u32)).to_owned())
+            .collect()
+    };
+    assert_eq!(names(&later), names(built));
+    let [Aabb { min, max }, around] = [later.bounds(), built.bounds()];
+    assert_eq!((min, max), (around.min, around.max), "water leaves the grotto");
+}
+
+#[test]
+fn one_comes_out_of_the_secret_passage_and_out_of_the_living_picture_but_not_back() {
+    let scene = palace().scene;
+    for (from, to) in [("Secret Passage", "Library"), ("Picture Room", "Court")] {
+        let [from, to] = [from, to].map(|name| room(&scene, name));
+        let leads = |from, to| {
+            let mut portals = scene.portals().iter();
+            portals.any(|portal| portal.from == from && portal.to == to)
+        };
+        assert!(leads(from, to) && !leads(to, from));
+    }
+}
+
+#[test]
+fn two_mirrors_of_the_mirror_room_face_each_other() {
+    let scene = palace().scene;
+    let content = scene.content(room(&scene, "Mirror Room")).expect("it is ours");
+    let mirrors: Vec<_> = (content.openings().iter())
+        .filter(|opening| opening.name.starts_with("mirror "))
+        .map(|opening| &opening.outline)
+        .collect();
+    let face = mirrors.iter().any(|a| {
+        mirrors.iter().any(|b| {
+            let [a_box, b_box] = [a.bounds(), b.bounds()];
+            let opposite = a.normal()[0] * b.normal()[0] < -0.99;
+            opposite
+                && [1, 2]
+                    .iter()
+                    .all(|&axis| (a_box.center()[axis] - b_box.center()[axis]).abs() < 1e-3)
+        })
+    });
+    assert!(face);
 }
 
 #[test]

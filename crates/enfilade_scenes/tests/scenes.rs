@@ -40,6 +40,7 @@ fn every_camera_sees_with_a_sound_view_and_has_a_name_of_its_own() {
 #[test]
 fn both_sides_of_every_door_have_one_outline() {
     let mut doors = 0;
+    let mut teleports = BTreeSet::new();
     for named in &SCENES {
         let scene = named.build().scene;
         for portal in scene.portals() {
@@ -51,22 +52,33 @@ fn both_sides_of_every_door_have_one_outline() {
                 .collect();
             let content = scene.content(portal.to).expect("all fragments are ours");
             // A mirror leads back through its own outline; elsewhere front and back are exchanged.
-            let found = content.openings().iter().any(|opening| {
+            let arrives = content.openings().iter().any(|opening| {
                 let mut corners = opening.outline.corners().to_vec();
-                if portal.from != portal.to {
+                if !portal.there_from_here.mirrors() {
                     corners.reverse();
                 }
                 coincide(&there, &corners)
             });
-            assert!(
-                found,
-                "{}: opening {} leads nowhere",
-                named.name, portal.opening.0
-            );
-            doors += 1;
+            if arrives {
+                doors += 1;
+            } else {
+                assert!(
+                    named.is(Group::Teleports),
+                    "{}: opening {} leads nowhere",
+                    named.name,
+                    portal.opening.0
+                );
+                teleports.insert(named.name);
+            }
         }
     }
     assert!(doors > 80);
+    let told: BTreeSet<&str> = SCENES
+        .iter()
+        .filter(|named| named.is(Group::Teleports))
+        .map(|named| named.name)
+        .collect();
+    assert_eq!(teleports, told, "scenes that are said to have teleports");
 }
 
 fn outline<'a>(scene: &'a Scene, portal: &Portal) -> &'a ConvexPolygon {
@@ -89,7 +101,7 @@ fn coincide(a: &[[f32; 3]], b: &[[f32; 3]]) -> bool {
 fn scenes_contain_what_they_say() {
     for named in &SCENES {
         let scene = named.build().scene;
-        let leads = |portal: &&Portal| portal.from != portal.to;
+        let leads = |portal: &&Portal| !portal.there_from_here.mirrors();
         assert_eq!(
             scene.portals().iter().any(|portal| leads(&portal)),
             named.is(Group::Doors) || named.is(Group::Nested),

@@ -1,8 +1,9 @@
 //! What is seen through doors that are open, closed or plain holes.
 
 use crate::subject::{SIZE, drawn, limits, names, subject, viewer};
-use enfilade::Contract;
 use enfilade::laws::Reference;
+use enfilade::{Contract, OpeningId};
+use enfilade_scenes::BuiltIn;
 
 /// What is seen of a scene from one of its cameras, by every method, must be this; by exact ones, nothing else of what
 /// is named.
@@ -38,6 +39,40 @@ fn a_door_shows_only_what_is_in_line_with_it() {
 #[test]
 fn a_pillar_before_a_door_hides_what_is_right_behind_it() {
     sees("pillar", "covered", &["pillar", "left", "right"], &["behind"]);
+}
+
+#[test]
+fn a_gate_of_one_way_is_a_hole_from_behind() {
+    sees(
+        "teleport",
+        "before the gate",
+        &["in the gate"],
+        &["behind the gate"],
+    );
+    sees(
+        "teleport",
+        "behind the gate",
+        &["before it"],
+        &["in the gate", "post"],
+    );
+}
+
+#[test]
+fn four_doors_around_a_pillar_lead_to_a_fifth_room() {
+    let BuiltIn { scene, .. } = &subject("impossible").built;
+    let named = |name: &str| {
+        let mut all = scene.fragments();
+        all.find(|&id| scene.fragment_name(id) == name)
+            .expect("a room of that name")
+    };
+    let through_its_north = |room| {
+        let portal = scene.portal_of(room, OpeningId(0)).expect("it leads on");
+        scene.portals()[portal.0 as usize].to
+    };
+    let mut room = named("first room");
+    (0..4).for_each(|_| room = through_its_north(room));
+    assert_eq!(room, named("fifth room"));
+    assert_eq!(through_its_north(room), named("first room"));
 }
 
 #[test]

@@ -227,7 +227,7 @@ fn every_sample_that_shows_something_is_shaded_once() {
 
 #[test]
 fn a_limit_of_crossings_is_told() {
-    let BuiltIn { scene, cameras } = &subject("facing-mirrors").built;
+    let BuiltIn { scene, cameras } = &subject("mirrors").built;
     let mut viewer = viewer();
     let set = viewer.look(scene, &cameras[0].view(SIZE));
     assert!(!set.complete());
@@ -246,6 +246,7 @@ fn every_kind_of_trouble_has_a_scene() {
     for group in [
         Doors,
         Mirrors,
+        Teleports,
         Nested,
         Cycles,
         Intersections,

@@ -1,15 +1,19 @@
 //! Small worlds that the laws hold every method against. Each tells a story that a picture of it can be checked by.
 
+mod impossible;
 mod neighbours;
 mod openings;
 mod rooms;
 mod sizes;
 pub(crate) mod stage;
 mod surfaces;
+mod teleports;
 
+pub(crate) use impossible::impossible;
 pub(crate) use neighbours::{seams, wings};
-pub(crate) use openings::{cabinet, facing_mirrors, free_doorway, mirror};
+pub(crate) use openings::{free_doorway, mirror, mirrors, nested};
 pub(crate) use rooms::{eye_in_things, pillar, slits, two_rooms};
 pub(crate) use sizes::{big_mesh, crowd, far_away, huge, tiny};
 pub(crate) use stage::Stage;
 pub(crate) use surfaces::{coplanar, crossing, degenerate, glass, one_sided, polygons};
+pub(crate) use teleports::teleport;

@@ -1,7 +1,7 @@
 //! Openings that lead elsewhere than through a wall: mirrors, nested scenes, a doorway that stands free.
 
 use super::stage::{
-    BLUE, BROWN, Doorway, GREEN, GREY, RED, RED_SHEET, Stage, WHITE, YELLOW, finished, sheet,
+    BLUE, BROWN, Doorway, GREEN, GREY, RED, RED_SHEET, Stage, WHITE, YELLOW, both_ways, finished, sheet,
 };
 use crate::envelope::Side;
 use crate::shape::{Shape, ball, block, cuboid, fill, knot};
@@ -62,7 +62,7 @@ pub(crate) fn mirror() -> BuiltIn {
 
 /// Two mirrors face to face, with a torus knot and a stick between them: each sees itself in the other, and so on
 /// until less than a pixel is left.
-pub(crate) fn facing_mirrors() -> BuiltIn {
+pub(crate) fn mirrors() -> BuiltIn {
     let mut stage = Stage::new();
     let other = Doorway {
         name: "other glass",
@@ -96,14 +96,15 @@ pub(crate) fn facing_mirrors() -> BuiltIn {
 /// casket, which is a scene again.
 ///
 /// Its shell is an item of the room with a hole in its front. From the side the shell hides what is in it; from
-/// straight ahead the ball in the casket is seen through both fronts.
-pub(crate) fn cabinet() -> BuiltIn {
+/// straight ahead the ball in the casket is seen through both fronts. A hatch in the cabinet's wall leads out of it
+/// elsewhere: it is a window in the room's eastern wall, from where the cabinet is seen from outside again.
+pub(crate) fn nested() -> BuiltIn {
     let [left, right, low, high, front] = [-0.5, 0.5, 0.6, 1.6, -1.98];
     let outline: Vec<Vec3> = [(left, low), (right, low), (right, high), (left, high)]
         .map(|(x, y)| vec3(x, y, front))
         .to_vec();
     let mut stage = Stage::new();
-    stage.room([-3.0, 3.0], [-3.0, 3.0], 3.0, &[]);
+    let window = stage.room([-3.0, 3.0], [-3.0, 3.0], 3.0, &[WINDOW])[0];
     stage.thing(
         "cabinet",
         &shell(RED, &outline, [-0.7, 0.7], [0.5, 1.7], [-2.8, -1.9]),
@@ -121,11 +122,14 @@ pub(crate) fn cabinet() -> BuiltIn {
         [-2.0, 0.0, 0.0],
         [96.04, -1.2, 0.0],
     ]);
-    let here_from_there = there_from_here
-        .inverse()
-        .expect("a turn and a scale can be undone");
-    scene.portal((room, opening), (inside, "front"), there_from_here);
-    scene.portal((inside, "front"), (room, opening), here_from_there);
+    both_ways(&mut scene, (room, opening), (inside, "front"), there_from_here);
+    let from_the_window = Transform::from_columns([
+        [0.0, 0.0, -2.0],
+        [0.0, 2.0, 0.0],
+        [2.0, 0.0, 0.0],
+        [101.7, -1.6, 7.45],
+    ]);
+    both_ways(&mut scene, (room, window), (inside, "hatch"), from_the_window);
     finished(
         scene,
         vec![
@@ -133,10 +137,21 @@ pub(crate) fn cabinet() -> BuiltIn {
             Camera::new("aslant", [1.9, 1.6, 0.2], [0.0, 1.1, -2.2]),
             Camera::new("beside", [2.8, 1.4, -2.4], [0.0, 1.1, -2.4]),
             Camera::new("close", [0.1, 1.2, -1.6], [0.0, 1.1, -2.6]),
+            Camera::new("at the window", [-0.8, 1.6, 1.2], [3.0, 1.3, -0.1]),
             Camera::new("inside, back", [101.5, 1.2, 0.4], [98.0, 0.8, 0.0]),
+            Camera::new("inside, at the hatch", [101.1, 1.5, -0.9], [101.8, 1.1, 1.3]),
         ],
     )
 }
+
+/// The cabinet's hatch, as it is seen from the room: half as large as in the cabinet.
+const WINDOW: Doorway = Doorway {
+    name: "window",
+    side: Side::East,
+    plane: 3.05,
+    along: [-0.4, 0.4],
+    up: [1.0, 1.8],
+};
 
 /// The cabinet's own scene. Its front is the plane x = 100, its width runs along z.
 fn inside_the_cabinet() -> Scene {
@@ -147,8 +162,15 @@ fn inside_the_cabinet() -> Scene {
         along: [-1.0, 1.0],
         up: [0.0, 2.0],
     };
+    let hatch = Doorway {
+        name: "hatch",
+        side: Side::South,
+        plane: 1.35,
+        along: [100.9, 102.5],
+        up: [0.4, 2.0],
+    };
     let mut stage = Stage::new();
-    let out = stage.room([100.1, 103.0], [-1.3, 1.3], 2.3, &[front])[0];
+    let exits = stage.room([100.1, 103.0], [-1.3, 1.3], 2.3, &[front, hatch]);
     stage.thing("jar", &block(GREEN, [100.8, 0.0, -0.9], [101.2, 0.7, -0.5]));
     let outline: Vec<Vec3> = [(-0.4, 0.5), (0.4, 0.5), (0.4, 1.3), (-0.4, 1.3)]
         .map(|(z, y)| vec3(102.03, y, z))
@@ -159,13 +181,10 @@ fn inside_the_cabinet() -> Scene {
     let inside = scene.add("cabinet", stage.build(), Method::HierarchicalZ);
     let casket = scene.nest(&inside_the_casket());
     let move_there = Transform::translation([200.0 - 102.03, 0.0, 0.0]);
-    scene.portal((inside, opening), (casket, "lid"), move_there);
-    scene.portal(
-        (casket, "lid"),
-        (inside, opening),
-        Transform::translation([102.03 - 200.0, 0.0, 0.0]),
-    );
-    scene.exit("front", (inside, out));
+    both_ways(&mut scene, (inside, opening), (casket, "lid"), move_there);
+    for (name, out) in ["front", "hatch"].into_iter().zip(exits) {
+        scene.exit(name, (inside, out));
+    }
     scene.build().expect("the cabinet is sound")
 }
 
@@ -191,7 +210,13 @@ fn inside_the_casket() -> Scene {
 }
 
 /// A box, seen from outside, with a hole of the opening's outline in its southern side.
-fn shell(material: enfilade::MaterialId, opening: &[Vec3], x: [f32; 2], y: [f32; 2], z: [f32; 2]) -> Shape {
+pub(super) fn shell(
+    material: enfilade::MaterialId,
+    opening: &[Vec3],
+    x: [f32; 2],
+    y: [f32; 2],
+    z: [f32; 2],
+) -> Shape {
     let hole: Vec<Vec3> = opening.iter().map(|at| vec3(at.x, at.y, z[1])).collect();
     let corner = |x: f32, y: f32, z: f32| vec3(x, y, z);
     let mut shape = Shape::new();

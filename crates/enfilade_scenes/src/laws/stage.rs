@@ -4,7 +4,7 @@ use crate::envelope::{Ceiling, Finish, Hole, Plan, Side, envelope};
 use crate::shape::Shape;
 use crate::{BuiltIn, Camera};
 use enfilade::{
-    Alpha, Content, ContentBuilder, ConvexPolygon, Material, MaterialId, Mesh, Method, OpeningId,
+    Alpha, Content, ContentBuilder, ConvexPolygon, End, Material, MaterialId, Mesh, Method, OpeningId,
     SceneBuilder, Transform,
 };
 use glam::{Vec3, vec2, vec3};
@@ -221,6 +221,21 @@ pub(crate) fn joined(
     let there = scene.add("there", there.build(), Method::HierarchicalZ);
     scene.door((here, out), (there, back));
     finished(scene, cameras)
+}
+
+/// A portal and the way back through it.
+pub(crate) fn both_ways(
+    scene: &mut SceneBuilder,
+    here: impl Into<End>,
+    there: impl Into<End>,
+    there_from_here: Transform,
+) {
+    let (here, there) = (here.into(), there.into());
+    let here_from_there = there_from_here
+        .inverse()
+        .expect("a turn and a scale can be undone");
+    scene.portal(here.clone(), there.clone(), there_from_here);
+    scene.portal(there, here, here_from_there);
 }
 
 pub(crate) fn finished(scene: SceneBuilder, cameras: Vec<Camera>) -> BuiltIn {

@@ -90,7 +90,7 @@ const fn window(name: &'static str, place: usize) -> Door {
 }
 
 /// All doors and windows.
-pub(crate) const DOORS: [Door; 28] = [
+pub(crate) const DOORS: [Door; 30] = [
     in_line("vestibule door", Name::Vestibule, Name::GuardRoom, 0, 1.4),
     in_line("guard room door", Name::GuardRoom, Name::RedSalon, 1, 0.0),
     in_line("red salon door", Name::RedSalon, Name::GreenSalon, 2, 0.0),
@@ -149,4 +149,30 @@ pub(crate) const DOORS: [Door; 28] = [
     window("window 6", 5),
     window("window 7", 6),
     window("window 8", 7),
+    Door {
+        name: "grotto arch",
+        from: Name::Court,
+        to: Name::Fountain,
+        gate: Gate {
+            looks: Side::West,
+            at: [-41.45, -51.5],
+            width: 2.8,
+            sill: 0.0,
+            spring: 2.6,
+            rise: 1.4,
+        },
+    },
+    Door {
+        name: "small door",
+        from: Name::Gallery,
+        to: Name::SecretPassage,
+        gate: Gate {
+            looks: Side::North,
+            at: [-8.45, -81.45],
+            width: 1.0,
+            sill: 0.0,
+            spring: 2.2,
+            rise: 0.0,
+        },
+    },
 ];

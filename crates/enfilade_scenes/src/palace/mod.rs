@@ -8,10 +8,12 @@ mod doll_house;
 mod doors;
 mod drapery;
 mod floor;
+mod fountain;
 mod garden;
 mod head;
 mod hearth;
 mod light;
+mod living_picture;
 mod ornament;
 mod palette;
 mod panel;
@@ -20,10 +22,13 @@ mod plan;
 mod room;
 mod rooms;
 mod seat;
+mod secret;
 mod statue;
 mod table;
 mod trim;
 mod workshop;
+
+pub use fountain::{FOUNTAIN_SECONDS, fountain};
 
 use crate::BuiltIn;
 use crate::random::Random;
@@ -32,6 +37,7 @@ use enfilade::{FragmentId, Method, OpeningId, SceneBuilder};
 use glam::{Vec2, Vec3, vec2, vec3};
 use plan::{Name, ROOMS};
 use room::{Doorway, Room, arched};
+use std::collections::HashMap;
 use workshop::Workshop;
 
 /// The seed of the palace that everybody knows.
@@ -44,6 +50,9 @@ pub(crate) fn palace(seed: u64) -> BuiltIn {
     let mut random = Random::new(seed);
     let mut door_ends: Vec<Vec<(FragmentId, OpeningId)>> = vec![Vec::new(); DOORS.len()];
     let mut doll_house_front = None;
+    // Portals of one way, and the rooms they lead to.
+    let mut one_way = Vec::new();
+    let mut ids = HashMap::new();
     for (name, design) in Name::ALL.into_iter().zip(ROOMS) {
         let mut room = Room::new(design, &mut shop, Random::new(random.bits()));
         let mut openings = Vec::new();
@@ -55,9 +64,24 @@ pub(crate) fn palace(seed: u64) -> BuiltIn {
         if name == Name::Study {
             doll_house_front = Some(doll_house::stand(&mut room));
         }
+        let leaves = match name {
+            Name::SecretPassage => Some((
+                secret::way_out(&mut room),
+                Name::Library,
+                secret::library_from_here(),
+            )),
+            Name::PictureRoom => Some((
+                living_picture::hang(&mut room),
+                Name::Court,
+                living_picture::court_from_here(),
+            )),
+            _ => None,
+        };
         rooms::furnish(&mut room, name);
         let (content, mirrors) = room.close();
         let id = scene.add(design.name, content, Method::HierarchicalZ);
+        ids.insert(name, id);
+        one_way.extend(leaves.map(|(opening, to, there_from_here)| ((id, opening), to, there_from_here)));
         for (door, opening) in openings {
             door_ends[door].push((id, opening));
         }
@@ -71,6 +95,15 @@ pub(crate) fn palace(seed: u64) -> BuiltIn {
                 &doll_house::doll_house(&mut shop, random.bits()),
             );
         }
+    }
+    // It changes at every moment, so a method that builds nothing sees it.
+    let id = scene.add(fountain::GROTTO.name, fountain(0.0), Method::ZBuffer);
+    let arches = (0..DOORS.len()).filter(|&number| DOORS[number].to == Name::Fountain);
+    for (opening, number) in arches.enumerate() {
+        door_ends[number].push((id, OpeningId(opening as u16)));
+    }
+    for (from, to, there_from_here) in one_way {
+        scene.portal(from, ids[&to], there_from_here);
     }
     for ends in door_ends {
         let [a, b] = ends.try_into().expect("a door has two sides");

@@ -4,14 +4,28 @@ use super::palette::*;
 use super::room::{Room, shift};
 use crate::random::Random;
 use crate::shape::{Shape, frame};
-use enfilade::{MaterialId, Transform};
+use enfilade::{MaterialId, Mesh, Transform};
 use glam::{Vec3, vec3};
 use std::f32::consts::TAU;
+use std::sync::Arc;
 
 /// Hangs a painting of the given size; `place` is the wall's frame at its lower left corner.
 pub(crate) fn hang_painting(room: &mut Room, place: Transform, size: [f32; 2], gilt: MaterialId) {
-    let broad = 0.10 + 0.04 * size[0].min(size[1]);
-    let border = room.shop.piece(format!("frame {size:?} {}", gilt.0), || {
+    let border = gilded_frame(room, size, gilt);
+    room.put("picture frame", &border, place);
+    let canvas = painting(&mut room.random, size).mesh();
+    room.put("painting", &canvas, place * shift(0.0, 0.0, 0.2 * breadth(size)));
+}
+
+/// How broad the frame of a painting is.
+fn breadth(size: [f32; 2]) -> f32 {
+    0.10 + 0.04 * size[0].min(size[1])
+}
+
+/// A frame for a painting of the given size, its lower left corner at the origin.
+pub(crate) fn gilded_frame(room: &mut Room, size: [f32; 2], gilt: MaterialId) -> Arc<Mesh> {
+    let broad = breadth(size);
+    room.shop.piece(format!("frame {size:?} {}", gilt.0), || {
         const PROFILE: [[f32; 2]; 10] = [
             [-1.0, 0.0],
             [-1.0, 0.35],
@@ -29,10 +43,7 @@ pub(crate) fn hang_painting(room: &mut Room, place: Transform, size: [f32; 2], g
             size,
             &PROFILE.map(|[inwards, out]| [inwards * broad, out * broad]),
         )
-    });
-    room.put("picture frame", &border, place);
-    let canvas = painting(&mut room.random, size).mesh();
-    room.put("painting", &canvas, place * shift(0.0, 0.0, 0.2 * broad));
+    })
 }
 
 /// A painting in the plane z = 0, its lower left corner at the origin.

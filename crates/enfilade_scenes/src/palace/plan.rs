@@ -13,7 +13,7 @@ use crate::envelope::{Axis, Ceiling, Plan, Side};
 pub(crate) const WALL: f32 = 0.45;
 
 /// Names of rooms, as places in [`ROOMS`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Name {
     Vestibule,
     GuardRoom,
@@ -34,11 +34,14 @@ pub(crate) enum Name {
     WinterGarden,
     Study,
     Treasury,
+    SecretPassage,
+    /// Not in [`ROOMS`]: it is made anew for every moment.
+    Fountain,
 }
 
 impl Name {
-    /// All rooms, in the order of [`ROOMS`].
-    pub(crate) const ALL: [Name; 19] = [
+    /// The rooms, in the order of [`ROOMS`].
+    pub(crate) const ALL: [Name; 20] = [
         Name::Vestibule,
         Name::GuardRoom,
         Name::RedSalon,
@@ -58,6 +61,7 @@ impl Name {
         Name::WinterGarden,
         Name::Study,
         Name::Treasury,
+        Name::SecretPassage,
     ];
 }
 
@@ -97,7 +101,7 @@ const STONEWORK: Style = Style {
 };
 
 /// The rooms, in the order of [`Name`].
-pub(crate) const ROOMS: [Design; 19] = [
+pub(crate) const ROOMS: [Design; 20] = [
     Design {
         name: "Vestibule",
         plan: Plan::Rectangle([WALL - HALF, HALF - WALL], [DOORS_AT[0] + WALL, -WALL]),
@@ -362,6 +366,7 @@ pub(crate) const ROOMS: [Design; 19] = [
             ..STONEWORK
         },
     },
+    super::secret::DESIGN,
 ];
 
 #[cfg(test)]
@@ -376,6 +381,7 @@ mod tests {
             (Name::ThroneRoom, "Throne Room"),
             (Name::Gallery, "Gallery"),
             (Name::Treasury, "Treasury"),
+            (Name::SecretPassage, "Secret Passage"),
         ] {
             assert_eq!(ROOMS[name as usize].name, expected);
         }

@@ -232,20 +232,22 @@ fn open_book() -> Shape {
 }
 
 pub(super) fn picture_room(room: &mut Room) {
+    const FREE: f32 = 2.3;
     let rows = [(1.35, 1.5), (3.15, 1.3), (4.75, 1.0)];
     for side in Side::ALL {
         let length = room.wall(side).length();
         let middle = 0.5 * length;
         let wall = room.design.plan.wall(side);
-        let door = matches!(side, Side::North | Side::South);
+        // Doors in the north and the south, the living picture in the east.
+        let free = side != Side::West;
         for (row, (foot, high)) in rows.into_iter().enumerate() {
             let mut along = 0.45;
             while along < length - 0.8 {
                 let wide = high * room.random.pick(&[0.8, 1.0, 1.3, 1.5]);
                 let [from, to] = [along, along + wide];
-                let in_the_way = door && row < 2 && to > middle - 2.0 && from < middle + 2.0;
+                let in_the_way = free && row < 2 && to > middle - FREE && from < middle + FREE;
                 if in_the_way {
-                    along = middle + 2.0;
+                    along = middle + FREE;
                     continue;
                 }
                 if to > length - 0.4 {

@@ -54,12 +54,7 @@ pub(super) fn court(room: &mut Room) {
         }
     }
     let bench = garden::bench(room.shop, PALE_STONE);
-    for (x, z, turn) in [
-        (-40.0, -51.5, 90.0),
-        (-28.0, -28.0, 180.0),
-        (-28.0, -75.0, 0.0),
-        (-33.5, -51.5, 90.0),
-    ] {
+    for (x, z, turn) in [(-28.0, -28.0, 180.0), (-28.0, -75.0, 0.0), (-33.5, -51.5, 90.0)] {
         room.put("bench", &bench, spot(x, z, turn));
     }
     let urn = ornament::urn(room.shop, TERRACOTTA, STONE);
@@ -163,7 +158,8 @@ fn facades(room: &mut Room) {
             } else {
                 step * (bay as f32 + 0.5)
             };
-            if middle < 1.5 || middle > wall.length() - 1.5 {
+            let beside_the_grotto = side == Side::West && (middle - 0.5 * wall.length()).abs() < 3.0;
+            if middle < 1.5 || middle > wall.length() - 1.5 || beside_the_grotto {
                 continue;
             }
             room.put("blind window", &upper, wall.at(middle, 5.5));
@@ -178,6 +174,7 @@ fn facades(room: &mut Room) {
             }
         }
     }
+    grotto_front(room, &giant, &upper);
     for door in room.doorways.clone() {
         let case = room
             .shop
@@ -196,6 +193,22 @@ fn facades(room: &mut Room) {
     }
     cornice(room, &corners, 7.95, 0.55);
     balustrade(room, &corners, height - 1.0);
+}
+
+/// Pilasters, windows and urns about the arch of the grotto, which stands where two bays would meet.
+fn grotto_front(room: &mut Room, pilaster: &Arc<Mesh>, window: &Arc<Mesh>) {
+    let wall = room.wall(Side::West);
+    let middle = 0.5 * wall.length();
+    let urn = ornament::urn(room.shop, TERRACOTTA, STONE);
+    let base = column::pedestal(room.shop, 0.7, 1.2, PALE_STONE, STONE);
+    room.put("blind window", window, wall.at(middle, 5.5));
+    for side in [-1.0, 1.0] {
+        room.put("pilaster", pilaster, wall.at(middle + 2.2 * side, 0.0));
+        room.put("blind window", window, wall.at(middle + 3.55 * side, 5.5));
+        let place = wall.at(middle + 3.55 * side, PAVING) * shift(0.0, 0.0, 0.6);
+        room.put("pedestal", &base, place);
+        room.put("urn", &urn, place * shift(0.0, 1.2, 0.0) * scaled(1.4));
+    }
 }
 
 /// Posts and a rail along the top of the walls.

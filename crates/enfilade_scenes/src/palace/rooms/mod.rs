@@ -16,8 +16,8 @@ use super::room::{PAVING, Room, arched, scaled, shift, spot};
 use super::statue::Pose;
 use super::trim::{cornice, dress};
 use super::{
-    case, ceiling, column, doors, drapery, floor, garden, hearth, light, ornament, picture, seat, statue,
-    table,
+    case, ceiling, column, doors, drapery, floor, garden, hearth, light, ornament, picture, seat, secret,
+    statue, table,
 };
 use crate::envelope::{Ceiling, Side, inwards};
 use crate::shape::{Shape, band, block, cuboid, fluted, lathe, moulding, prism, surround};
@@ -51,6 +51,11 @@ pub(crate) fn furnish(room: &mut Room, name: Name) {
         Name::WinterGarden => (cabinets::winter_garden, VERDIGRIS),
         Name::Study => (cabinets::study, EBONY),
         Name::Treasury => (cabinets::treasury, DARK_STONE),
+        Name::SecretPassage => {
+            secret::furnish(room);
+            return;
+        }
+        Name::Fountain => return,
     };
     furnish(room);
     finish(room, border);

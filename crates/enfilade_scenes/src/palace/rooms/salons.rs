@@ -184,7 +184,9 @@ pub(super) fn mirror_room(room: &mut Room) {
         mirror(room, Side::East, along, 0.5, [1.7, 3.1], 0.85);
     }
     let bay = room.design.plan.wall(Side::West);
-    for (i, along) in [1.35, 4.05, 6.75].into_iter().enumerate() {
+    // Face to face with the one in the east.
+    mirror(room, Side::West, 4.05, 0.5, [1.7, 3.1], 0.85);
+    for (i, along) in [1.35, 6.75].into_iter().enumerate() {
         niche(room, bay, along, 0.5, [1.5, 2.6, 0.38], BLUE_SILK);
         let base = column::pedestal(room.shop, 0.75, 0.6, WHITE_MARBLE, ROSE);
         let place = room.walls()[bay].at(along, PAVING) * shift(0.0, 0.0, 0.48);

@@ -1,0 +1,225 @@
+//! The grotto west of the court, and the fountain that moves in it: a content made anew for every moment.
+
+use super::doors::DOORS;
+use super::floor::{Floor, paving};
+use super::palette::*;
+use super::plan::Name;
+use super::room::{Design, Room, Style, arched, scaled, shift, spot};
+use super::statue::{self, Pose};
+use super::trim::cornice;
+use super::workshop::Workshop;
+use super::{ceiling, light, open, ornament};
+use crate::envelope::{Axis, Ceiling, Plan, Side};
+use crate::random::Random;
+use crate::shape::{ball, lathe, superquadric, surround, tube};
+use enfilade::{Content, ContentBuilder, ItemId, Transform};
+use glam::{Vec3, vec3};
+use std::f64::consts::TAU;
+use std::sync::LazyLock;
+
+/// After so many seconds the fountain of [`fountain`] is as it was.
+pub const FOUNTAIN_SECONDS: f32 = 4.0;
+
+pub(crate) const GROTTO: Design = Design {
+    name: "Fountain",
+    plan: Plan::Apse([-46.0, -41.9], [-54.9, -48.1], Side::West),
+    // The cornice must pass above the arch to the court.
+    height: 4.6,
+    ceiling: Ceiling::Vault(Axis::WestEast, 3.4),
+    style: Style {
+        floor: Floor::Octagons(0.7, [PALE_STONE, STONE, COBALT]),
+        trim: PALE_STONE,
+        gilt: OLD_GOLD,
+        dado: STONE,
+        wall: PALE_GREEN,
+        field: VERDIGRIS,
+        ceiling: NIGHT_BLUE,
+        reveal: STONE,
+    },
+};
+
+/// The middle of the basin: x and z.
+const MIDDLE: [f32; 2] = [-46.0, -51.5];
+/// The surface of the water.
+const LEVEL: f32 = 0.48;
+const JETS: u32 = 12;
+const DROPS: u32 = 7;
+const SPLASHES: u32 = 4;
+
+/// The fragment "Fountain" of the palace as it is after so many seconds; the palace is built with that of 0.
+///
+/// Always the same things by the same names, and the same openings; only the water moves. It comes back after
+/// [`FOUNTAIN_SECONDS`].
+pub fn fountain(seconds: f32) -> Content {
+    // Made once: at another moment only the water is different.
+    static STILL: LazyLock<Content> = LazyLock::new(grotto);
+    let mut content = ContentBuilder::new(materials());
+    let meshes: Vec<_> = STILL
+        .meshes()
+        .iter()
+        .map(|mesh| content.mesh(mesh.clone()))
+        .collect();
+    for (number, item) in STILL.items().iter().enumerate() {
+        let name = STILL.name(ItemId(number as u32));
+        content.item(name, meshes[item.mesh.0 as usize], item.transform());
+    }
+    for opening in STILL.openings() {
+        content.opening(&opening.name, opening.outline.clone());
+    }
+    water(
+        &mut content,
+        (f64::from(seconds) / f64::from(FOUNTAIN_SECONDS)).rem_euclid(1.0),
+    );
+    content.build().expect("water is made of sound things")
+}
+
+/// All of it but the water.
+fn grotto() -> Content {
+    let mut shop = Workshop::default();
+    let mut room = Room::new(GROTTO, &mut shop, Random::new(7));
+    for door in DOORS.iter().filter(|door| door.to == Name::Fountain) {
+        open(&mut room, door.name, &door.gate, false);
+    }
+    basin(&mut room);
+    rocks(&mut room);
+    ceiling::ribs(&mut room, PALE_STONE, 0.35, 0.16, &[0.2, 3.9]);
+    ceiling::stars(&mut room, 70, GOLD);
+    let corners = GROTTO.plan.corners();
+    cornice(&mut room, &corners, GROTTO.height, 0.4);
+    let urn = ornament::urn(room.shop, COBALT, GOLD);
+    for side in [Side::North, Side::South] {
+        let wall = GROTTO.plan.wall(side);
+        let outline = arched(1.5, 0.7, 2.1, 0.75);
+        room.cut(wall, 2.05, &outline, 0.35, Some(COBALT), STONE);
+        let border = [[0.0, 0.0], [0.0, 0.05], [0.06, 0.08], [0.16, 0.04], [0.16, 0.0]];
+        let border = room.shop.piece("grotto niche".to_owned(), || {
+            surround(PALE_STONE, &outline, true, &border)
+        });
+        let place = room.walls()[wall].at(2.05, 0.0);
+        room.put("niche border", &border, place);
+        room.put("urn", &urn, place * shift(0.0, 0.7, -0.02) * scaled(1.1));
+    }
+    for z in [-49.0, -54.0] {
+        light::candelabrum(&mut room, spot(-42.4, z, 0.0), 1.5, OLD_GOLD);
+    }
+    room.make("paving", &paving(GROTTO.plan, GROTTO.style.floor, STONE, 0.3));
+    room.close().0
+}
+
+/// A round basin with nozzles on its rim, and a figure on rocks in its middle.
+fn basin(room: &mut Room) {
+    let [x, z] = MIDDLE;
+    let profile = [
+        [0.0, 0.0],
+        [2.5, 0.0],
+        [2.5, 0.1],
+        [2.36, 0.16],
+        [2.36, 0.46],
+        [2.5, 0.52],
+        [2.5, 0.62],
+        [2.2, 0.62],
+        [2.2, 0.1],
+        [0.0, 0.1],
+    ];
+    let stone = lathe(PALE_STONE, &profile, 48).mesh();
+    room.put("basin", &stone, spot(x, z, 0.0));
+    let nozzle = [[0.0, 0.0], [0.07, 0.0], [0.04, 0.05], [0.03, 0.1], [0.0, 0.1]];
+    let nozzle = lathe(GOLD, &nozzle, 8).mesh();
+    for jet in 0..JETS {
+        let foot = rim(jet) - Vec3::Y * 0.1;
+        room.put("nozzle", &nozzle, shift(foot.x, foot.y, foot.z));
+    }
+    let figure = statue::figure(room.shop, Pose::Jug, WHITE_MARBLE, GOLD);
+    room.put(
+        "statue",
+        &figure,
+        spot(x, z, 90.0) * shift(0.0, 0.92, 0.0) * scaled(1.2),
+    );
+}
+
+/// Rough stones: under the figure, and along the wall of the apse.
+fn rocks(room: &mut Room) {
+    let mut random = Random::new(11);
+    let kinds =
+        [STONE, DARK_STONE, VERDIGRIS].map(|stone| superquadric(stone, [1.0; 3], 0.7, 0.8, 6, 9).mesh());
+    let mut put = |room: &mut Room, at: Vec3, size: f32| {
+        let turn = Transform::rotation(random.point(1.0), 6.0 * f64::from(random.unit()));
+        let sides = [0; 3].map(|_| size * random.between(0.7, 1.15));
+        let rock = random.pick(&[0, 0, 1, 2]);
+        let place = shift(at.x, at.y, at.z) * turn * Transform::scaling(sides);
+        room.put("rock", &kinds[rock], place);
+    };
+    let [x, z] = MIDDLE;
+    put(room, vec3(x, 0.4, z), 0.62);
+    for i in 0..7 {
+        let (sin, cos) = (TAU * f64::from(i) / 7.0).sin_cos();
+        put(
+            room,
+            vec3(x + 0.45 * cos as f32, 0.45, z + 0.45 * sin as f32),
+            0.3,
+        );
+    }
+    let reach = 3.4 - 0.22;
+    for i in 0..17 {
+        let (sin, cos) = (0.5 * TAU * (f64::from(i) + 0.5) / 17.0).sin_cos();
+        let at = vec3(x - reach * sin as f32, 0.12, z + reach * cos as f32);
+        put(room, at, 0.26);
+        if i % 3 != 1 {
+            put(room, at + vec3(-0.04 * sin as f32, 0.3, 0.04 * cos as f32), 0.2);
+        }
+    }
+}
+
+/// Where a jet springs from.
+fn rim(jet: u32) -> Vec3 {
+    around(jet, 2.35, 0.74)
+}
+
+/// A place round the basin's middle, in the direction of a jet.
+fn around(jet: u32, out: f32, up: f32) -> Vec3 {
+    let (sin, cos) = (TAU * (f64::from(jet) + 0.5) / f64::from(JETS)).sin_cos();
+    vec3(MIDDLE[0] + out * cos as f32, up, MIDDLE[1] + out * sin as f32)
+}
+
+/// The water at a part of the loop, 0 to 1: its surface, the jets, drops along them, and drops that splash where they
+/// fall. All that turns does so a whole number of times.
+fn water(content: &mut ContentBuilder, part: f64) {
+    let wave = |turns: f64| (TAU * turns).sin() as f32;
+    let rings = (0..=14).map(|ring| {
+        let out = 2.2 * (1.0 - ring as f32 / 14.0);
+        let ripple = 0.018 * wave(f64::from(out) / 0.55 - 4.0 * part);
+        [out, LEVEL + if ring == 0 { 0.0 } else { ripple }]
+    });
+    let surface = lathe(WATER, &rings.collect::<Vec<_>>(), 36).mesh();
+    let surface = content.mesh(surface);
+    let [x, z] = MIDDLE;
+    content.item("Fountain: water", surface, shift(x, 0.0, z));
+    let drop = content.mesh(ball(PORCELAIN, 1.0, 4, 6).mesh());
+    for jet in 0..JETS {
+        let high = 0.95 + 0.25 * wave(part * 2.0 + f64::from(jet) / 6.0);
+        let [from, to] = [rim(jet), around(jet, 0.85, LEVEL)];
+        let at = |along: f32| from.lerp(to, along) + Vec3::Y * (4.0 * high * along * (1.0 - along));
+        let path: Vec<Vec3> = (0..=12).map(|i| at(i as f32 / 12.0)).collect();
+        let stream = content.mesh(tube(WATER, &path, |along| 0.02 + 0.02 * along, 5).mesh());
+        content.item(&format!("Fountain: jet {}", jet + 1), stream, Transform::IDENTITY);
+        for i in 0..DROPS {
+            let along = (part * 3.0 + f64::from(i) / f64::from(DROPS) + 0.13 * f64::from(jet)).fract() as f32;
+            let aside = vec3(wave(0.37 * f64::from(i)), 0.0, wave(0.61 * f64::from(i + jet)));
+            let place = at(along) + aside * (0.01 + 0.05 * along);
+            let name = format!("Fountain: drop {}", jet * DROPS + i + 1);
+            content.item(
+                &name,
+                drop,
+                shift(place.x, place.y, place.z) * scaled(0.014 + 0.004 * (i % 3) as f32),
+            );
+        }
+        for i in 0..SPLASHES {
+            let along =
+                (part * 5.0 + f64::from(i) / f64::from(SPLASHES) + 0.29 * f64::from(jet)).fract() as f32;
+            let away = vec3(wave(0.27 * f64::from(i)), 0.0, wave(0.27 * f64::from(i) + 0.25));
+            let place = to + away * (0.3 * along) + Vec3::Y * (0.9 * along * (1.0 - along));
+            let name = format!("Fountain: splash {}", jet * SPLASHES + i + 1);
+            content.item(&name, drop, shift(place.x, place.y, place.z) * scaled(0.012));
+        }
+    }
+}

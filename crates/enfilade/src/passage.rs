@@ -211,6 +211,18 @@ impl Passage {
         Region::in_rect(self, limits, f64::from(self.near), screen_from_local, bounds).is_some()
     }
 
+    /// May any part of a box in the space of the fragment be seen through the passage, were nothing in its way?
+    pub fn may_show(&self, bounds: &Aabb) -> bool {
+        Region::of(self, &self.screen_from_fragment, bounds).is_some()
+    }
+
+    /// Where the eye stands in the space of the fragment, and the direction in which it sees the place (x, y) of the
+    /// screen, in pixels: of a length of 1 along the line of sight, in units at the eye.
+    pub fn ray(&self, [x, y]: [f64; 2]) -> [[f64; 3]; 2] {
+        let back = self.screen_from_fragment.matrix3.inverse();
+        [self.eye(), (back * DVec3::new(x, y, 1.0)).into()]
+    }
+
     /// What is seen of the box around an opening, if it shows its front. Openings are seen however near they are.
     pub(crate) fn region_of_opening(&self, outline: &ConvexPolygon) -> Option<Region> {
         const AT_THE_EYE: f64 = 1e-30;

@@ -23,6 +23,7 @@
 #![forbid(unsafe_code)]
 
 mod cover;
+mod lamps;
 mod light;
 mod painter;
 mod palette;

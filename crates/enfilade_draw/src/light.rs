@@ -22,15 +22,19 @@ pub(crate) struct Eye {
 ///
 /// It depends on the normal alone, not on the place, so that the triangles of a wall do not show.
 pub(crate) fn lit(surface: &Surface, eye: &Eye) -> [f32; 3] {
-    let normal = Vec3::from(surface.normal);
-    // Seen from behind, a double-sided face is lit on that side.
-    let behind = (eye.at - DVec3::from(surface.point.map(f64::from))).dot(normal.as_dvec3()) < 0.0;
-    let normal = if behind { -normal } else { normal };
+    let normal = turned_to(eye, surface);
     let upward = 0.5 + 0.5 * normal.y;
     let ambient = GROUND * (1.0 - upward) + ZENITH * upward;
     let sun = SUNLIGHT * normal.dot(SUN).max(0.0);
     let [r, g, b, _] = surface.color;
     (Vec3::new(r, g, b) * (ambient + sun + FROM_THE_EYE * normal.dot(eye.back.as_vec3()).abs())).into()
+}
+
+/// The normal of the side that an eye sees: from behind, a double-sided face is lit on that side.
+pub(crate) fn turned_to(eye: &Eye, surface: &Surface) -> Vec3 {
+    let normal = Vec3::from(surface.normal);
+    let behind = (eye.at - DVec3::from(surface.point.map(f64::from))).dot(normal.as_dvec3()) < 0.0;
+    if behind { -normal } else { normal }
 }
 
 /// The sky in a direction whose y is up.

@@ -1,19 +1,20 @@
 //! A canvas that is a picture.
 
 use crate::cover::CoverPicture;
-use crate::light::{Eye, lit, sky};
+use crate::lamps::Lamps;
+use crate::light::{Eye, lit, sky, turned_to};
 use crate::palette::{decode, distinct, encode, heat, rainbow};
 use crate::show::Show;
 use enfilade::{
     Alpha, Canvas, CoverSpan, FragmentId, Method, Owner, Passage, PassageId, Scene, Span, Surface, Transform,
     View,
 };
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use image::RgbImage;
 
 /// A picture of what [`Viewer::draw`](enfilade::Viewer::draw) sees.
 ///
-/// Faces are shaded once for each passage, not once for each sample.
+/// Faces are shaded once for each passage; where a lamp may shine on them, once for each sample.
 pub struct Painter<'a> {
     scene: &'a Scene,
     show: Show,
@@ -27,6 +28,8 @@ pub struct Painter<'a> {
     sky: Sky,
     fragment: FragmentId,
     eye: Eye,
+    lamps: Lamps,
+    rays: Rays,
     shades: Vec<Shade>,
 }
 
@@ -37,6 +40,8 @@ struct Shade {
     color: [f32; 3],
     bytes: [u8; 4],
     coverage: f32,
+    /// What lamps shine on, and the normal of the side that is seen.
+    lit: Option<(Surface, Vec3)>,
 }
 
 /// Colours kept, by a hash of the face: a face is met again in its next row.
@@ -46,6 +51,7 @@ const NO_SHADE: Shade = Shade {
     color: [0.0; 3],
     bytes: [0; 4],
     coverage: 1.0,
+    lit: None,
 };
 /// What is seen where an opening is closed, or no longer followed.
 const CLOSED: [f32; 3] = [0.10, 0.07, 0.05];
@@ -69,6 +75,8 @@ impl<'a> Painter<'a> {
             sky: Sky::new(view),
             fragment: FragmentId(0),
             eye: Eye::default(),
+            lamps: Lamps::new(scene),
+            rays: Rays::default(),
             shades: vec![NO_SHADE; SHADES],
         }
     }
@@ -100,6 +108,11 @@ impl<'a> Painter<'a> {
         image
     }
 
+    /// How many of the scene's lights shine on something that was seen; the others cost nothing.
+    pub fn lights_shining(&self) -> usize {
+        self.lamps.shining()
+    }
+
     fn start(&self, y: u16, x: u16) -> usize {
         usize::from(y) * self.size[0] as usize + usize::from(x)
     }
@@ -112,11 +125,19 @@ impl<'a> Painter<'a> {
         if self.shades[slot].owner != Some(owner) {
             let (color, coverage) = self.color(owner);
             let [r, g, b] = encode(color);
+            let lit = match owner {
+                Owner::Face(item, face) if self.show == Show::Image && self.lamps.any_here() => {
+                    let surface = self.scene.fragment(self.fragment).surface(item, face);
+                    Some((surface, turned_to(&self.eye, &surface)))
+                }
+                _ => None,
+            };
             self.shades[slot] = Shade {
                 owner: Some(owner),
                 color,
                 bytes: [r, g, b, 255],
                 coverage,
+                lit,
             };
         }
         self.shades[slot]
@@ -151,22 +172,68 @@ impl<'a> Painter<'a> {
                     coverage,
                 )
             }
-            _ => (lit(&surface, &self.eye), coverage),
+            _ => (self.by_daylight(&surface), coverage),
         }
     }
 
-    fn blend(&mut self, run: std::ops::Range<usize>, color: [f32; 3], coverage: f32) {
-        for i in run {
+    /// Lamps would be lost in the sun: where there are any, it is evening.
+    fn by_daylight(&self, surface: &Surface) -> [f32; 3] {
+        const EVENING: f32 = 0.4;
+        let part = if self.lamps.is_empty() { 1.0 } else { EVENING };
+        lit(surface, &self.eye).map(|value| value * part)
+    }
+
+    /// Paints one sample, over what is there if it is glass.
+    fn paint(&mut self, i: usize, color: [f32; 3], coverage: f32) {
+        let color = if coverage < 1.0 {
             let [r, g, b, painted] = self.pixels[i];
             let behind = decode(if painted > 0 {
                 [r, g, b]
             } else {
                 self.sky.at(i, self.size[0])
             });
-            let mixed: [f32; 3] = std::array::from_fn(|c| behind[c] * (1.0 - coverage) + color[c] * coverage);
-            let [r, g, b] = encode(mixed);
-            self.pixels[i] = [r, g, b, 255];
+            std::array::from_fn(|c| behind[c] * (1.0 - coverage) + color[c] * coverage)
+        } else {
+            color
+        };
+        let [r, g, b] = encode(color);
+        self.pixels[i] = [r, g, b, 255];
+    }
+
+    /// The colour of a sample of a face that lamps may shine on.
+    fn by_lamplight(&self, [x, y]: [u16; 2], shade: &Shade, (surface, normal): &(Surface, Vec3)) -> [f32; 3] {
+        let point = self.rays.meet([x, y], surface, *normal);
+        (Vec3::from(shade.color) + self.lamps.at(point, *normal, surface)).into()
+    }
+}
+
+/// Where the passage at hand sees samples: from an eye, in a direction that grows by the same from each to the next.
+#[derive(Default)]
+struct Rays {
+    eye: DVec3,
+    corner: DVec3,
+    right: DVec3,
+    down: DVec3,
+}
+
+impl Rays {
+    fn new(passage: &Passage) -> Rays {
+        let direction = |at| DVec3::from(passage.ray(at)[1]);
+        let corner = direction([0.5, 0.5]);
+        Rays {
+            eye: passage.ray([0.5, 0.5])[0].into(),
+            corner,
+            right: direction([1.5, 0.5]) - corner,
+            down: direction([0.5, 1.5]) - corner,
         }
+    }
+
+    /// Where the ray of a sample meets the plane of a surface.
+    fn meet(&self, [x, y]: [u16; 2], surface: &Surface, normal: Vec3) -> DVec3 {
+        let direction = self.corner + self.right * f64::from(x) + self.down * f64::from(y);
+        let normal = normal.as_dvec3();
+        let off = normal.dot(DVec3::from(surface.point.map(f64::from)) - self.eye);
+        self.eye + direction * (off / normal.dot(direction))
     }
 }
 
@@ -187,6 +254,8 @@ impl Canvas for Painter<'_> {
             at: passage.eye().into(),
             back,
         };
+        self.rays = Rays::new(passage);
+        self.lamps.enter(passage);
         self.shades.fill(NO_SHADE);
     }
 
@@ -197,10 +266,15 @@ impl Canvas for Painter<'_> {
         for span in spans {
             let run = self.start(y, span.x0)..self.start(y, span.x1);
             let shade = self.shade(span.owner);
-            if shade.coverage >= 1.0 {
+            if let Some(lit) = &shade.lit {
+                for (x, i) in (span.x0..).zip(run) {
+                    let color = self.by_lamplight([x, y], &shade, lit);
+                    self.paint(i, color, shade.coverage);
+                }
+            } else if shade.coverage >= 1.0 {
                 self.pixels[run].fill(shade.bytes);
             } else {
-                self.blend(run, shade.color, shade.coverage);
+                run.for_each(|i| self.paint(i, shade.color, shade.coverage));
             }
         }
     }

@@ -46,7 +46,10 @@ fn numbers(mut state: u64) -> impl FnMut(usize) -> usize {
 fn a_file_with_a_few_bytes_wrong_is_read_or_refused() {
     const SEED: u64 = 20_261_121;
     const FILES: usize = 20_000;
-    let limits = ReadOptions { limit_bytes: 1 << 26 };
+    let limits = ReadOptions {
+        limit_bytes: 1 << 26,
+        ..ReadOptions::default()
+    };
     let whole = orchard().glb();
     let json_end = 20 + u32::from_le_bytes(whole[12..16].try_into().expect("four bytes")) as usize;
     let mut number = numbers(SEED);
@@ -120,7 +123,15 @@ fn text_with_a_number_replaced_by_a_bad_one_is_read_or_refused() {
 
 #[track_caller]
 fn too_large(bytes: &[u8], limit_bytes: u64, place: &str) {
-    let error = read_bytes(bytes, None, &ReadOptions { limit_bytes }).expect_err("more than is allowed");
+    let error = read_bytes(
+        bytes,
+        None,
+        &ReadOptions {
+            limit_bytes,
+            ..ReadOptions::default()
+        },
+    )
+    .expect_err("more than is allowed");
     assert!(matches!(error.rule, BrokenRule::TooLarge { .. }), "{error}");
     assert!(
         error
@@ -184,6 +195,7 @@ fn even_without_a_limit_corners_are_counted_with_32_bits() {
         None,
         &ReadOptions {
             limit_bytes: u64::MAX,
+            ..ReadOptions::default()
         },
     )
     .expect_err("too many");

@@ -281,10 +281,11 @@ fn same_place(leads: &[Lead]) -> Option<(&Lead, &Lead)> {
         a.from.cmp(&b.from).then(low(a).total_cmp(&low(b)))
     });
     for (place, a) in by_room.iter().enumerate() {
-        let end = a.outline.bounds().max[0];
+        let bounds = a.outline.bounds();
+        let end = bounds.max[0] + bounds.longest_side();
         let near = by_room[place + 1..]
             .iter()
-            .take_while(|b| b.from == a.from && b.outline.bounds().min[0] <= end + 1e-3);
+            .take_while(|b| b.from == a.from && b.outline.bounds().min[0] <= end);
         for b in near {
             if covers_most(&a.outline, &b.outline) {
                 return Some(if a.marked < b.marked { (a, b) } else { (b, a) });

@@ -4,7 +4,7 @@
 //! garden whose box holds the house has no say in a parlour, a thick wall of one room has little in the next, and
 //! a door's leaf, which hangs nearer than the places are, has none.
 
-use enfilade::{Aabb, Content, ConvexPolygon, Ray};
+use enfilade::{Aabb, Content, ConvexPolygon, Hit, Ray};
 use glam::DVec3;
 
 /// What part of the votes makes a room one that stands there.
@@ -135,28 +135,32 @@ struct Votes {
 }
 
 impl Votes {
-    /// Lets one ray vote, if it meets anything; for two rooms where they share the face.
+    /// Lets one ray vote, if it meets anything. Of rooms whose walls meet in one plane the one whose front is met counts.
     fn cast(&mut self, rooms: &[Content], near: &[usize], origin: DVec3, direction: DVec3) {
         let ray = Ray {
             origin: origin.as_vec3().into(),
             direction: direction.as_vec3().into(),
         };
-        let met: Vec<(usize, f64)> = near
+        let met: Vec<(usize, Hit)> = near
             .iter()
-            .filter_map(|&room| Some((room, rooms[room].cast(&ray)?.distance)))
+            .filter_map(|&room| Some((room, rooms[room].cast(&ray)?)))
             .collect();
         let nearest = met
             .iter()
-            .map(|(_, distance)| *distance)
+            .map(|(_, hit)| hit.distance)
             .fold(f64::INFINITY, f64::min);
-        self.rays += usize::from(!met.is_empty());
-        for (room, _) in met
+        let first = |hit: &Hit| hit.distance <= nearest * (1.0 + 1e-5);
+        let from_behind = met
             .iter()
-            .filter(|(_, distance)| *distance <= nearest * (1.0 + 1e-5))
-        {
-            match self.first.iter_mut().find(|(other, _)| other == room) {
-                Some((_, votes)) => *votes += 1,
-                None => self.first.push((*room, 1)),
+            .filter(|(_, hit)| first(hit))
+            .all(|(_, hit)| hit.from_behind);
+        self.rays += usize::from(!met.is_empty());
+        for (room, hit) in met {
+            if first(&hit) && hit.from_behind == from_behind {
+                match self.first.iter_mut().find(|(other, _)| *other == room) {
+                    Some((_, votes)) => *votes += 1,
+                    None => self.first.push((room, 1)),
+                }
             }
         }
     }

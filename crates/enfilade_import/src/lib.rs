@@ -51,6 +51,7 @@ mod warning;
 pub use authoring::AuthoringError;
 pub use camera::Camera;
 pub use error::{BrokenRule, ImportError};
+pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};
 pub use warning::{Warning, WarningKind};
 
 use budget::Budget;

@@ -12,6 +12,7 @@ mod container;
 mod document;
 mod extensions;
 mod hints;
+pub(crate) mod link;
 mod materials;
 mod mesh;
 mod names;

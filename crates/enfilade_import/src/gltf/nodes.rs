@@ -70,6 +70,11 @@ pub(super) fn place(
     Ok(placed)
 }
 
+/// The nodes that the scene begins with.
+pub(super) fn scene_roots(document: &Document) -> Result<Vec<u32>, BrokenRule> {
+    roots(document, &parents(document)?)
+}
+
 /// The nodes that the scene begins with: those of the default scene, else of the first, else all without a parent.
 fn roots(document: &Document, parents: &[Option<u32>]) -> Result<Vec<u32>, BrokenRule> {
     let Some(number) = document.scene.or((!document.scenes.is_empty()).then_some(0)) else {

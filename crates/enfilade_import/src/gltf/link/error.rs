@@ -8,7 +8,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum LinkError {
     /// A part is no sound file.
-    #[error("{0}")]
+    #[error(transparent)]
     File(#[from] ImportError),
     /// What the parts come to is no sound scene.
     #[error("{0}")]

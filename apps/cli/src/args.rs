@@ -135,25 +135,26 @@ WORLD.toml names parts, each a .glb or .gltf file with its place, and portals be
   [[part]]
   name = \"barn\"
   file = \"barn.glb\"
-  translation = [40, 0, 0]           # optional, as are the next two: scaled, then turned, then moved
+  translation = [40, 0, 0]         # optional, as are the next two; this comes last
   rotation = { axis = [0, 1, 0], degrees = 90 }
   scale = 1
 
-  [[portal]]                         # a teleport: `to` says where one comes out, and looking which way
+  [[portal]]                       # a teleport: `to` says where one comes out, and which way
   name = \"gate\"
   from = { part = \"house\", center = [0, 1, 2], ahead = [0, 0, -1], size = [1, 2] }
   to = { part = \"barn\", center = [3, 1, 0], ahead = [1, 0, 0], size = [1, 2] }
-  two_way = true                     # then `to` is an opening too; teleports lead one way unless told
-  [[portal]]                         # a door between parts that touch; both ways unless two_way = false
+  two_way = true                   # then `to` is an opening too
+  [[portal]]                       # a door between parts that touch, both ways unless told
   name = \"door\"
   from = { part = \"house\", node = \"Door-portal\" }
-  to = { part = \"barn\" }             # and room = \"NAME\" where it has several; without `to`, what is behind it
+  to = { part = \"barn\" }           # and room = \"NAME\" where it has several
   [[portal]]
   name = \"pier-glass\"
   from = { part = \"house\", outline = [[0, 0, 0], [1, 0, 0], [1, 2, 0], [0, 2, 0]] }
   mirror = true
 
-Numbers are in the space of the part. An opening is a rectangle that one goes into along `ahead` (with `up` if need be), \
+Numbers are in the space of the part. Teleports lead one way, doors both, unless two_way says otherwise; a door without \
+`to` leads to what stands behind it. An opening is a rectangle that one goes into along `ahead` (with `up` if need be), \
 an outline, counter-clockwise seen by one who is about to go in, or a node with a flat mesh: into a teleport one goes \
 along its -Z. An exit is a rectangle or a node that one comes out of along its -Z; out of an outline, or of a node with \
 two_way, one comes as out of an opening. A part in which no room is marked is one room, PART-room. Parts should not \

@@ -241,14 +241,25 @@ impl Inventory {
                 ),
             );
         }
-        for WayEntry {
-            opening,
-            from,
-            to,
-            kind,
-        } in &self.ways
-        {
-            say(kind, format!("{opening}: from {from} to {to}"));
+        let mut told = HashSet::new();
+        for way in &self.ways {
+            let WayEntry {
+                opening,
+                from,
+                to,
+                kind,
+            } = way;
+            let is_back = |other: &&WayEntry| {
+                *kind == "portal" && (&other.opening, &other.from, &other.to) == (opening, to, from)
+            };
+            match self.ways.iter().find(is_back) {
+                _ if told.contains(&(opening, to, from)) => {}
+                Some(_) => {
+                    told.insert((opening, from, to));
+                    say("door", format!("{opening}: between {from} and {to}"));
+                }
+                None => say(kind, format!("{opening}: from {from} to {to}")),
+            }
         }
         say("portals", count(self.portals as u64));
         say("openings", count(self.openings as u64));

@@ -300,11 +300,11 @@ pub enum BrokenRule {
     Content(ContentError),
     /// Rooms and portals that do not make a scene.
     #[error("{0}")]
-    Authoring(AuthoringError),
+    Authoring(Box<AuthoringError>),
 }
 
 impl From<AuthoringError> for BrokenRule {
     fn from(why: AuthoringError) -> BrokenRule {
-        BrokenRule::Authoring(why)
+        BrokenRule::Authoring(Box::new(why))
     }
 }

@@ -50,9 +50,6 @@ pub(super) fn place(
             if !world.is_finite() {
                 return Err(BrokenRule::NodeNotFinite(document.node_name(number)));
             }
-            if node.mesh.is_some() && world.inverse().is_none() {
-                warnings.name(WarningKind::Flattened, || document.node_name(number));
-            }
             placed.push(Placed {
                 node: number,
                 world,

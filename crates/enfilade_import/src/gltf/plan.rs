@@ -5,7 +5,7 @@ use super::document::{Document, short};
 use super::hints::{self, Hint, Way};
 use super::names::Names;
 use super::nodes::{self, Placed};
-use crate::rooms::{self, Frame, Marked, Shell};
+use crate::rooms::{self, Frame, Marked, Shell, Teleport};
 use crate::warning::{WarningKind, Warnings};
 use crate::{AuthoringError, BrokenRule, Room};
 use enfilade::{ContentBuilder, Material, Mesh, MeshId, Portal, Transform};
@@ -49,6 +49,11 @@ impl<'d> Plan<'d> {
             flat,
         };
         plan.check_rooms(warnings)?;
+        for placed in plan.placed.iter().filter(|placed| plan.is_item(placed)) {
+            if placed.world.inverse().is_none() {
+                warnings.name(WarningKind::Flattened, || document.node_name(placed.node));
+            }
+        }
         Ok(plan)
     }
 
@@ -241,12 +246,12 @@ impl<'d> Plan<'d> {
                 node: self.document.node_name(placed.node),
             })
         };
-        Ok(rooms::Way::Teleport {
+        Ok(rooms::Way::Teleport(Box::new(Teleport {
             from: frame(placed)?,
             exit: frame(out)?,
             exit_name: short(exit),
             to: to.or_else(|| self.room(out)),
-        })
+        })))
     }
 
     fn room_called(&self, name: &str, spoken: &str) -> Result<usize, AuthoringError> {

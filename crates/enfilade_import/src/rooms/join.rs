@@ -3,7 +3,7 @@
 use super::outline::outline;
 use super::overlap::overlap;
 use super::sides::{self, LEAST, Side, sides};
-use super::{Marked, Shell, Way};
+use super::{Marked, Shell, Teleport, Way};
 use crate::{AuthoringError, BrokenRule, Room};
 use enfilade::{Content, ConvexPolygon, FragmentId, OpeningId, Portal, Ray, Transform};
 use glam::DVec3;
@@ -22,6 +22,10 @@ struct Lead {
 
 /// Builds the rooms with their openings, and the portals between them.
 pub(crate) fn join(shells: Vec<Shell>, marked: &[Marked]) -> Result<(Vec<Room>, Vec<Portal>), BrokenRule> {
+    // Most files are one room without openings: nothing is to be asked of it.
+    if shells.len() == 1 && marked.is_empty() {
+        return finish(shells, marked, Vec::new());
+    }
     let bare: Vec<Content> = shells
         .iter()
         .map(|shell| shell.builder.clone().build().map_err(BrokenRule::Content))
@@ -117,12 +121,13 @@ fn leads(
             }
             Ok(leads)
         }
-        Way::Teleport {
-            from,
-            exit,
-            exit_name,
-            to,
-        } => {
+        Way::Teleport(teleport) => {
+            let Teleport {
+                from,
+                exit,
+                exit_name,
+                to,
+            } = &**teleport;
             let normal = DVec3::from(outline.normal().map(f64::from));
             // A face that leans by more than 80 degrees is one that was never turned.
             let facing = normal.dot(from.back());

@@ -37,16 +37,21 @@ pub(crate) struct Marked {
 /// Where an opening leads. Rooms are given by their places in the list of all.
 pub(crate) enum Way {
     /// To the other side; `to` where the author says which room that is.
-    Door { to: Option<usize>, one_way: bool },
-    /// In along −Z of `from`, out along −Z of `exit`.
-    Teleport {
-        from: Frame,
-        exit: Frame,
-        /// What the exit is called.
-        exit_name: String,
-        /// The room that it leads to, where the author or the exit's ancestors say so.
+    Door {
         to: Option<usize>,
+        one_way: bool,
     },
+    Teleport(Box<Teleport>),
     /// Back into the room.
     Mirror,
+}
+
+/// In along −Z of `from`, out along −Z of `exit`.
+pub(crate) struct Teleport {
+    pub(crate) from: Frame,
+    pub(crate) exit: Frame,
+    /// What the exit is called.
+    pub(crate) exit_name: String,
+    /// The room that it leads to, where the author or the exit's ancestors say so.
+    pub(crate) to: Option<usize>,
 }

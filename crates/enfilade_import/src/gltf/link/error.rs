@@ -9,10 +9,10 @@ use thiserror::Error;
 pub enum LinkError {
     /// A part is no sound file.
     #[error(transparent)]
-    File(#[from] ImportError),
+    File(Box<ImportError>),
     /// What the parts come to is no sound scene.
     #[error("{0}")]
-    World(BrokenRule),
+    World(Box<BrokenRule>),
     /// A name of a part that is empty, has a `/` in it, or is another's.
     #[error("`{0}` is no name for a part; each needs one of its own, and without a /")]
     NameTaken(String),
@@ -45,4 +45,10 @@ pub enum LinkError {
     /// A `.glb` cannot be longer.
     #[error("the world would take more than 4 GB, which no .glb can; join fewer or smaller parts")]
     TooLarge,
+}
+
+impl From<ImportError> for LinkError {
+    fn from(why: ImportError) -> LinkError {
+        LinkError::File(Box::new(why))
+    }
 }

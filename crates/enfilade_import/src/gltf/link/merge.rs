@@ -41,6 +41,9 @@ pub(super) struct Merged {
     left_out: BTreeSet<String>,
 }
 
+/// Gets the bytes of an address; the second text says what names it.
+type Fetch<'f> = dyn FnMut(&str, &str) -> Result<Vec<u8>, BrokenRule> + 'f;
+
 /// How far the numbers of one part are raised, list by list.
 struct Shift(Vec<(&'static str, usize)>, usize);
 
@@ -137,12 +140,12 @@ impl Merged {
         self.push("meshes", json!({ "primitives": [primitive] }))
     }
 
-    /// Appends a sound document; `fetch` gets the bytes of an image's address.
+    /// Appends a sound document; `fetch` gets the bytes of images.
     pub(super) fn take_in(
         &mut self,
         mut json: Value,
         buffers: &[&[u8]],
-        fetch: &mut dyn FnMut(&str, &str) -> Result<Vec<u8>, BrokenRule>,
+        fetch: &mut Fetch,
     ) -> Result<(), BrokenRule> {
         let starts: Vec<usize> = buffers.iter().map(|bytes| self.append(bytes)).collect();
         // Images in files become views of the buffer, before anything is counted.

@@ -108,12 +108,10 @@ impl Linker {
             .map(|part| part * part)
             .sum::<f64>()
             .sqrt();
-        if !(numbers.copied().all(f64::is_finite)
-            && length > 0.0
-            && length.is_finite()
-            && placing.scale > 0.0)
-            || !placing.scale.is_finite()
-        {
+        let is_sound = numbers
+            .chain([&placing.scale, &length])
+            .all(|number| number.is_finite());
+        if !is_sound || length == 0.0 || placing.scale <= 0.0 {
             return Err(LinkError::BadPlacing);
         }
         // As one room: what portals in it lead to is not known yet.
@@ -340,8 +338,8 @@ impl Linker {
         let roots: Vec<usize> = self.parts.iter().map(|part| part.group).collect();
         self.merged.push("scenes", json!({ "nodes": roots }));
         let (glb, left_out) = self.merged.into_glb().ok_or(LinkError::TooLarge)?;
-        let import =
-            crate::read_bytes(&glb, None, &self.options).map_err(|why| LinkError::World(why.rule))?;
+        let import = crate::read_bytes(&glb, None, &self.options)
+            .map_err(|why| LinkError::World(Box::new(why.rule)))?;
         Ok(Linked {
             glb,
             left_out,

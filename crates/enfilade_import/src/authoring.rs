@@ -65,6 +65,16 @@ pub enum AuthoringError {
         /// The portal or mirror.
         node: String,
     },
+    /// A portal or mirror of very many triangles.
+    #[error(
+        "{node} is an opening of {triangles} triangles; a flat convex polygon needs but a few, so simplify its mesh"
+    )]
+    TooFine {
+        /// The portal or mirror.
+        node: String,
+        /// How many it has.
+        triangles: u64,
+    },
     /// A portal or mirror whose faces have no area.
     #[error("{node} is an opening without area; give its mesh some, and look for a scale of 0")]
     NoArea {

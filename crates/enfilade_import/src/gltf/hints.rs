@@ -7,6 +7,8 @@ use super::document::{Document, Node, short};
 use crate::warning::{WarningKind, Warnings};
 use crate::{AuthoringError, BrokenRule};
 use enfilade::Method;
+use serde::Deserialize;
+use serde_json::value::RawValue;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
@@ -121,6 +123,15 @@ fn kind_by_name(name: &str) -> Option<Kind> {
         .map(|(_, kind)| *kind)
 }
 
+/// A hint is a few words.
+const MOST_BYTES: usize = 1 << 16;
+
+#[derive(Deserialize)]
+struct Extras<'a> {
+    #[serde(borrow)]
+    enfilade: Option<&'a RawValue>,
+}
+
 /// What stands in a node's `extras.enfilade`, less what has been read.
 struct Notes {
     spoken: String,
@@ -132,8 +143,13 @@ impl Notes {
         let spoken = document.node_name(number);
         let extras = node
             .extras
-            .and_then(|extras| serde_json::from_str::<Value>(extras.get()).ok());
-        let ours = extras.and_then(|mut extras| extras.as_object_mut()?.remove("enfilade"));
+            .and_then(|extras| serde_json::from_str::<Extras>(extras.get()).ok());
+        let ours = extras.and_then(|extras| extras.enfilade).map(RawValue::get);
+        // Whatever is longer is not ours, and might take much more memory than text.
+        let ours = match ours {
+            Some(text) if text.len() > MOST_BYTES => Some(Value::String(short(text))),
+            text => text.and_then(|text| serde_json::from_str(text).ok()),
+        };
         match ours {
             None | Some(Value::Null) => Ok(Notes {
                 spoken,

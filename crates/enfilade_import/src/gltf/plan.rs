@@ -8,8 +8,7 @@ use super::nodes::{self, Placed};
 use crate::rooms::{self, Frame, Marked, Shell, Teleport};
 use crate::warning::{WarningKind, Warnings};
 use crate::{AuthoringError, BrokenRule, Room};
-use enfilade::{ContentBuilder, Material, Mesh, MeshId, Portal, Transform};
-use glam::DVec3;
+use enfilade::{ContentBuilder, Material, MeshId, Portal};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
@@ -20,6 +19,8 @@ pub(super) struct Plan<'d> {
     hints: BTreeMap<u32, Hint>,
     /// The nodes that are rooms, in order; none where nobody marked any, or where the file is read as flat.
     rooms: Vec<u32>,
+    /// Where the first two nodes of each name that is an exit's stand among those placed.
+    exits: HashMap<&'d str, [Option<usize>; 2]>,
     flat: bool,
 }
 
@@ -41,8 +42,17 @@ impl<'d> Plan<'d> {
             .map(|placed| placed.node)
             .filter(|&node| is_room(node));
         let rooms: Vec<u32> = rooms.collect();
+        let mut called: HashMap<&'d str, [Option<usize>; 2]> = HashMap::new();
+        for (place, placed) in placed.iter().enumerate() {
+            let name = &*document.nodes[placed.node as usize].name;
+            if exits.contains(name) {
+                let two = called.entry(name).or_default();
+                *two = [two[0].or(Some(place)), two[0].and(two[1].or(Some(place)))];
+            }
+        }
         let mut plan = Plan {
             document,
+            exits: called,
             placed,
             hints,
             rooms,
@@ -217,7 +227,8 @@ impl<'d> Plan<'d> {
             };
             marked.push(Marked {
                 name: names.name(placed.node, node).into_owned(),
-                triangles: triangles(meshes.get(mesh), &placed.world),
+                mesh: Arc::clone(meshes.get(mesh)),
+                world: placed.world,
                 owner: self.room(placed),
                 way: self.way(placed, way, &spoken)?,
                 spoken,
@@ -272,12 +283,10 @@ impl<'d> Plan<'d> {
     }
 
     fn node_called(&self, name: &str, spoken: &str) -> Result<&Placed, AuthoringError> {
-        let mut called = self
-            .placed
-            .iter()
-            .filter(|placed| self.document.nodes[placed.node as usize].name == name);
+        let called = self.exits.get(name).copied().unwrap_or_default();
+        let [first, second] = called.map(|place| place.map(|place| &self.placed[place]));
         let (node, exit) = (|| spoken.to_owned(), || short(name));
-        match (called.next(), called.next()) {
+        match (first, second) {
             (Some(only), None) => Ok(only),
             (None, _) => Err(AuthoringError::NoSuchExit {
                 node: node(),
@@ -301,19 +310,4 @@ fn exit(hint: &Hint) -> Option<&str> {
         } => exit.as_deref(),
         _ => None,
     }
-}
-
-/// The triangles of a placed mesh, which has no larger faces.
-fn triangles(mesh: &Mesh, world: &Transform) -> Vec<[DVec3; 3]> {
-    let [x, y, z, origin] = world.columns().map(|column| DVec3::from(column.map(f64::from)));
-    let corner = |&index: &u32| {
-        let [a, b, c] = mesh.positions()[index as usize].map(f64::from);
-        origin + x * a + y * b + z * c
-    };
-    (0..mesh.face_count())
-        .filter_map(|face| match mesh.face(face) {
-            [a, b, c] => Some([a, b, c].map(corner)),
-            _ => None,
-        })
-        .collect()
 }

@@ -93,7 +93,7 @@ fn leads(
     number: usize,
     marked: &Marked,
 ) -> Result<Vec<Lead>, AuthoringError> {
-    let outline = outline(&marked.triangles, &marked.spoken)?;
+    let outline = outline(&marked.mesh, &marked.world, &marked.spoken)?;
     let around = Around {
         rooms,
         spoken,

@@ -12,7 +12,8 @@ mod sides;
 pub(crate) use frame::Frame;
 pub(crate) use join::join;
 
-use enfilade::{ContentBuilder, Method};
+use enfilade::{ContentBuilder, Mesh, Method, Transform};
+use std::sync::Arc;
 
 /// A room before it has openings.
 pub(crate) struct Shell {
@@ -23,12 +24,13 @@ pub(crate) struct Shell {
     pub(crate) method: Option<Method>,
 }
 
-/// A mesh that someone marked as an opening, in world space.
+/// A placed mesh that someone marked as an opening.
 pub(crate) struct Marked {
     pub(crate) name: String,
     /// What messages call it.
     pub(crate) spoken: String,
-    pub(crate) triangles: Vec<[glam::DVec3; 3]>,
+    pub(crate) mesh: Arc<Mesh>,
+    pub(crate) world: Transform,
     /// The room that it belongs to.
     pub(crate) owner: Option<usize>,
     pub(crate) way: Way,

@@ -4,7 +4,7 @@
 //! Source of the hull: Andrew, Another Efficient Algorithm for Convex Hulls in Two Dimensions, 1979.
 
 use crate::AuthoringError;
-use enfilade::ConvexPolygon;
+use enfilade::{ConvexPolygon, Mesh, Transform};
 use glam::{DVec2, DVec3};
 
 /// How far off its plane a corner may lie, relative to the outline's size: a millimetre on a door. It is then moved
@@ -13,8 +13,36 @@ const FLATNESS: f64 = 1e-3;
 /// What part of the hull the faces may leave open, or cover twice.
 const COVERAGE: f64 = 2e-3;
 
-/// The convex outline of triangles, its front where the largest of them has its own.
-pub(super) fn outline(triangles: &[[DVec3; 3]], spoken: &str) -> Result<ConvexPolygon, AuthoringError> {
+/// More triangles than this make no opening: many that share one mesh would take memory and time without end.
+const MOST_TRIANGLES: u64 = 50_000;
+
+/// The convex outline of a placed mesh, its front where the largest of its triangles has its own.
+pub(super) fn outline(mesh: &Mesh, world: &Transform, spoken: &str) -> Result<ConvexPolygon, AuthoringError> {
+    if mesh.triangle_count() > MOST_TRIANGLES {
+        return Err(AuthoringError::TooFine {
+            node: spoken.to_owned(),
+            triangles: mesh.triangle_count(),
+        });
+    }
+    of_triangles(&triangles(mesh, world), spoken)
+}
+
+/// The triangles of a placed mesh, which has no larger faces.
+fn triangles(mesh: &Mesh, world: &Transform) -> Vec<[DVec3; 3]> {
+    let [x, y, z, origin] = world.columns().map(|column| DVec3::from(column.map(f64::from)));
+    let corner = |&index: &u32| {
+        let [a, b, c] = mesh.positions()[index as usize].map(f64::from);
+        origin + x * a + y * b + z * c
+    };
+    (0..mesh.face_count())
+        .filter_map(|face| match mesh.face(face) {
+            [a, b, c] => Some([a, b, c].map(corner)),
+            _ => None,
+        })
+        .collect()
+}
+
+fn of_triangles(triangles: &[[DVec3; 3]], spoken: &str) -> Result<ConvexPolygon, AuthoringError> {
     let node = || spoken.to_owned();
     if triangles.is_empty() {
         return Err(AuthoringError::NoMesh { node: node() });
@@ -137,7 +165,7 @@ mod tests {
     #[test]
     fn any_cut_of_a_convex_polygon_gives_its_corners() {
         let square = [[0.0, 0.0, 5.0], [2.0, 0.0, 5.0], [2.0, 1.0, 5.0], [0.0, 1.0, 5.0]];
-        let found = outline(&fan(&square), "a").expect("a rectangle");
+        let found = of_triangles(&fan(&square), "a").expect("a rectangle");
         assert_eq!(found.corners().len(), 4);
         assert_eq!(found.normal(), [0.0, 0.0, 1.0]);
         // A corner on a side, both sides of the sheet, and a grid.
@@ -150,7 +178,7 @@ mod tests {
         ];
         let mut both = fan(&more);
         both.extend(fan(&more).into_iter().map(|[a, b, c]| [a, c, b]));
-        assert_eq!(outline(&both, "a").expect("a rectangle").corners().len(), 4);
+        assert_eq!(of_triangles(&both, "a").expect("a rectangle").corners().len(), 4);
         let step = |i: usize| i as f64 * 0.25;
         let grid: Vec<[DVec3; 3]> = (0..16)
             .flat_map(|cell| {
@@ -159,30 +187,33 @@ mod tests {
             })
             .collect();
         assert_eq!(grid.len(), 32);
-        assert_eq!(outline(&grid, "a").expect("a square").corners().len(), 4);
+        assert_eq!(of_triangles(&grid, "a").expect("a square").corners().len(), 4);
     }
 
     #[test]
     fn what_is_bent_notched_or_nothing_is_refused() {
         let bent = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.5], [0.0, 1.0, 0.0]];
         assert!(matches!(
-            outline(&fan(&bent), "a"),
+            of_triangles(&fan(&bent), "a"),
             Err(AuthoringError::NotFlat { .. })
         ));
         let notched = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 2.0, 0.0]];
         assert!(matches!(
-            outline(&fan(&notched), "a"),
+            of_triangles(&fan(&notched), "a"),
             Err(AuthoringError::NotConvex { .. })
         ));
         let line = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
         assert!(matches!(
-            outline(&fan(&line), "a"),
+            of_triangles(&fan(&line), "a"),
             Err(AuthoringError::NoArea { .. })
         ));
         assert!(matches!(
-            outline(&fan(&[[1.0; 3]; 3]), "a"),
+            of_triangles(&fan(&[[1.0; 3]; 3]), "a"),
             Err(AuthoringError::NoArea { .. })
         ));
-        assert!(matches!(outline(&[], "a"), Err(AuthoringError::NoMesh { .. })));
+        assert!(matches!(
+            of_triangles(&[], "a"),
+            Err(AuthoringError::NoMesh { .. })
+        ));
     }
 }

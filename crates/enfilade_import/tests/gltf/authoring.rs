@@ -131,6 +131,8 @@ fn a_portal_that_is_no_flat_convex_polygon() {
         &with(&[[0.0; 3]; 3], &[0, 1, 2]),
         &["node 4", "without area", "scale"],
     );
+    let many: Vec<u16> = [0, 1, 2].repeat(50_001);
+    refuses(&with(&bent, &many), &["node 4", "50001 triangles", "simplify"]);
     let mut file = two_rooms(&[door("Door-portal", Value::Null)]);
     file.json["nodes"][4]
         .as_object_mut()

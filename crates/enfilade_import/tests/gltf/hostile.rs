@@ -1,6 +1,7 @@
 //! Files made to do harm: they may be refused, but never take the program down, or its memory, or its time.
 
-use crate::file::{File, refusal};
+use crate::file::{File, glb, refusal};
+use crate::rooms::{door, two_rooms};
 use enfilade_import::{BrokenRule, ReadOptions, read, read_bytes};
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
@@ -40,6 +41,48 @@ fn numbers(mut state: u64) -> impl FnMut(usize) -> usize {
             .wrapping_add(1_442_695_040_888_963_407);
         (state >> 33) as usize % below
     }
+}
+
+#[test]
+fn rooms_and_portals_with_a_number_or_a_word_wrong_are_read_or_refused() {
+    let mut mirror = door("Glass-mirror", Value::Null);
+    mirror["translation"] = json!([-1.9, 0, 0]);
+    let mut gate = door(
+        "Gate-portal",
+        json!({ "kind": "portal", "exit": "Out", "one_way": 1 }),
+    );
+    gate["translation"] = json!([-0.5, 0.2, 0]);
+    let house = two_rooms(&[
+        door("Door-portal", json!({ "to": "B-room" })),
+        gate,
+        json!({ "name": "Out", "translation": [1, 0, 0] }),
+        mirror,
+    ]);
+    let text = house.json.to_string();
+    let mut number = numbers(7);
+    let bad = [
+        "0", "-1", "1e38", "1e-38", "7", "null", "\"\"", "[]", "{}", "true",
+    ];
+    let (mut read, mut refused) = (0, 0);
+    for _ in 0..3000 {
+        // One word of letters, or one number, becomes something else.
+        let start = number(text.len());
+        let is_word = |byte: u8| byte.is_ascii_alphanumeric() || b".-\"".contains(&byte);
+        let tail = &text[start..];
+        let from = start + tail.bytes().position(is_word).unwrap_or(0);
+        let word = text[from..].bytes().take_while(|&byte| is_word(byte)).count();
+        let broken = format!(
+            "{}{}{}",
+            &text[..from],
+            bad[number(bad.len())],
+            &text[from + word..]
+        );
+        match refusal(&glb(&broken, &house.bytes)) {
+            None => read += 1,
+            Some(_) => refused += 1,
+        }
+    }
+    assert!(read > 100 && refused > 100, "{read} read, {refused} refused");
 }
 
 #[test]

@@ -5,6 +5,7 @@ mod broken;
 mod containers;
 mod file;
 mod hostile;
+mod link;
 mod nodes;
 mod rooms;
 mod scenes;

@@ -195,7 +195,8 @@ impl Merged {
 
     /// Takes over what is known of extensions and removes the others, which may name anything.
     fn take_extensions(&mut self, json: &mut Value) {
-        let lights = json["extensions"][LIGHTS]["lights"].as_array_mut();
+        let lights = json.pointer_mut(&format!("/extensions/{LIGHTS}/lights"));
+        let lights = lights.and_then(Value::as_array_mut);
         self.lights.extend(lights.into_iter().flat_map(std::mem::take));
         for (key, into) in [
             ("extensionsUsed", &mut self.used),

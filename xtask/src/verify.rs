@@ -6,7 +6,7 @@
 
 use anyhow::{Context, Result, bail, ensure};
 use enfilade::laws::{OwnerPicture, Reference, Verdict};
-use enfilade::{Contract, Method, Scene, SceneBuilder, View, Viewer, survey};
+use enfilade::{Contract, Method, Scene, View, Viewer, survey};
 use enfilade_import::{ReadOptions, read};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -108,9 +108,7 @@ fn open(name: &str) -> Result<Scene> {
         return Ok(built.context("there is no such built-in scene")?.scene);
     }
     let import = read(Path::new(name), &ReadOptions::default())?;
-    let mut builder = SceneBuilder::new();
-    builder.add(name, import.content, Method::ZBuffer);
-    Ok(builder.build()?)
+    Ok(import.scene(Method::ZBuffer, Method::DEFAULT_LIMIT)?)
 }
 
 fn viewer(args: &Args) -> Viewer {

@@ -34,6 +34,8 @@ pub(crate) enum Verb {
     Look(LookArgs),
     /// Shows all methods side by side, on a page of pictures, differences and times
     Compare(CompareArgs),
+    /// Joins separately exported files by portals
+    Link(LinkArgs),
     /// Says what is in a file
     Info(InfoArgs),
 }
@@ -120,6 +122,58 @@ pub(crate) struct CompareArgs {
     pub(crate) method: Choice,
     #[command(flatten)]
     pub(crate) how: HowArgs,
+}
+
+/// Options of `link`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+WORLD.toml names parts, each a .glb or .gltf file with its place, and portals between them:
+
+  [[part]]
+  name = \"house\"                   # its nodes are called house/NAME in the world
+  file = \"house.glb\"               # from the folder of WORLD.toml
+  [[part]]
+  name = \"barn\"
+  file = \"barn.glb\"
+  translation = [40, 0, 0]         # optional, as are the next two; this comes last
+  rotation = { axis = [0, 1, 0], degrees = 90 }
+  scale = 1
+
+  [[portal]]                       # a teleport: `to` says where one comes out, and which way
+  name = \"gate\"
+  from = { part = \"house\", center = [0, 1, 2], ahead = [0, 0, -1], size = [1, 2] }
+  to = { part = \"barn\", center = [3, 1, 0], ahead = [1, 0, 0], size = [1, 2] }
+  two_way = true                   # then `to` is an opening too
+  [[portal]]                       # a door between parts that touch, both ways unless told
+  name = \"door\"
+  from = { part = \"house\", node = \"Door-portal\" }
+  to = { part = \"barn\" }           # and room = \"NAME\" where it has several
+  [[portal]]
+  name = \"pier-glass\"
+  from = { part = \"house\", outline = [[0, 0, 0], [1, 0, 0], [1, 2, 0], [0, 2, 0]] }
+  mirror = true
+
+Numbers are in the space of the part. Teleports lead one way, doors both, unless two_way says otherwise; a door without \
+`to` leads to what stands behind it. An opening is a rectangle that one goes into along `ahead` (with `up` if need be), \
+an outline, counter-clockwise seen by one who is about to go in, or a node with a flat mesh: into a teleport one goes \
+along its -Z. An exit is a rectangle or a node that one comes out of along its -Z; out of an outline, or of a node with \
+two_way, one comes as out of an opening. A part in which no room is marked is one room, PART-room. Parts should not \
+stand in each other, unless a door joins them.
+
+Examples:
+  enfilade link world.toml -o world.glb
+  enfilade link world.toml -o world.glb --json world.json")]
+pub(crate) struct LinkArgs {
+    /// What is to be joined, and where
+    #[arg(value_name = "WORLD.toml")]
+    pub(crate) world: PathBuf,
+    /// Where the world goes; it is written whole or not at all
+    #[arg(short, long, value_name = "FILE.glb")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) json: JsonArg,
+    #[command(flatten)]
+    pub(crate) limits: LimitArgs,
 }
 
 /// Options of `info`.
@@ -262,7 +316,7 @@ mod tests {
             .get_subcommands_mut()
             .filter(|verb| verb.get_name() != "help");
         helps.extend(verbs.map(|verb| verb.render_help().to_string()));
-        assert_eq!(helps.len(), 5);
+        assert_eq!(helps.len(), 6);
         for help in helps {
             let (_, examples) = help.split_once("\nExamples:\n").expect("there are examples");
             assert!(

@@ -38,7 +38,12 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
     let sink = Sink::new(&args.json)?;
     allow_threads(&args.methods.how.limits)?;
     let choice = args.methods.choice();
-    let opened = open(&args.scene.scene, choice, &args.methods.how.limits)?;
+    let opened = open(
+        &args.scene.scene,
+        choice,
+        args.methods.how.flat,
+        &args.methods.how.limits,
+    )?;
     let views = cameras::views(&args.cameras, &opened)?;
     let (mut prepared, mut skipped) = prepare(&opened, choice, &args.methods.how, views.first())?;
     if args.show == Show::Cover {

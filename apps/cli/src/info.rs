@@ -8,7 +8,7 @@ use crate::report::{Sink, rounded};
 use crate::text::{bytes, count, ms, plural, point};
 use crate::values::Choice;
 use anyhow::Result;
-use enfilade::{Aabb, Alpha, Content, Material, OccluderSet, Scene};
+use enfilade::{Aabb, Alpha, Content, Material, OccluderSet, Portal, Scene, Transform};
 use serde::Serialize;
 use std::collections::HashSet;
 use std::fmt::Write;
@@ -33,6 +33,8 @@ struct Inventory {
     cameras: Vec<CameraEntry>,
     fragments: Vec<FragmentEntry>,
     portals: usize,
+    /// The portals one by one; a door is two.
+    ways: Vec<WayEntry>,
     openings: usize,
     occluders: Occluders,
     bytes: u64,
@@ -88,11 +90,21 @@ struct FragmentEntry {
     openings: usize,
 }
 
+/// One way through an opening.
+#[derive(Debug, Serialize)]
+struct WayEntry {
+    opening: String,
+    from: String,
+    to: String,
+    /// `portal`; `mirror` where it reflects; `teleport` where it leads elsewhere than to the other side.
+    kind: &'static str,
+}
+
 /// Runs `info`.
 pub(crate) fn run(args: &InfoArgs) -> Result<Outcome> {
     let sink = Sink::new(&args.json)?;
     allow_threads(&args.limits)?;
-    let opened = open(&args.scene.scene, Choice::Own, &args.limits)?;
+    let opened = open(&args.scene.scene, Choice::Own, false, &args.limits)?;
     let inventory = Inventory::of(opened);
     if !args.json.takes_stdout() {
         out::print(&inventory.for_people())?;
@@ -149,6 +161,7 @@ impl Inventory {
                 .map(|Aabb { min, max, .. }| Bounds { min, max }),
             fragments: fragments(scene),
             portals: scene.portals().len(),
+            ways: ways(scene),
             openings: contents.iter().map(|content| content.openings().len()).sum(),
             occluders: Occluders::of(&contents),
             bytes: scene.bytes(),
@@ -228,6 +241,26 @@ impl Inventory {
                 ),
             );
         }
+        let mut told = HashSet::new();
+        for way in &self.ways {
+            let WayEntry {
+                opening,
+                from,
+                to,
+                kind,
+            } = way;
+            let is_back = |other: &&WayEntry| {
+                *kind == "portal" && (&other.opening, &other.from, &other.to) == (opening, to, from)
+            };
+            match self.ways.iter().find(is_back) {
+                _ if told.contains(&(opening, to, from)) => {}
+                Some(_) => {
+                    told.insert((opening, from, to));
+                    say("door", format!("{opening}: between {from} and {to}"));
+                }
+                None => say(kind, format!("{opening}: from {from} to {to}")),
+            }
+        }
         say("portals", count(self.portals as u64));
         say("openings", count(self.openings as u64));
         let Occluders {
@@ -298,6 +331,24 @@ impl From<crate::cameras::Camera> for CameraEntry {
             fov,
         }
     }
+}
+
+fn ways(scene: &Scene) -> Vec<WayEntry> {
+    let entry = |portal: &Portal| WayEntry {
+        opening: scene.fragment(portal.from).openings()[usize::from(portal.opening.0)]
+            .name
+            .clone(),
+        from: scene.fragment_name(portal.from).to_owned(),
+        to: scene.fragment_name(portal.to).to_owned(),
+        kind: if portal.there_from_here.mirrors() {
+            "mirror"
+        } else if portal.there_from_here == Transform::IDENTITY {
+            "portal"
+        } else {
+            "teleport"
+        },
+    };
+    scene.portals().iter().map(entry).collect()
 }
 
 fn fragments(scene: &Scene) -> Vec<FragmentEntry> {

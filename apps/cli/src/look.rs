@@ -21,7 +21,12 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
     let sink = Sink::new(&args.json)?;
     allow_threads(&args.methods.how.limits)?;
     let choice = args.methods.choice();
-    let opened = open(&args.scene.scene, choice, &args.methods.how.limits)?;
+    let opened = open(
+        &args.scene.scene,
+        choice,
+        args.methods.how.flat,
+        &args.methods.how.limits,
+    )?;
     let views = cameras::views(&args.cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, choice, &args.methods.how, views.first())?;
     for Skipped { method, why } in &skipped {
@@ -278,7 +283,7 @@ mod tests {
         let Some(Verb::Look(args)) = Args::try_parse_from(line).expect("sound").verb else {
             panic!("a look")
         };
-        let opened = open("@enfilade", Choice::Own, &args.methods.how.limits).expect("it is built in");
+        let opened = open("@enfilade", Choice::Own, false, &args.methods.how.limits).expect("it is built in");
         let views = cameras::views(&args.cameras, &opened).expect("a view");
         let (prepared, _) = prepare(&opened, Choice::Own, &args.methods.how, views.first()).expect("it fits");
         let fails_with = |contract, missed: &[(FragmentId, ItemId)], pixels_different| {

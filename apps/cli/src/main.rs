@@ -7,6 +7,7 @@ mod check;
 mod compare;
 mod draw;
 mod info;
+mod link;
 mod look;
 mod measure;
 mod names;
@@ -57,6 +58,7 @@ fn main() -> ExitCode {
         Some(Verb::Draw(args)) => draw::run(&args),
         Some(Verb::Look(args)) => look::run(&args),
         Some(Verb::Compare(args)) => compare::run(&args),
+        Some(Verb::Link(args)) => link::run(&args),
         Some(Verb::Info(args)) => info::run(&args),
     };
     match outcome {

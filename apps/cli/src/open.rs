@@ -6,7 +6,7 @@ use crate::out;
 use crate::progress::Progress;
 use crate::values::{Choice, among};
 use anyhow::{Context, Result, anyhow, bail};
-use enfilade::{Method, Scene, SceneBuilder};
+use enfilade::{Method, Scene};
 use enfilade_import::ReadOptions;
 use std::fs::File;
 use std::io::Read;
@@ -26,13 +26,14 @@ pub(crate) struct Opened {
     pub(crate) load_ms: f64,
 }
 
-/// Opens a scene. One from a file is a single fragment, seen by hierarchical-z unless another method is chosen and built from it.
-pub(crate) fn open(name: &str, choice: Choice, limits: &LimitArgs) -> Result<Opened> {
+/// Opens a scene. Rooms of a file whose author says no method are seen by hierarchical-z unless another is chosen and
+/// built from it. With `flat` a file is one room; the portals of a built-in scene are there and are not to be followed.
+pub(crate) fn open(name: &str, choice: Choice, flat: bool, limits: &LimitArgs) -> Result<Opened> {
     let progress = Progress::spinner(&format!("loading {name}"));
     let start = Instant::now();
     let mut opened = match name.strip_prefix('@') {
         Some(built_in) => open_built_in(name, built_in),
-        None => open_file(name, choice, limits),
+        None => open_file(name, choice, flat, limits),
     }?;
     opened.load_ms = start.elapsed().as_secs_f64() * 1e3;
     drop(progress);
@@ -64,28 +65,27 @@ fn open_built_in(file: &str, name: &str) -> Result<Opened> {
     })
 }
 
-fn open_file(file: &str, choice: Choice, limits: &LimitArgs) -> Result<Opened> {
+fn open_file(file: &str, choice: Choice, flat: bool, limits: &LimitArgs) -> Result<Opened> {
     let path = Path::new(file);
-    let mut options = ReadOptions::default();
+    let mut options = ReadOptions {
+        flat,
+        ..ReadOptions::default()
+    };
     options.limit_bytes = limits.memory.unwrap_or(options.limit_bytes);
     if !path.exists() && enfilade_scenes::NAMES.contains(&file) {
         bail!("{file}: there is no such file; the built-in scene is called @{file}");
     }
-    let import = enfilade_import::read(path, &options)?;
-    let method = match choice {
-        Choice::Own => Method::HierarchicalZ,
+    let mut import = enfilade_import::read(path, &options)?;
+    let method = if choice == Choice::Own {
+        Method::HierarchicalZ
+    } else {
         // What is asked for is built from it, and timed, so the first is the one that builds least.
-        Choice::One(_) | Choice::All => Method::ZBuffer,
+        import.rooms.iter_mut().for_each(|room| room.method = None);
+        Method::ZBuffer
     };
-    let mut builder = SceneBuilder::new();
-    builder.limit_bytes(limits.memory.unwrap_or(Method::DEFAULT_LIMIT));
-    let name = path
-        .file_stem()
-        .map_or("scene".into(), |stem| stem.to_string_lossy());
-    builder.add(&name, import.content, method);
     let remedy = "raise --memory, or choose another --method";
-    let scene = builder
-        .build()
+    let scene = import
+        .scene(method, limits.memory.unwrap_or(Method::DEFAULT_LIMIT))
         .map_err(|why| anyhow!("{file}: {why}; {remedy}"))?;
     Ok(Opened {
         file: file.to_owned(),

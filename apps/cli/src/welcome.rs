@@ -35,7 +35,7 @@ pub(crate) fn run() -> Result<Outcome> {
         ..
     } = &args;
     Destination::new(Path::new(PICTURE))?;
-    let opened = open(&scene.scene, Choice::All, &methods.how.limits)?;
+    let opened = open(&scene.scene, Choice::All, false, &methods.how.limits)?;
     let views = cameras::views(cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, Choice::All, &methods.how, views.first())?;
     let mut rows = Vec::new();

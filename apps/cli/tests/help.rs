@@ -25,8 +25,11 @@ fn examples(folder: &Folder, verb: &str) -> Vec<String> {
 }
 
 fn examples_run(verb: &str) {
-    let folder = Folder::new();
-    let examples = examples(&folder, verb);
+    examples_run_in(&Folder::new(), verb);
+}
+
+fn examples_run_in(folder: &Folder, verb: &str) {
+    let examples = examples(folder, verb);
     assert!(!examples.is_empty());
     for example in examples {
         let run = folder.run(&example);
@@ -57,6 +60,16 @@ fn the_examples_of_compare_run() {
 }
 
 #[test]
+fn the_examples_of_link_run() {
+    let folder = Folder::new();
+    folder.add(
+        "world.toml",
+        "[[part]]\nname = 'yard'\nfile = 'scene.glb'\n[[part]]\nname = 'other'\nfile = 'scene.glb'\ntranslation = [40, 0, 0]",
+    );
+    examples_run_in(&folder, "link");
+}
+
+#[test]
 fn the_examples_of_info_run() {
     examples_run("info");
 }
@@ -64,7 +77,7 @@ fn the_examples_of_info_run() {
 #[test]
 fn no_line_of_a_help_ends_before_it_is_full_but_where_a_paragraph_does() {
     let folder = Folder::new();
-    for verb in ["draw", "look", "compare", "info"] {
+    for verb in ["draw", "look", "compare", "link", "info"] {
         let help = folder.run(&format!("help {verb}")).stdout;
         let (before, _) = help.split_once("\nExamples:\n").expect("examples at the end");
         let last = before.trim_end().rsplit("\n\n").next().expect("a paragraph");

@@ -45,3 +45,57 @@ fn the_smallest_building_is_seen_rightly() {
 fn a_house_of_two_is_seen_rightly() {
     held_against_the_reference("ifc_duplex.glb");
 }
+
+/// The villa whose rooms and portals were authored, from the places of its four cameras.
+#[test]
+#[expect(clippy::print_stdout, reason = "a test that is skipped says so")]
+fn a_villa_is_seen_rightly_through_its_portals_and_as_one_room() {
+    let Some(scenes) = std::env::var_os("ENFILADE_SCENES") else {
+        println!("skipped: the villa is not looked at, for ENFILADE_SCENES names no folder of scenes");
+        return;
+    };
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(scenes);
+    let file = scenes
+        .join("blender_villa.glb")
+        .canonicalize()
+        .expect("the villa");
+    let truth = std::fs::read(scenes.join("blender_villa.truth.json")).expect("the truth");
+    let truth: serde_json::Value = serde_json::from_slice(&truth).expect("JSON");
+    let folder = Folder::new();
+    let cameras = truth["cameras"].as_array().expect("a list");
+    let path: String = cameras
+        .iter()
+        .map(|camera| {
+            let (eye, toward, fov) = (&camera["eye"], &camera["toward"], &camera["yfov_deg"]);
+            format!("{{\"eye\": {eye}, \"toward\": {toward}, \"fov\": {fov}}}\n")
+        })
+        .collect();
+    folder.add("villa.jsonl", path);
+    for (flat, fragments, portals) in [("", 9, 43), ("--flat", 1, 0)] {
+        let look = folder.json(&format!(
+            "look {} --path villa.jsonl --size 320x180 --check {flat}",
+            file.display()
+        ));
+        assert_eq!(look["scene"]["fragments"], fragments);
+        assert_eq!(look["scene"]["portals"], portals);
+        assert_eq!(look["summary"]["missed"], 0, "{flat}");
+        assert_eq!(look["summary"]["pixels_different"], 0, "{flat}");
+        if flat.is_empty() {
+            continue;
+        }
+        for (view, camera) in look["views"].as_array().expect("a list").iter().zip(cameras) {
+            let visible: Vec<&str> = (view["visible"].as_array().expect("a list").iter())
+                .filter_map(|name| name.as_str())
+                .collect();
+            // What another renderer sees in more than a few pixels; a smaller picture may miss what is smaller.
+            for (name, pixels) in camera["visible_flat"].as_object().expect("names") {
+                let is_seen = visible.iter().any(|seen| seen.split('#').next() == Some(name));
+                assert!(
+                    is_seen || name == "sky" || pixels.as_u64() < Some(60),
+                    "{name} from {}",
+                    camera["name"]
+                );
+            }
+        }
+    }
+}

@@ -11,14 +11,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let import = read(Path::new(&file), &ReadOptions::default())?;
     let took = start.elapsed();
 
-    let content = &import.content;
-    println!(
-        "{} items, {} meshes, {} triangles",
-        content.items().len(),
-        content.meshes().len(),
-        content.triangle_count()
-    );
-    println!("{} bytes in memory, read in {took:.1?}", content.bytes());
+    println!("read in {took:.1?}");
+    for room in &import.rooms {
+        let content = &room.content;
+        println!(
+            "{}: {} items, {} triangles, {} openings, {} bytes in memory",
+            room.name,
+            content.items().len(),
+            content.triangle_count(),
+            content.openings().len(),
+            content.bytes()
+        );
+    }
     for camera in &import.cameras {
         println!("camera {:?} at {:?}", camera.name, camera.eye);
     }

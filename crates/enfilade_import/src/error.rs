@@ -1,5 +1,6 @@
 //! Why a file is not read.
 
+use crate::AuthoringError;
 use enfilade::{ContentError, MeshError};
 use std::io;
 use thiserror::Error;
@@ -297,4 +298,13 @@ pub enum BrokenRule {
     /// What is left to the content to check.
     #[error("{0}")]
     Content(ContentError),
+    /// Rooms and portals that do not make a scene.
+    #[error("{0}")]
+    Authoring(Box<AuthoringError>),
+}
+
+impl From<AuthoringError> for BrokenRule {
+    fn from(why: AuthoringError) -> BrokenRule {
+        BrokenRule::Authoring(Box::new(why))
+    }
 }

@@ -1,6 +1,7 @@
 //! Reads scenes from files: glTF 2.0, as `.glb` and as `.gltf` with its buffers beside it or inside it.
 //!
 //! ```
+//! use enfilade::{FragmentId, Method};
 //! use enfilade_import::{ReadOptions, read_bytes};
 //!
 //! let file = br#"{
@@ -13,45 +14,102 @@
 //!         "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA" }]
 //! }"#;
 //! let leaf = read_bytes(file, None, &ReadOptions::default())?;
-//! assert_eq!(leaf.content.triangle_count(), 1);
-//! assert_eq!(leaf.content.bounds().max, [1.0, 3.0, 0.0]);
-//! # Ok::<(), enfilade_import::ImportError>(())
+//! assert_eq!(leaf.rooms[0].content.triangle_count(), 1);
+//! assert_eq!(leaf.rooms[0].content.bounds().max, [1.0, 3.0, 0.0]);
+//! let scene = leaf.scene(Method::HierarchicalZ, Method::DEFAULT_LIMIT)?;
+//! assert_eq!(scene.fragment_name(FragmentId(0)), "scene");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Each node with a mesh becomes an item, and nodes that share a mesh share it here too. What changes only the
+//! Each node with a mesh becomes an item, and nodes that share a mesh share it here too. What an author marked, by the
+//! endings of names or in `extras.enfilade`, becomes rooms, portals between them, and mirrors:
+//!
+//! | a node's name ends in | `extras.enfilade` | it is |
+//! |---|---|---|
+//! | `-room` | `{"kind": "room", "method": "bsp"}` | a room: what is below it, up to rooms nested in it, is a fragment |
+//! | `-portal` | `{"kind": "portal", "to": "Hall-room", "one_way": true}` | a flat convex mesh to look through |
+//! | `-portal` | `{"kind": "portal", "exit": "NODE"}` | the same as a teleport: in along its −Z, out along the exit's |
+//! | `-mirror` | `{"kind": "mirror"}` | a flat convex mesh that mirrors its room |
+//!
+//! The name or the extras are enough, Blender's `.001` may follow, and 1 counts as true. All rooms share world space.
+//! Which two rooms a portal joins is found from what stands at its two sides, unless `to` says it; the room that it is
+//! parented to comes first where it is one of them. Scales of a portal and its exit do not count in a teleport, which moves
+//! and turns only. What stands in no room is one more room.
+//! What changes only the
 //! look (textures, normals, lights) and what is not read yet is named in [`Import::warnings`], never silently
 //! dropped. A file that breaks a rule, however it does, gives an [`ImportError`] that names the place and the rule.
 #![forbid(unsafe_code)]
 
+mod authoring;
 mod budget;
 mod camera;
 mod error;
 mod gltf;
+mod rooms;
 mod warning;
 
+pub use authoring::AuthoringError;
 pub use camera::Camera;
 pub use error::{BrokenRule, ImportError};
+pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};
 pub use warning::{Warning, WarningKind};
 
 use budget::Budget;
-use enfilade::Content;
+use enfilade::{Content, Method, Portal, Scene, SceneBuilder, SceneError};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
+use std::sync::Arc;
 
 /// What a file holds.
 #[derive(Debug)]
 pub struct Import {
-    /// Every item of the file's default scene, in one fragment, in world space: y up, metres unless the file's
-    /// author thought otherwise.
+    /// The rooms of the file's default scene, all in world space: y up, metres unless the file's author thought
+    /// otherwise. At least one; exactly one where none is marked, or where the file was read as [flat](ReadOptions::flat).
     ///
     /// An item is named for its node, `NAME#nodeIndex` where nodes with meshes share the name, `node#12` where it
-    /// has none. No two items have the same name.
-    pub content: Content,
+    /// has none. No two items of a file have the same name.
+    pub rooms: Vec<Room>,
+    /// The ways between them; [`FragmentId`](enfilade::FragmentId) n is room n. A door is two, a mirror one that reflects.
+    pub portals: Vec<Portal>,
     /// The perspective cameras of that scene, in the order of their nodes, named as items are.
     pub cameras: Vec<Camera>,
     /// What the file has that was not read, or that is odd: one warning of each kind, worst first.
     pub warnings: Vec<Warning>,
+}
+
+/// A fragment of a file.
+#[derive(Clone, Debug)]
+pub struct Room {
+    /// How its author called it; the file's name without its ending (`scene` for bytes) where nobody marked it.
+    pub name: String,
+    /// What stands in it, and its openings, which are named for the nodes of their portals.
+    pub content: Arc<Content>,
+    /// How it is to be seen, where its author says so.
+    pub method: Option<Method>,
+}
+
+impl Import {
+    /// The rooms joined by their portals. Where a room says no method it is seen by `method`; what that builds may take
+    /// `limit_bytes` in each room.
+    ///
+    /// # Errors
+    /// [`SceneError::TooLarge`].
+    pub fn scene(&self, method: Method, limit_bytes: u64) -> Result<Scene, SceneError> {
+        let mut builder = SceneBuilder::new();
+        builder.limit_bytes(limit_bytes);
+        for room in &self.rooms {
+            builder.add(
+                &room.name,
+                Arc::clone(&room.content),
+                room.method.unwrap_or(method),
+            );
+        }
+        for portal in &self.portals {
+            builder.portal((portal.from, portal.opening), portal.to, portal.there_from_here);
+        }
+        builder.build()
+    }
 }
 
 /// How a file is read.
@@ -60,11 +118,17 @@ pub struct ReadOptions {
     /// Bytes that reading may take, file included. What would take more, by an estimate made before anything is
     /// allocated, is refused. 1 GiB unless told: enough for some 10 million triangles, each stored once.
     pub limit_bytes: u64,
+    /// Take everything as one room: portals are plain holes, and a mirror is what its mesh is. Where rooms and portals are
+    /// is not asked then, so a file in which they make no sense can still be looked at.
+    pub flat: bool,
 }
 
 impl Default for ReadOptions {
     fn default() -> ReadOptions {
-        ReadOptions { limit_bytes: 1 << 30 }
+        ReadOptions {
+            limit_bytes: 1 << 30,
+            flat: false,
+        }
     }
 }
 
@@ -79,7 +143,10 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
     };
     let mut budget = Budget::new(options.limit_bytes);
     let bytes = read_regular_file(path, None, &|| "the file".to_owned(), &mut budget).map_err(failed)?;
-    gltf::import(&bytes, path.parent(), budget).map_err(failed)
+    let name = path
+        .file_stem()
+        .map_or("scene".into(), |stem| stem.to_string_lossy());
+    gltf::import(&bytes, path.parent(), &name, options.flat, budget).map_err(failed)
 }
 
 /// Reads the bytes of a file. `folder` is where the buffers that a `.gltf` names lie; with `None`, naming one is an
@@ -96,7 +163,7 @@ pub fn read_bytes(bytes: &[u8], folder: Option<&Path>, options: &ReadOptions) ->
     budget
         .take(bytes.len() as u64, || "the file".to_owned())
         .map_err(failed)?;
-    gltf::import(bytes, folder, budget).map_err(failed)
+    gltf::import(bytes, folder, "scene", options.flat, budget).map_err(failed)
 }
 
 /// The first `most` bytes of a file, or all. Never waits on a pipe, and never reads more than the budget allows.

@@ -22,6 +22,14 @@ pub enum WarningKind {
     EmptyScene,
     /// The file has more scenes than the one that was read.
     OtherScenes,
+    /// Nodes with meshes that stand in no room, in a file that has rooms, and that no portal leads to.
+    InNoRoom,
+    /// Rooms without a face.
+    EmptyRooms,
+    /// Nodes called like portals or mirrors in a file without rooms.
+    OpeningsWithoutRooms,
+    /// Nodes with something in `extras.enfilade` that is not read.
+    UnreadNotes,
     /// Extensions that the file uses.
     Extensions,
     /// Primitives that are points.
@@ -59,6 +67,14 @@ impl WarningKind {
         match self {
             WarningKind::EmptyScene => "the scene is empty: none of its nodes has a triangle",
             WarningKind::OtherScenes => "only the default scene is read, others are not",
+            WarningKind::InNoRoom => {
+                "nodes stand in no room, and no portal leads to where they are: they are seen only from among them"
+            }
+            WarningKind::EmptyRooms => "rooms have nothing in them",
+            WarningKind::OpeningsWithoutRooms => {
+                "nodes are called like portals or mirrors, but no node is a room (NAME-room): they are drawn as they are"
+            }
+            WarningKind::UnreadNotes => "extras.enfilade says what is not read",
             WarningKind::Extensions => "extensions not read",
             WarningKind::Points => "points are not drawn",
             WarningKind::Lines => "lines are not drawn",

@@ -51,7 +51,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
     let page = destination(&args.output)?;
     let sink = Sink::new(&args.json)?;
     allow_threads(&args.how.limits)?;
-    let opened = open(&args.scene.scene, args.method, &args.how.limits)?;
+    let opened = open(&args.scene.scene, args.method, args.how.flat, &args.how.limits)?;
     let views = cameras::views(&args.cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, args.method, &args.how, views.first())?;
     for Skipped { method, why } in &skipped {

@@ -8,8 +8,7 @@
 )]
 
 use enfilade::{
-    Aabb, Canvas, Content, Item, Method, Owner, Passage, PassageId, Scene, SceneBuilder, Span, View, Viewer,
-    survey,
+    Aabb, Canvas, Content, Item, Method, Owner, Passage, PassageId, Scene, Span, View, Viewer, survey,
 };
 use enfilade_import::{ReadOptions, read};
 use glam::{DAffine3, DMat3, DVec3};
@@ -65,14 +64,14 @@ pub(crate) fn folder() -> Option<PathBuf> {
 
 /// Reads a scene of one fragment, and surveys it as `enfilade look --survey 16` does.
 pub(crate) fn open(folder: &Path, file: &str) -> Place {
-    let import = read(&folder.join(file), &ReadOptions::default());
-    let mut builder = SceneBuilder::new();
-    builder.add(
-        file,
-        import.unwrap_or_else(|error| panic!("{error}")).content,
-        Method::ZBuffer,
-    );
-    let scene = builder.build().expect("one fragment");
+    let options = ReadOptions {
+        flat: true,
+        ..ReadOptions::default()
+    };
+    let import = read(&folder.join(file), &options).unwrap_or_else(|error| panic!("{error}"));
+    let scene = import
+        .scene(Method::ZBuffer, Method::DEFAULT_LIMIT)
+        .expect("one fragment");
     let views = survey(&scene, VIEWS)
         .iter()
         .map(|at| View::new(at.eye, at.toward, SIZE))

@@ -74,6 +74,16 @@ fn load<'a>(
     Ok(bytes)
 }
 
+/// All bytes of what an address names.
+pub(super) fn fetch_all(
+    uri: &str,
+    place: &str,
+    folder: Option<&Path>,
+    budget: &mut Budget,
+) -> Result<Vec<u8>, BrokenRule> {
+    fetch(uri, u64::MAX, &|| place.to_owned(), folder, budget)
+}
+
 /// At most the first `most` bytes of what an address names.
 fn fetch(
     uri: &str,

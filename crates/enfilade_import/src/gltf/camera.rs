@@ -16,7 +16,10 @@ pub(super) fn read(
 ) -> Result<Vec<Camera>, BrokenRule> {
     let names = Names::of(document, |node| node.camera.is_some());
     let mut cameras = Vec::new();
-    for Placed { node: number, world } in placed {
+    for Placed {
+        node: number, world, ..
+    } in placed
+    {
         let node = &document.nodes[*number as usize];
         let Some(camera) = node.camera else { continue };
         let source = find(&document.cameras, camera, "camera", || {

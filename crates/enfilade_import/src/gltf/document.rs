@@ -72,6 +72,9 @@ pub(super) struct Node<'a> {
     pub(super) translation: Option<Box<[f64; 3]>>,
     pub(super) rotation: Option<Box<[f64; 4]>>,
     pub(super) scale: Option<Box<[f64; 3]>>,
+    /// Anything at all.
+    #[serde(borrow)]
+    pub(super) extras: Option<&'a RawValue>,
 }
 
 #[derive(Debug, Deserialize)]

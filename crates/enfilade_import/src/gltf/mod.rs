@@ -11,10 +11,13 @@ mod camera;
 mod container;
 mod document;
 mod extensions;
+mod hints;
+pub(crate) mod link;
 mod materials;
 mod mesh;
 mod names;
 mod nodes;
+mod plan;
 mod topology;
 
 use crate::budget::Budget;
@@ -23,25 +26,34 @@ use crate::{BrokenRule, Import};
 use buffers::Buffers;
 use container::Container;
 use document::Document;
-use enfilade::{ContentBuilder, ContentError, MeshId};
+use enfilade::{ContentError, Mesh};
 use mesh::MeshPlan;
 use names::Names;
 use nodes::Placed;
+use plan::Plan;
 use rayon::prelude::*;
 use std::path::Path;
+use std::sync::Arc;
 
-/// Reads the bytes of a `.glb` or `.gltf` file; `folder` is where its buffers lie.
-pub(crate) fn import(bytes: &[u8], folder: Option<&Path>, mut budget: Budget) -> Result<Import, BrokenRule> {
+/// Reads the bytes of a `.glb` or `.gltf` file called `name`; `folder` is where its buffers lie.
+pub(crate) fn import(
+    bytes: &[u8],
+    folder: Option<&Path>,
+    name: &str,
+    flat: bool,
+    mut budget: Budget,
+) -> Result<Import, BrokenRule> {
     let mut warnings = Warnings::default();
     let container = Container::split(bytes)?;
     let document = Document::parse(container.json, &mut budget)?;
     extensions::check(&document, &mut warnings)?;
     warn_of_the_unread(&document, &mut warnings);
-    let placed = nodes::place(&document, &mut warnings)?;
-    budget.take(placed.len() as u64 * BYTES_PER_NODE, || "the nodes".to_owned())?;
+    let plan = Plan::new(&document, flat, &mut warnings)?;
+    let shown = plan.shown();
+    budget.take(shown.len() as u64 * BYTES_PER_NODE, || "the nodes".to_owned())?;
     let materials = materials::read(&document)?;
 
-    let used = used_meshes(&document, &placed)?;
+    let used = used_meshes(&document, shown)?;
     let mut plans = Vec::with_capacity(used.len());
     for &mesh in &used {
         plans.push(MeshPlan::new(&document, mesh, &mut budget, &mut warnings)?);
@@ -52,32 +64,45 @@ pub(crate) fn import(bytes: &[u8], folder: Option<&Path>, mut budget: Budget) ->
     let named_buffers = plans.iter().flat_map(MeshPlan::buffers);
     let buffers = Buffers::load(&document, named_buffers, container.binary, folder, &mut budget)?;
 
-    let mut content = ContentBuilder::new(materials);
+    let mut meshes: Vec<Arc<Mesh>> = Vec::with_capacity(used.len());
     for crowd in mesh::crowds(&plans) {
         let built: Vec<_> = crowd.par_iter().map(|plan| plan.build(&buffers)).collect();
         // In order, so that of several broken meshes the first is named, whichever thread was done first.
         for mesh in built {
-            content.mesh(mesh?);
+            meshes.push(Arc::new(mesh?));
         }
     }
+    let meshes = Meshes { used, built: meshes };
     let names = Names::of(&document, |node| node.mesh.is_some());
-    for Placed { node: number, world } in &placed {
-        let node = &document.nodes[*number as usize];
-        if let Some(mesh) = node.mesh {
-            let mesh = MeshId(used.partition_point(|&before| before < mesh) as u32);
-            content.item(&names.name(*number, node), mesh, *world);
-        }
-    }
-    let content = content
-        .build()
-        .map_err(|why| name_the_node(why, &document, &placed, &names))?;
-    warnings.state(WarningKind::EmptyScene, content.triangle_count() == 0);
-    let cameras = camera::read(&document, &placed, &mut warnings)?;
+    let cameras = camera::read(&document, shown, &mut warnings)?;
+    let (rooms, portals) = plan
+        .rooms(name, &meshes, &materials.into(), &names, &mut warnings)
+        .map_err(|why| name_the_node(why, &document, plan.shown(), &names))?;
+    let triangles = rooms
+        .iter()
+        .map(|room| room.content.triangle_count())
+        .sum::<u64>();
+    warnings.state(WarningKind::EmptyScene, triangles == 0);
     Ok(Import {
-        content,
+        rooms,
+        portals,
         cameras,
         warnings: warnings.into_list(),
     })
+}
+
+/// The meshes of the document that something uses.
+struct Meshes {
+    /// Their numbers, in order.
+    used: Vec<u32>,
+    built: Vec<Arc<Mesh>>,
+}
+
+impl Meshes {
+    /// A mesh by its number, which is one of those used.
+    fn get(&self, mesh: u32) -> &Arc<Mesh> {
+        &self.built[self.used.partition_point(|&before| before < mesh)]
+    }
 }
 
 /// About what a node that shows something takes while it becomes an item.
@@ -106,12 +131,12 @@ fn warn_of_the_unread(document: &Document, warnings: &mut Warnings) {
 }
 
 /// Says which node is meant where the content knows only the item.
-fn name_the_node(why: ContentError, document: &Document, placed: &[Placed], names: &Names) -> BrokenRule {
-    if let ContentError::NotFinite(name) = &why {
+fn name_the_node(why: BrokenRule, document: &Document, placed: &[Placed], names: &Names) -> BrokenRule {
+    if let BrokenRule::Content(ContentError::NotFinite(name)) = &why {
         let is_meant = |number: u32| names.name(number, &document.nodes[number as usize]) == *name;
         if let Some(placed) = placed.iter().find(|placed| is_meant(placed.node)) {
             return BrokenRule::NodeNotFinite(document.node_name(placed.node));
         }
     }
-    BrokenRule::Content(why)
+    why
 }

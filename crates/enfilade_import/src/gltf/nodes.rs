@@ -9,15 +9,22 @@ use crate::warning::{WarningKind, Warnings};
 use enfilade::Transform;
 use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
 
-/// A node of the scene that shows something, and where it stands.
+/// A node of the scene, and where it stands.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placed {
     pub(super) node: u32,
     pub(super) world: Transform,
+    /// The nearest node at or above it that is a room.
+    pub(super) room: Option<u32>,
 }
 
-/// The nodes of the default scene that have a mesh or a camera, by their numbers.
-pub(super) fn place(document: &Document, warnings: &mut Warnings) -> Result<Vec<Placed>, BrokenRule> {
+/// The nodes of the default scene that show something (a mesh, a camera) or are `wanted` besides, by their numbers.
+pub(super) fn place(
+    document: &Document,
+    is_room: impl Fn(u32) -> bool,
+    wanted: impl Fn(u32) -> bool,
+    warnings: &mut Warnings,
+) -> Result<Vec<Placed>, BrokenRule> {
     let parents = parents(document)?;
     if let Some(node) = on_a_cycle(&parents) {
         return Err(BrokenRule::NodeCycle(name_the_cycle(document, &parents, node)));
@@ -25,32 +32,44 @@ pub(super) fn place(document: &Document, warnings: &mut Warnings) -> Result<Vec<
     let mut placed = Vec::new();
     let mut entered = vec![false; document.nodes.len()];
     // A stack: what is to be entered first is pushed last.
-    let mut waiting: Vec<(u32, DAffine3)> = roots(document, &parents)?
+    let mut waiting: Vec<(u32, DAffine3, Option<u32>)> = roots(document, &parents)?
         .iter()
         .rev()
-        .map(|&root| (root, DAffine3::IDENTITY))
+        .map(|&root| (root, DAffine3::IDENTITY, None))
         .collect();
-    while let Some((number, world_from_parent)) = waiting.pop() {
+    while let Some((number, world_from_parent, outer_room)) = waiting.pop() {
         // A scene may name a node twice; it is there once all the same.
         if std::mem::replace(&mut entered[number as usize], true) {
             continue;
         }
         let node = &document.nodes[number as usize];
         let world_from_node = world_from_parent * parent_from_node(document, number, node, warnings)?;
-        if node.mesh.is_some() || node.camera.is_some() {
+        let room = if is_room(number) { Some(number) } else { outer_room };
+        if node.mesh.is_some() || node.camera.is_some() || wanted(number) {
             let world = rounded(&world_from_node);
             if !world.is_finite() {
                 return Err(BrokenRule::NodeNotFinite(document.node_name(number)));
             }
-            if node.mesh.is_some() && world.inverse().is_none() {
-                warnings.name(WarningKind::Flattened, || document.node_name(number));
-            }
-            placed.push(Placed { node: number, world });
+            placed.push(Placed {
+                node: number,
+                world,
+                room,
+            });
         }
-        waiting.extend(node.children.iter().rev().map(|&child| (child, world_from_node)));
+        waiting.extend(
+            node.children
+                .iter()
+                .rev()
+                .map(|&child| (child, world_from_node, room)),
+        );
     }
     placed.sort_unstable_by_key(|placed| placed.node);
     Ok(placed)
+}
+
+/// The nodes that the scene begins with.
+pub(super) fn scene_roots(document: &Document) -> Result<Vec<u32>, BrokenRule> {
+    roots(document, &parents(document)?)
 }
 
 /// The nodes that the scene begins with: those of the default scene, else of the first, else all without a parent.

@@ -143,7 +143,7 @@ pub(crate) fn reads(file: &File) -> Import {
 
 /// Every triangle, item by item, as `Leaf 0,0,0 1,0,0 0,1,0`: corners in world space, the least first, then round.
 pub(crate) fn triangles(import: &Import) -> Vec<String> {
-    let content = &import.content;
+    let content = &import.rooms[0].content;
     let mut lines = Vec::new();
     for number in 0..content.items().len() as u32 {
         let item = ItemId(number);

@@ -1,6 +1,7 @@
 //! Files made to do harm: they may be refused, but never take the program down, or its memory, or its time.
 
-use crate::file::{File, refusal};
+use crate::file::{File, glb, refusal};
+use crate::rooms::{door, two_rooms};
 use enfilade_import::{BrokenRule, ReadOptions, read, read_bytes};
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
@@ -43,10 +44,55 @@ fn numbers(mut state: u64) -> impl FnMut(usize) -> usize {
 }
 
 #[test]
+fn rooms_and_portals_with_a_number_or_a_word_wrong_are_read_or_refused() {
+    let mut mirror = door("Glass-mirror", Value::Null);
+    mirror["translation"] = json!([-1.9, 0, 0]);
+    let mut gate = door(
+        "Gate-portal",
+        json!({ "kind": "portal", "exit": "Out", "one_way": 1 }),
+    );
+    gate["translation"] = json!([-0.5, 0.2, 0]);
+    let house = two_rooms(&[
+        door("Door-portal", json!({ "to": "B-room" })),
+        gate,
+        json!({ "name": "Out", "translation": [1, 0, 0] }),
+        mirror,
+    ]);
+    let text = house.json.to_string();
+    let mut number = numbers(7);
+    let bad = [
+        "0", "-1", "1e38", "1e-38", "7", "null", "\"\"", "[]", "{}", "true",
+    ];
+    let (mut read, mut refused) = (0, 0);
+    for _ in 0..3000 {
+        // One word of letters, or one number, becomes something else.
+        let start = number(text.len());
+        let is_word = |byte: u8| byte.is_ascii_alphanumeric() || b".-\"".contains(&byte);
+        let tail = &text[start..];
+        let from = start + tail.bytes().position(is_word).unwrap_or(0);
+        let word = text[from..].bytes().take_while(|&byte| is_word(byte)).count();
+        let broken = format!(
+            "{}{}{}",
+            &text[..from],
+            bad[number(bad.len())],
+            &text[from + word..]
+        );
+        match refusal(&glb(&broken, &house.bytes)) {
+            None => read += 1,
+            Some(_) => refused += 1,
+        }
+    }
+    assert!(read > 100 && refused > 100, "{read} read, {refused} refused");
+}
+
+#[test]
 fn a_file_with_a_few_bytes_wrong_is_read_or_refused() {
     const SEED: u64 = 20_261_121;
     const FILES: usize = 20_000;
-    let limits = ReadOptions { limit_bytes: 1 << 26 };
+    let limits = ReadOptions {
+        limit_bytes: 1 << 26,
+        ..ReadOptions::default()
+    };
     let whole = orchard().glb();
     let json_end = 20 + u32::from_le_bytes(whole[12..16].try_into().expect("four bytes")) as usize;
     let mut number = numbers(SEED);
@@ -120,7 +166,15 @@ fn text_with_a_number_replaced_by_a_bad_one_is_read_or_refused() {
 
 #[track_caller]
 fn too_large(bytes: &[u8], limit_bytes: u64, place: &str) {
-    let error = read_bytes(bytes, None, &ReadOptions { limit_bytes }).expect_err("more than is allowed");
+    let error = read_bytes(
+        bytes,
+        None,
+        &ReadOptions {
+            limit_bytes,
+            ..ReadOptions::default()
+        },
+    )
+    .expect_err("more than is allowed");
     assert!(matches!(error.rule, BrokenRule::TooLarge { .. }), "{error}");
     assert!(
         error
@@ -184,6 +238,7 @@ fn even_without_a_limit_corners_are_counted_with_32_bits() {
         None,
         &ReadOptions {
             limit_bytes: u64::MAX,
+            ..ReadOptions::default()
         },
     )
     .expect_err("too many");

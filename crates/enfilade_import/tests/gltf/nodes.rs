@@ -13,8 +13,9 @@ fn forest(nodes: Value) -> File {
 }
 
 fn names(import: &Import) -> Vec<&str> {
-    (0..import.content.items().len() as u32)
-        .map(|item| import.content.name(ItemId(item)))
+    let content = &import.rooms[0].content;
+    (0..content.items().len() as u32)
+        .map(|item| content.name(ItemId(item)))
         .collect()
 }
 
@@ -83,7 +84,7 @@ fn a_mirrored_node_keeps_its_faces_and_says_that_it_mirrors() {
         { "name": "Left", "mesh": 0 },
         { "name": "Right", "mesh": 0, "scale": [-1, 1, 1] }
     ])));
-    let mirrors: Vec<bool> = import
+    let mirrors: Vec<bool> = import.rooms[0]
         .content
         .items()
         .iter()

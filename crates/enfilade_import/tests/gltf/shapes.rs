@@ -126,7 +126,7 @@ fn primitives_of_a_mesh_are_parts_of_one_item() {
         triangles(&import),
         ["Rug 0,0,0 1,0,0 0,1,0", "Rug 0,1,0 1,0,0 1,1,0"]
     );
-    let content = &import.content;
+    let content = &import.rooms[0].content;
     assert_eq!(content.items().len(), 1);
     let colors: Vec<_> = content.meshes()[0]
         .clusters()
@@ -142,7 +142,8 @@ fn nodes_that_share_a_mesh_share_it_in_memory() {
     for x in 1..100 {
         file.node(json!({ "name": format!("Leaf{x}"), "mesh": 0, "translation": [x, 0, 0] }));
     }
-    let content = reads(&file).content;
+    let import = reads(&file);
+    let content = &import.rooms[0].content;
     assert_eq!((content.items().len(), content.meshes().len()), (100, 1));
     assert_eq!(
         (content.triangle_count(), Arc::strong_count(&content.meshes()[0])),
@@ -154,7 +155,7 @@ fn nodes_that_share_a_mesh_share_it_in_memory() {
 fn meshes_that_no_item_uses_are_not_looked_at() {
     let mut file = File::leaf();
     file.mesh(json!([{ "attributes": { "POSITION": 1234 } }]));
-    assert_eq!(reads(&file).content.meshes().len(), 1);
+    assert_eq!(reads(&file).rooms[0].content.meshes().len(), 1);
 }
 
 #[test]
@@ -201,7 +202,8 @@ fn materials_say_what_hides_and_from_which_side() {
         let mut file = File::leaf();
         file.push("materials", source.clone());
         file.json["meshes"][0]["primitives"][0]["material"] = json!(0);
-        let content = reads(&file).content;
+        let import = reads(&file);
+        let content = &import.rooms[0].content;
         assert_eq!(
             *content.material_of(&content.meshes()[0].clusters()[0]),
             expected,
@@ -224,14 +226,16 @@ fn materials_may_be_marked_as_detail() {
         let mut file = File::leaf();
         file.push("materials", json!({ "extras": extras }));
         file.json["meshes"][0]["primitives"][0]["material"] = json!(0);
-        let content = reads(&file).content;
+        let import = reads(&file);
+        let content = &import.rooms[0].content;
         assert_eq!(content.materials()[0].detail, expected, "{extras}");
     }
 }
 
 #[test]
 fn a_primitive_without_a_material_is_white_and_one_sided() {
-    let content = reads(&File::leaf()).content;
+    let import = reads(&File::leaf());
+    let content = &import.rooms[0].content;
     let cluster = &content.meshes()[0].clusters()[0];
     assert_eq!(
         (cluster.material, content.material_of(cluster)),

@@ -1,0 +1,309 @@
+//! `link`: one world out of files that were exported separately, joined by portals.
+
+mod world;
+
+use crate::Outcome;
+use crate::args::LinkArgs;
+use crate::open::allow_threads;
+use crate::out;
+use crate::progress::Progress;
+use crate::report::Sink;
+use crate::save::Destination;
+use crate::text::{bytes, count, plural};
+use anyhow::{Context, Result, anyhow, bail};
+use enfilade::{Aabb, Transform};
+use enfilade_import::{Import, LinkError, Linked, Linker, NodeId, PartId, ReadOptions, Shape};
+use serde::Serialize;
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::Path;
+use world::{At, Place, Portal, World};
+
+/// What was made.
+#[derive(Debug, Serialize)]
+struct Made {
+    file: String,
+    bytes: u64,
+    parts: usize,
+    rooms: usize,
+    portals: usize,
+    items: usize,
+    warnings: Vec<String>,
+}
+
+/// Runs `link`.
+pub(crate) fn run(args: &LinkArgs) -> Result<Outcome> {
+    let output = &args.output;
+    if !output
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("glb"))
+    {
+        bail!(
+            "cannot write {}: a world is a .glb, so its name must end in that",
+            output.display()
+        );
+    }
+    let destination = Destination::new(output)?;
+    let sink = Sink::new(&args.json)?;
+    allow_threads(&args.limits)?;
+    let name = args.world.display().to_string();
+    let text = fs::read_to_string(&args.world).with_context(|| format!("cannot read {name}"))?;
+    let world = World::parse(&text).with_context(|| name.clone())?;
+    let progress = Progress::spinner("joining");
+    let mut options = ReadOptions::default();
+    options.limit_bytes = args.limits.memory.unwrap_or(options.limit_bytes);
+    let folder = args.world.parent().unwrap_or(Path::new(""));
+    let Linked {
+        glb,
+        left_out,
+        import,
+    } = join(&world, folder, output, options).with_context(|| name.clone())?;
+    drop(progress);
+    destination.write(|path| {
+        let mut file = File::create(path)?;
+        file.write_all(&glb)?;
+        file.sync_all()
+    })?;
+    let mut warnings = apart(&world, &import);
+    if !left_out.is_empty() {
+        warnings.push(format!(
+            "extensions that are not taken over: {}",
+            left_out.join(", ")
+        ));
+    }
+    warnings
+        .iter()
+        .for_each(|warning| out::warn(format_args!("{name}: {warning}")));
+    let made = Made {
+        file: output.display().to_string(),
+        bytes: glb.len() as u64,
+        parts: world.parts.len(),
+        rooms: import.rooms.len(),
+        portals: import.portals.len(),
+        items: import.rooms.iter().map(|room| room.content.items().len()).sum(),
+        warnings,
+    };
+    if !args.json.takes_stdout() {
+        out::print(&format!(
+            "{}: {}, {}, {}, {}, {}\n",
+            made.file,
+            plural(made.parts, "part"),
+            plural(made.rooms, "room"),
+            plural(made.portals, "portal"),
+            plural(made.items, "item"),
+            bytes(made.bytes)
+        ))?;
+    }
+    sink.write(&made)?;
+    Ok(Outcome::Done)
+}
+
+/// Puts the parts in their places and the portals between them.
+fn join(world: &World, folder: &Path, output: &Path, options: ReadOptions) -> Result<Linked> {
+    let mut linker = Linker::new(options);
+    let mut parts = Vec::new();
+    for part in &world.parts {
+        let place = || format!("[[part]] {:?}", part.name);
+        let path = folder.join(&part.file);
+        let ending = path
+            .extension()
+            .and_then(|ending| ending.to_str())
+            .unwrap_or_default();
+        if ending.eq_ignore_ascii_case("toml") {
+            return Err(anyhow!(
+                "a part is a .glb or .gltf file; link {} first, and name what that makes",
+                path.display()
+            ))
+            .with_context(place);
+        }
+        let same = fs::canonicalize(&path).ok().zip(fs::canonicalize(output).ok());
+        if same.is_some_and(|(part, output)| part == output) {
+            return Err(anyhow!(
+                "{} would be a part of itself; write to another file with -o",
+                path.display()
+            ))
+            .with_context(place);
+        }
+        let placing = part.placing().with_context(place)?;
+        let id = linker.part(&part.name, &path, &placing).with_context(place)?;
+        parts.push(id);
+    }
+    let mut named = Vec::new();
+    for portal in &world.portals {
+        let place = format!("[[portal]] {:?}", portal.name);
+        let mut joiner = Joiner {
+            world,
+            parts: &parts,
+            linker: &mut linker,
+        };
+        let nodes = joiner.join(portal).with_context(|| place.clone())?;
+        named.extend(
+            nodes
+                .into_iter()
+                .map(|node| (linker.name(node).to_owned(), place.clone())),
+        );
+    }
+    linker.finish().map_err(|why| explained(why, world, &named))
+}
+
+/// Says which portal or part of the WORLD.toml a node belongs to that an error names.
+fn explained(why: LinkError, world: &World, named: &[(String, String)]) -> anyhow::Error {
+    let text = why.to_string();
+    let names = |name: &str| text.contains(&format!("\"{name}\""));
+    if let Some((_, place)) = named.iter().find(|(name, _)| names(name)) {
+        return anyhow!("{place}: {text}");
+    }
+    let part = world
+        .parts
+        .iter()
+        .find(|part| text.contains(&format!("\"{}/", part.name)));
+    match part {
+        Some(part) => anyhow!(
+            "[[part]] {:?}: {text}; or, if it is to lead to another part, name it in a [[portal]]",
+            part.name
+        ),
+        None => anyhow!(text),
+    }
+}
+
+/// Makes nodes of one portal.
+struct Joiner<'a> {
+    world: &'a World,
+    parts: &'a [PartId],
+    linker: &'a mut Linker,
+}
+
+impl Joiner<'_> {
+    /// Makes the portal, and says which nodes are its openings.
+    fn join(&mut self, portal: &Portal) -> Result<Vec<NodeId>> {
+        portal.check()?;
+        let from = self.part(&portal.from).context("from")?;
+        let kind = if portal.mirror { "mirror" } else { "portal" };
+        let name = format!("{}-{kind}", portal.name);
+        let opening = self.opening(from, &portal.from, &name).context("from")?;
+        if portal.mirror {
+            self.linker.mirror(opening);
+            return Ok(vec![opening]);
+        }
+        let Some(to) = &portal.to else {
+            self.linker.door(opening, None, !portal.two_way())?;
+            return Ok(vec![opening]);
+        };
+        let there = self.part(to).context("to")?;
+        let room = (there, to.room.as_deref());
+        if !portal.is_teleport() {
+            to.at(false).context("to")?;
+            self.linker
+                .door(opening, Some(room), !portal.two_way())
+                .context("to")?;
+            return Ok(vec![opening]);
+        }
+        let (exit, back) = self.exit(portal, to, there).context("to")?;
+        self.linker.teleport(opening, exit, room).context("to")?;
+        let Some(back) = back else {
+            return Ok(vec![opening]);
+        };
+        let out = self.linker.out_of(opening, &format!("{}-back-exit", portal.name));
+        self.linker.teleport(back, out, (from, None))?;
+        Ok(vec![opening, back])
+    }
+
+    fn part(&self, place: &Place) -> Result<PartId> {
+        Ok(self.parts[self.world.part(&place.part)?])
+    }
+
+    fn opening(&mut self, part: PartId, place: &Place, name: &str) -> Result<NodeId> {
+        match place.at(true)? {
+            At::Node(node) => Ok(self.linker.node(part, &node)?),
+            At::Shape(shape) => Ok(self.linker.shape(part, name, &shape)?),
+            At::Nowhere => bail!("it says no place"),
+        }
+    }
+
+    /// Where a teleport comes out; and the opening of the way back, where there is one.
+    fn exit(&mut self, portal: &Portal, to: &Place, part: PartId) -> Result<(NodeId, Option<NodeId>)> {
+        let exit = format!("{}-exit", portal.name);
+        let back = format!("{}-back-portal", portal.name);
+        let two_way = portal.two_way();
+        Ok(match to.at(two_way)? {
+            At::Node(node) => {
+                let node = self.linker.node(part, &node)?;
+                if two_way {
+                    (self.linker.out_of(node, &exit), Some(node))
+                } else {
+                    (node, None)
+                }
+            }
+            At::Shape(shape) if two_way || matches!(shape, Shape::Outline(_)) => {
+                // One comes out along `ahead`, so one goes back in against it.
+                let opening = self.linker.shape(part, &back, &turned_round(shape))?;
+                let exit = self.linker.out_of(opening, &exit);
+                (exit, two_way.then_some(opening))
+            }
+            At::Shape(shape) => (self.linker.shape(part, &exit, &shape)?, None),
+            At::Nowhere => bail!("it says no place to come out at"),
+        })
+    }
+}
+
+fn turned_round(shape: Shape) -> Shape {
+    match shape {
+        Shape::Rectangle {
+            center,
+            ahead,
+            up,
+            size,
+        } => Shape::Rectangle {
+            center,
+            ahead: ahead.map(|part| -part),
+            up,
+            size,
+        },
+        // Its corners already run as one sees them who goes in.
+        outline => outline,
+    }
+}
+
+/// Parts that stand in each other, and that no door joins: an eye in one may be taken to stand in the other.
+fn apart(world: &World, import: &Import) -> Vec<String> {
+    let part_of = |room: &str| {
+        let is_of = |part: &&world::Part| {
+            room.strip_prefix(&part.name)
+                .is_some_and(|rest| rest.starts_with('/') || rest == "-room")
+        };
+        world.parts.iter().find(is_of).map(|part| part.name.as_str())
+    };
+    let bounds = |part: &str| {
+        let rooms = import
+            .rooms
+            .iter()
+            .filter(|room| part_of(&room.name) == Some(part));
+        rooms.fold(Aabb::EMPTY, |sum, room| sum.union(&room.content.bounds()))
+    };
+    let door = |a: &str, b: &str| {
+        import.portals.iter().any(|portal| {
+            let ends = [portal.from, portal.to].map(|id| part_of(&import.rooms[id.0 as usize].name));
+            portal.there_from_here == Transform::IDENTITY
+                && (ends == [Some(a), Some(b)] || ends == [Some(b), Some(a)])
+        })
+    };
+    let mut warnings = Vec::new();
+    for (number, a) in world.parts.iter().enumerate() {
+        for b in &world.parts[..number] {
+            let [one, other] = [bounds(&a.name), bounds(&b.name)];
+            let meet = (0..3).all(|axis| one.min[axis] < other.max[axis] && other.min[axis] < one.max[axis]);
+            if meet && !door(&a.name, &b.name) {
+                let beside = other.max[0] - one.min[0];
+                warnings.push(format!(
+                    "parts {:?} and {:?} stand in one place, and no door joins them: an eye in one may be taken to stand in the other. \
+                     Move one of them, such as {:?} by {} more along x",
+                    b.name,
+                    a.name,
+                    a.name,
+                    count(beside.ceil().max(1.0) as u64)
+                ));
+            }
+        }
+    }
+    warnings
+}

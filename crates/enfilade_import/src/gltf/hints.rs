@@ -1,0 +1,231 @@
+//! Hints that authors leave in the art: rooms, portals and mirrors, by the endings of names or in `extras.enfilade`.
+//!
+//! The convention: `NAME-room`, `NAME-portal`, `NAME-mirror`, `NAME-terrain`, with Blender's `.001` after it or not. What
+//! `extras.enfilade.kind` says goes before the name.
+
+use super::document::{Document, Node, short};
+use crate::warning::{WarningKind, Warnings};
+use crate::{AuthoringError, BrokenRule};
+use enfilade::Method;
+use serde::Deserialize;
+use serde_json::value::RawValue;
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+
+/// What a node is besides an item.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Hint {
+    /// What is below it is a fragment.
+    Room { method: Option<Method> },
+    /// Its mesh is an opening.
+    Opening {
+        way: Way,
+        /// By name alone, as also a node may be called whose author has never heard of rooms.
+        by_name: bool,
+    },
+}
+
+/// Where an opening leads, as its author wrote it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Way {
+    Portal {
+        to: Option<String>,
+        one_way: bool,
+        exit: Option<String>,
+    },
+    Mirror,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Room,
+    Portal,
+    Mirror,
+    Terrain,
+}
+
+const KINDS: [(&str, Kind); 4] = [
+    ("room", Kind::Room),
+    ("portal", Kind::Portal),
+    ("mirror", Kind::Mirror),
+    ("terrain", Kind::Terrain),
+];
+
+/// The hints of all nodes that have one, by their numbers.
+pub(super) fn read(document: &Document, warnings: &mut Warnings) -> Result<BTreeMap<u32, Hint>, BrokenRule> {
+    let mut hints = BTreeMap::new();
+    for (number, node) in (0_u32..).zip(&document.nodes) {
+        if let Some(hint) = hint(document, number, node, warnings)? {
+            hints.insert(number, hint);
+        }
+    }
+    Ok(hints)
+}
+
+fn hint(
+    document: &Document,
+    number: u32,
+    node: &Node,
+    warnings: &mut Warnings,
+) -> Result<Option<Hint>, AuthoringError> {
+    let mut notes = Notes::of(document, number, node)?;
+    let has_notes = !notes.values.is_empty();
+    let by_name = kind_by_name(&node.name);
+    let written = match notes.text("kind")? {
+        None => None,
+        Some(kind) => {
+            let known = KINDS.iter().find(|(name, _)| *name == kind);
+            let (_, known) = known.ok_or_else(|| AuthoringError::UnknownKind {
+                node: notes.spoken.clone(),
+                kind: short(&kind),
+            })?;
+            Some(*known)
+        }
+    };
+    let Some(kind) = written.or(by_name) else {
+        if has_notes {
+            warnings.name(WarningKind::UnreadNotes, || notes.spoken.clone());
+        }
+        return Ok(None);
+    };
+    let opening = |way| Hint::Opening {
+        way,
+        by_name: !has_notes,
+    };
+    let hint = match kind {
+        Kind::Room => Some(Hint::Room {
+            method: notes.method()?,
+        }),
+        Kind::Portal => Some(opening(Way::Portal {
+            to: notes.text("to")?,
+            one_way: notes.truth("one_way")?,
+            exit: notes.text("exit")?,
+        })),
+        Kind::Mirror => Some(opening(Way::Mirror)),
+        Kind::Terrain => None,
+    };
+    if !notes.values.is_empty() {
+        warnings.name(WarningKind::UnreadNotes, || notes.spoken.clone());
+    }
+    Ok(hint)
+}
+
+/// The kind that a name ends in, once Blender's number is taken off: `Hall-portal.001`.
+fn kind_by_name(name: &str) -> Option<Kind> {
+    let base = match name.rsplit_once('.') {
+        Some((base, digits)) if digits.len() >= 3 && digits.bytes().all(|byte| byte.is_ascii_digit()) => base,
+        _ => name,
+    };
+    let (_, ending) = base.rsplit_once('-')?;
+    KINDS
+        .iter()
+        .find(|(kind, _)| *kind == ending)
+        .map(|(_, kind)| *kind)
+}
+
+/// A hint is a few words.
+const MOST_BYTES: usize = 1 << 16;
+
+#[derive(Deserialize)]
+struct Extras<'a> {
+    #[serde(borrow)]
+    enfilade: Option<&'a RawValue>,
+}
+
+/// What stands in a node's `extras.enfilade`, less what has been read.
+struct Notes {
+    spoken: String,
+    values: Map<String, Value>,
+}
+
+impl Notes {
+    fn of(document: &Document, number: u32, node: &Node) -> Result<Notes, AuthoringError> {
+        let spoken = document.node_name(number);
+        let extras = node
+            .extras
+            .and_then(|extras| serde_json::from_str::<Extras>(extras.get()).ok());
+        let ours = extras.and_then(|extras| extras.enfilade).map(RawValue::get);
+        // Whatever is longer is not ours, and might take much more memory than text.
+        let ours = match ours {
+            Some(text) if text.len() > MOST_BYTES => Some(Value::String(short(text))),
+            text => text.and_then(|text| serde_json::from_str(text).ok()),
+        };
+        match ours {
+            None | Some(Value::Null) => Ok(Notes {
+                spoken,
+                values: Map::new(),
+            }),
+            Some(Value::Object(values)) => Ok(Notes { spoken, values }),
+            Some(other) => Err(AuthoringError::WrongType {
+                node: spoken,
+                key: "enfilade",
+                found: short(&other.to_string()),
+                wanted: "an object such as {\"kind\": \"room\"}",
+            }),
+        }
+    }
+
+    fn text(&mut self, key: &'static str) -> Result<Option<String>, AuthoringError> {
+        match self.values.remove(key) {
+            None | Some(Value::Null) => Ok(None),
+            Some(Value::String(text)) => Ok(Some(text)),
+            Some(other) => Err(self.wrong(key, &other, "a text")),
+        }
+    }
+
+    /// True or false, or 1 or 0, as exporters write them.
+    fn truth(&mut self, key: &'static str) -> Result<bool, AuthoringError> {
+        match self.values.remove(key) {
+            None | Some(Value::Null) => Ok(false),
+            Some(Value::Bool(truth)) => Ok(truth),
+            Some(Value::Number(number)) if number.as_f64() == Some(1.0) => Ok(true),
+            Some(Value::Number(number)) if number.as_f64() == Some(0.0) => Ok(false),
+            Some(other) => Err(self.wrong(key, &other, "true or false (or 1 or 0)")),
+        }
+    }
+
+    fn method(&mut self) -> Result<Option<Method>, AuthoringError> {
+        let Some(name) = self.text("method")? else {
+            return Ok(None);
+        };
+        let known = Method::by_name(&name).ok_or_else(|| AuthoringError::UnknownMethod {
+            node: self.spoken.clone(),
+            method: short(&name),
+            methods: Method::ALL.map(|method| method.name()).join(", "),
+        })?;
+        Ok(Some(known))
+    }
+
+    fn wrong(&self, key: &'static str, found: &Value, wanted: &'static str) -> AuthoringError {
+        AuthoringError::WrongType {
+            node: self.spoken.clone(),
+            key,
+            found: short(&found.to_string()),
+            wanted,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn endings_of_names_are_hints_with_and_without_a_number() {
+        for (name, kind) in [
+            ("Hall-room", Some(Kind::Room)),
+            ("Hall-room.001", Some(Kind::Room)),
+            ("a-b-portal.1234", Some(Kind::Portal)),
+            ("-mirror", Some(Kind::Mirror)),
+            ("Hill-terrain", Some(Kind::Terrain)),
+            ("Hall-room.1", None),
+            ("Hall-room.glb", None),
+            ("Hall-rooms", None),
+            ("room", None),
+            ("Hall-room-lamp", None),
+            ("", None),
+        ] {
+            assert_eq!(kind_by_name(name), kind, "{name:?}");
+        }
+    }
+}

@@ -1,0 +1,403 @@
+//! One document out of several: every list is appended, every number that names something in it is raised.
+
+use crate::BrokenRule;
+use serde_json::{Map, Value, json};
+use std::collections::BTreeSet;
+
+/// The lists that are taken over, each with what of its things names others.
+const LISTS: [&str; 11] = [
+    "bufferViews",
+    "accessors",
+    "images",
+    "samplers",
+    "textures",
+    "materials",
+    "meshes",
+    "cameras",
+    "skins",
+    "nodes",
+    "animations",
+];
+
+/// Extensions that are taken over, besides those of materials: they name nothing, or what they name is known here.
+const TAKEN: [&str; 6] = [
+    "KHR_lights_punctual",
+    "KHR_texture_transform",
+    "KHR_texture_basisu",
+    "EXT_texture_webp",
+    "EXT_texture_avif",
+    "MSFT_texture_dds",
+];
+const LIGHTS: &str = "KHR_lights_punctual";
+
+/// A document that grows, and the bytes of its one buffer.
+#[derive(Debug, Default)]
+pub(super) struct Merged {
+    lists: Map<String, Value>,
+    lights: Vec<Value>,
+    binary: Vec<u8>,
+    used: BTreeSet<String>,
+    required: BTreeSet<String>,
+    left_out: BTreeSet<String>,
+}
+
+/// Gets the bytes of an address; the second text says what names it.
+type Fetch<'f> = dyn FnMut(&str, &str) -> Result<Vec<u8>, BrokenRule> + 'f;
+
+/// How far the numbers of one part are raised, list by list.
+struct Shift(Vec<(&'static str, usize)>, usize);
+
+impl Shift {
+    fn of(&self, list: &str) -> usize {
+        if list == LIGHTS {
+            return self.1;
+        }
+        let found = self.0.iter().find(|(name, _)| *name == list);
+        found.map_or(0, |(_, shift)| *shift)
+    }
+
+    /// Raises the number at `key`, if there is one.
+    fn raise(&self, thing: &mut Value, key: &str, list: &str) {
+        if let Some(value) = thing.get_mut(key) {
+            self.raise_number(value, list);
+        }
+    }
+
+    fn raise_number(&self, value: &mut Value, list: &str) {
+        if let Some(number) = value.as_u64() {
+            *value = json!(number.saturating_add(self.of(list) as u64));
+        }
+    }
+
+    fn raise_all(&self, thing: &mut Value, key: &str, list: &str) {
+        let values = thing.get_mut(key).and_then(Value::as_array_mut);
+        values
+            .into_iter()
+            .flatten()
+            .for_each(|value| self.raise_number(value, list));
+    }
+}
+
+impl Merged {
+    pub(super) fn count(&self, list: &str) -> usize {
+        self.lists.get(list).and_then(Value::as_array).map_or(0, Vec::len)
+    }
+
+    pub(super) fn get(&self, list: &str, index: usize) -> &Value {
+        &self.lists[list][index]
+    }
+
+    pub(super) fn get_mut(&mut self, list: &str, index: usize) -> &mut Value {
+        &mut self.lists[list][index]
+    }
+
+    /// Adds a thing to a list and says its number.
+    pub(super) fn push(&mut self, list: &str, thing: Value) -> usize {
+        let entry = self.lists.entry(list).or_insert_with(|| json!([]));
+        let Some(things) = entry.as_array_mut() else {
+            return 0;
+        };
+        things.push(thing);
+        things.len() - 1
+    }
+
+    /// Adds bytes to the buffer and says the number of their view.
+    fn view(&mut self, bytes: &[u8]) -> usize {
+        let start = self.append(bytes);
+        self.push(
+            "bufferViews",
+            json!({ "buffer": 0, "byteOffset": start, "byteLength": bytes.len() }),
+        )
+    }
+
+    fn append(&mut self, bytes: &[u8]) -> usize {
+        self.binary.resize(self.binary.len().next_multiple_of(4), 0);
+        let start = self.binary.len();
+        self.binary.extend_from_slice(bytes);
+        start
+    }
+
+    /// Adds a mesh of one polygon, its corners counter-clockwise from its front, and says its number.
+    pub(super) fn polygon(&mut self, corners: &[[f32; 3]]) -> usize {
+        let bytes: Vec<u8> = corners
+            .iter()
+            .flatten()
+            .flat_map(|value| value.to_le_bytes())
+            .collect();
+        let view = self.view(&bytes);
+        let end = |better: fn(f32, f32) -> f32, start: f32| {
+            [0, 1, 2].map(|axis| corners.iter().map(|corner| corner[axis]).fold(start, better))
+        };
+        let positions = self.push(
+            "accessors",
+            json!({
+                "bufferView": view, "componentType": 5126, "type": "VEC3", "count": corners.len(),
+                "min": end(f32::min, f32::INFINITY), "max": end(f32::max, f32::NEG_INFINITY),
+            }),
+        );
+        // A fan from its first corner: a convex polygon.
+        let primitive = json!({ "attributes": { "POSITION": positions }, "mode": 6 });
+        self.push("meshes", json!({ "primitives": [primitive] }))
+    }
+
+    /// Appends a sound document; `fetch` gets the bytes of images.
+    pub(super) fn take_in(
+        &mut self,
+        mut json: Value,
+        buffers: &[&[u8]],
+        fetch: &mut Fetch,
+    ) -> Result<(), BrokenRule> {
+        let starts: Vec<usize> = buffers.iter().map(|bytes| self.append(bytes)).collect();
+        // Images in files become views of the buffer, before anything is counted.
+        let mut images = Vec::new();
+        for (number, image) in list(&json, "images").iter().enumerate() {
+            let bytes = match image["uri"].as_str() {
+                Some(uri) => Some(fetch(uri, &format!("image {number}"))?),
+                None => None,
+            };
+            images.push(bytes.map(|bytes| (self.view(&bytes), mime_type(&bytes))));
+        }
+        let shift = Shift(
+            LISTS.iter().map(|list| (*list, self.count(list))).collect(),
+            self.lights.len(),
+        );
+        self.take_extensions(&mut json);
+        for name in LISTS {
+            let mut things = match json.get_mut(name).map(Value::take) {
+                Some(Value::Array(things)) => things,
+                _ => continue,
+            };
+            for (number, thing) in things.iter_mut().enumerate() {
+                match name {
+                    "bufferViews" => {
+                        let buffer = thing["buffer"].as_u64().unwrap_or(0) as usize;
+                        let offset = thing["byteOffset"].as_u64().unwrap_or(0);
+                        let start = starts.get(buffer).copied().unwrap_or(0) as u64;
+                        thing["buffer"] = json!(0);
+                        thing["byteOffset"] = json!(start.saturating_add(offset));
+                    }
+                    "images" => match images.get(number) {
+                        Some(Some((view, mime_type))) => {
+                            let name = thing["name"].as_str().unwrap_or_default();
+                            *thing = json!({ "name": name, "bufferView": view, "mimeType": mime_type });
+                        }
+                        _ => shift.raise(thing, "bufferView", "bufferViews"),
+                    },
+                    _ => raise(name, thing, &shift),
+                }
+            }
+            for thing in things {
+                self.push(name, thing);
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes over what is known of extensions and removes the others, which may name anything.
+    fn take_extensions(&mut self, json: &mut Value) {
+        let lights = json.pointer_mut(&format!("/extensions/{LIGHTS}/lights"));
+        let lights = lights.and_then(Value::as_array_mut);
+        self.lights.extend(lights.into_iter().flat_map(std::mem::take));
+        for (key, into) in [
+            ("extensionsUsed", &mut self.used),
+            ("extensionsRequired", &mut self.required),
+        ] {
+            let names = list(json, key).iter().filter_map(Value::as_str);
+            into.extend(names.filter(|name| is_taken(name)).map(str::to_owned));
+        }
+        if let Some(json) = json.as_object_mut() {
+            json.remove("extensions");
+        }
+        strip(json, &mut self.left_out);
+    }
+
+    /// Calls all nodes from `first` on `PART/NAME`, also where portals name them.
+    pub(super) fn rename(&mut self, first: usize, part: &str) {
+        let prefixed = |value: &mut Value| {
+            if let Some(name) = value.as_str().filter(|name| !name.is_empty()) {
+                *value = json!(format!("{part}/{name}"));
+            }
+        };
+        for node in first..self.count("nodes") {
+            let node = self.get_mut("nodes", node);
+            if let Some(name) = node.get_mut("name") {
+                prefixed(name);
+            }
+            for key in ["to", "exit"] {
+                let named = node.pointer_mut(&format!("/extras/enfilade/{key}"));
+                named.into_iter().for_each(prefixed);
+            }
+        }
+    }
+
+    /// The document as a `.glb`, and the extensions that were left out; `None` where it is too long for one.
+    pub(super) fn into_glb(mut self) -> Option<(Vec<u8>, Vec<String>)> {
+        let mut document = std::mem::take(&mut self.lists);
+        document.insert(
+            "asset".to_owned(),
+            json!({ "version": "2.0", "generator": "enfilade link" }),
+        );
+        document.insert("scene".to_owned(), json!(0));
+        if !self.binary.is_empty() {
+            document.insert("buffers".to_owned(), json!([{ "byteLength": self.binary.len() }]));
+        }
+        if !self.lights.is_empty() {
+            document.insert(
+                "extensions".to_owned(),
+                json!({ LIGHTS: { "lights": self.lights } }),
+            );
+        }
+        for (key, names) in [
+            ("extensionsUsed", &self.used),
+            ("extensionsRequired", &self.required),
+        ] {
+            if !names.is_empty() {
+                document.insert(key.to_owned(), json!(names));
+            }
+        }
+        let json = Value::Object(document).to_string().into_bytes();
+        let padded = |bytes: &[u8]| bytes.len().next_multiple_of(4);
+        let length = 12 + 8 + padded(&json) + 8 + padded(&self.binary);
+        let mut glb = b"glTF\x02\0\0\0".to_vec();
+        glb.extend(u32::try_from(length).ok()?.to_le_bytes());
+        for (kind, bytes, padding) in [(b"JSON", &json, b' '), (b"BIN\0", &self.binary, 0)] {
+            glb.extend((padded(bytes) as u32).to_le_bytes());
+            glb.extend(kind);
+            glb.extend_from_slice(bytes);
+            glb.resize(glb.len() + padded(bytes) - bytes.len(), padding);
+        }
+        Some((glb, self.left_out.into_iter().collect()))
+    }
+}
+
+fn list<'v>(json: &'v Value, key: &str) -> &'v [Value] {
+    json.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
+}
+
+fn is_taken(extension: &str) -> bool {
+    TAKEN.contains(&extension)
+        || extension.starts_with("KHR_materials_") && extension != "KHR_materials_variants"
+}
+
+/// Removes the extensions that are not taken over, wherever they stand.
+fn strip(value: &mut Value, left_out: &mut BTreeSet<String>) {
+    match value {
+        Value::Array(values) => values.iter_mut().for_each(|value| strip(value, left_out)),
+        Value::Object(object) => {
+            if let Some(Value::Object(extensions)) = object.get_mut("extensions") {
+                extensions.retain(|name, _| {
+                    let taken = is_taken(name);
+                    if !taken {
+                        left_out.insert(name.clone());
+                    }
+                    taken
+                });
+                if extensions.is_empty() {
+                    object.remove("extensions");
+                }
+            }
+            // What authors write for others is theirs.
+            let others = object.iter_mut().filter(|(key, _)| *key != "extras");
+            others.for_each(|(_, value)| strip(value, left_out));
+        }
+        _ => {}
+    }
+}
+
+/// Raises every number of a thing that names another. Source: glTF 2.0 Specification, properties reference.
+fn raise(list: &str, thing: &mut Value, shift: &Shift) {
+    match list {
+        "accessors" => {
+            shift.raise(thing, "bufferView", "bufferViews");
+            for part in ["indices", "values"] {
+                if let Some(part) = thing.pointer_mut(&format!("/sparse/{part}")) {
+                    shift.raise(part, "bufferView", "bufferViews");
+                }
+            }
+        }
+        "textures" => {
+            shift.raise(thing, "source", "images");
+            shift.raise(thing, "sampler", "samplers");
+            let extensions = thing.get_mut("extensions").and_then(Value::as_object_mut);
+            for (_, extension) in extensions.into_iter().flatten() {
+                shift.raise(extension, "source", "images");
+            }
+        }
+        "materials" => raise_textures(thing, shift),
+        "meshes" => {
+            let primitives = thing.get_mut("primitives").and_then(Value::as_array_mut);
+            for primitive in primitives.into_iter().flatten() {
+                shift.raise(primitive, "indices", "accessors");
+                shift.raise(primitive, "material", "materials");
+                let targets = primitive.get_mut("targets").and_then(Value::as_array_mut);
+                targets
+                    .into_iter()
+                    .flatten()
+                    .for_each(|target| raise_each(target, shift));
+                primitive
+                    .get_mut("attributes")
+                    .into_iter()
+                    .for_each(|each| raise_each(each, shift));
+            }
+        }
+        "skins" => {
+            shift.raise(thing, "inverseBindMatrices", "accessors");
+            shift.raise(thing, "skeleton", "nodes");
+            shift.raise_all(thing, "joints", "nodes");
+        }
+        "nodes" => {
+            shift.raise(thing, "mesh", "meshes");
+            shift.raise(thing, "camera", "cameras");
+            shift.raise(thing, "skin", "skins");
+            shift.raise_all(thing, "children", "nodes");
+            if let Some(light) = thing.pointer_mut(&format!("/extensions/{LIGHTS}")) {
+                shift.raise(light, "light", LIGHTS);
+            }
+        }
+        "animations" => {
+            let samplers = thing.get_mut("samplers").and_then(Value::as_array_mut);
+            for sampler in samplers.into_iter().flatten() {
+                shift.raise(sampler, "input", "accessors");
+                shift.raise(sampler, "output", "accessors");
+            }
+            let channels = thing.get_mut("channels").and_then(Value::as_array_mut);
+            for channel in channels.into_iter().flatten() {
+                channel
+                    .get_mut("target")
+                    .into_iter()
+                    .for_each(|target| shift.raise(target, "node", "nodes"));
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Raises the accessors of an object of attributes.
+fn raise_each(attributes: &mut Value, shift: &Shift) {
+    let attributes = attributes.as_object_mut().into_iter().flatten();
+    attributes.for_each(|(_, accessor)| shift.raise_number(accessor, "accessors"));
+}
+
+/// In a material, and in all its extensions, `…Texture: { "index": … }` names a texture.
+fn raise_textures(value: &mut Value, shift: &Shift) {
+    let entries = value.as_object_mut().into_iter().flatten();
+    for (key, value) in entries.filter(|(key, _)| *key != "extras") {
+        if key.ends_with("Texture") {
+            shift.raise(value, "index", "textures");
+        }
+        raise_textures(value, shift);
+    }
+}
+
+/// What kind of image bytes are, by how they begin.
+fn mime_type(bytes: &[u8]) -> &'static str {
+    if bytes.starts_with(b"\x89PNG") {
+        "image/png"
+    } else if bytes.get(8..12) == Some(b"WEBP") {
+        "image/webp"
+    } else if bytes.starts_with(b"\xABKTX 20") {
+        "image/ktx2"
+    } else {
+        "image/jpeg"
+    }
+}

@@ -1,0 +1,105 @@
+//! Openings and exits that are given by numbers, not by nodes.
+
+use super::LinkError;
+use glam::{DMat3, DQuat, DVec3};
+
+/// A place in a part, in the part's own space.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// A rectangle that one goes into, or comes out of, along `ahead`.
+    Rectangle {
+        /// Its middle.
+        center: [f64; 3],
+        /// Of any length but 0.
+        ahead: [f64; 3],
+        /// Which way its height runs, nearly; upright (y) unless told, −z where one goes straight up or down.
+        up: Option<[f64; 3]>,
+        /// Width and height, above 0; `None` for a mere place to come out at.
+        size: Option<[f64; 2]>,
+    },
+    /// A flat convex polygon, counter-clockwise seen by one who is about to go in. Its middle is that of its corners.
+    Outline(Vec<[f64; 3]>),
+}
+
+/// A shape in a frame that looks along −z.
+pub(super) struct Turned {
+    pub(super) place: [f64; 3],
+    pub(super) rotation: [f64; 4],
+    /// In that frame; none for a mere place.
+    pub(super) corners: Vec<[f32; 3]>,
+}
+
+impl Shape {
+    pub(super) fn turned(&self) -> Result<Turned, LinkError> {
+        match self {
+            Shape::Rectangle {
+                center,
+                ahead,
+                up,
+                size,
+            } => {
+                let center = DVec3::from(*center);
+                let turn = turn(DVec3::from(*ahead), up.map(DVec3::from))?;
+                let corners = match size {
+                    None => Vec::new(),
+                    Some([width, height])
+                        if *width > 0.0 && *height > 0.0 && (width * height).is_finite() =>
+                    {
+                        let [x, y] = [width / 2.0, height / 2.0].map(|half| half as f32);
+                        vec![[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]]
+                    }
+                    Some(_) => return Err(LinkError::BadShape("its size must be two numbers above 0")),
+                };
+                placed(center, turn, corners)
+            }
+            Shape::Outline(corners) => {
+                if corners.len() < 3 {
+                    return Err(LinkError::BadShape("an outline needs at least 3 corners"));
+                }
+                let corners: Vec<DVec3> = corners.iter().map(|&corner| DVec3::from(corner)).collect();
+                let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+                let normal: DVec3 = (0..corners.len())
+                    .map(|i| (corners[i] - middle).cross(corners[(i + 1) % corners.len()] - middle))
+                    .sum();
+                let turn = turn(-normal, None)
+                    .map_err(|_| LinkError::BadShape("its outline has no area, or is not finite"))?;
+                let back = turn.transpose();
+                let local = corners
+                    .iter()
+                    .map(|corner| (back * (*corner - middle)).as_vec3().into());
+                placed(middle, turn, local.collect())
+            }
+        }
+    }
+}
+
+fn placed(place: DVec3, turn: DMat3, corners: Vec<[f32; 3]>) -> Result<Turned, LinkError> {
+    if !(place.is_finite() && turn.is_finite()) {
+        return Err(LinkError::BadShape("its numbers must be finite"));
+    }
+    Ok(Turned {
+        place: place.into(),
+        rotation: DQuat::from_mat3(&turn).normalize().into(),
+        corners,
+    })
+}
+
+/// The turn of what looks along `ahead`.
+fn turn(ahead: DVec3, up: Option<DVec3>) -> Result<DMat3, LinkError> {
+    let back = ahead
+        .try_normalize()
+        .map(|ahead| -ahead)
+        .ok_or(LinkError::BadShape("`ahead` must not be 0"))?;
+    let ups = [up.unwrap_or(DVec3::Y), DVec3::NEG_Z, DVec3::X];
+    let square = |up: DVec3| {
+        (up - back * up.dot(back)).try_normalize().filter(|_| {
+            // Nearly along the line of sight it says nothing.
+            up.normalize_or_zero().cross(back).length() > 1e-4
+        })
+    };
+    let up = ups
+        .into_iter()
+        .find_map(square)
+        .ok_or(LinkError::BadShape("`up` must not be 0"))?;
+    Ok(DMat3::from_cols(up.cross(back), up, back))
+}

@@ -1,0 +1,313 @@
+//! From nodes and hints to rooms: which node belongs to which room, what is an item, and what an opening.
+
+use super::Meshes;
+use super::document::{Document, short};
+use super::hints::{self, Hint, Way};
+use super::names::Names;
+use super::nodes::{self, Placed};
+use crate::rooms::{self, Frame, Marked, Shell, Teleport};
+use crate::warning::{WarningKind, Warnings};
+use crate::{AuthoringError, BrokenRule, Room};
+use enfilade::{ContentBuilder, Material, MeshId, Portal};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::sync::Arc;
+
+/// The nodes of the scene, and what each is.
+pub(super) struct Plan<'d> {
+    document: &'d Document<'d>,
+    placed: Vec<Placed>,
+    hints: BTreeMap<u32, Hint>,
+    /// The nodes that are rooms, in order; none where nobody marked any, or where the file is read as flat.
+    rooms: Vec<u32>,
+    /// Where the first two nodes of each name that is an exit's stand among those placed.
+    exits: HashMap<&'d str, [Option<usize>; 2]>,
+    flat: bool,
+}
+
+impl<'d> Plan<'d> {
+    /// Places all nodes, and checks what is written of rooms and portals.
+    pub(super) fn new(
+        document: &'d Document<'d>,
+        flat: bool,
+        warnings: &mut Warnings,
+    ) -> Result<Plan<'d>, BrokenRule> {
+        let hints = hints::read(document, warnings)?;
+        let exits: BTreeSet<&str> = hints.values().filter_map(exit).collect();
+        let is_room = |node: u32| matches!(hints.get(&node), Some(Hint::Room { .. }));
+        let wanted =
+            |node: u32| hints.contains_key(&node) || exits.contains(&*document.nodes[node as usize].name);
+        let placed = nodes::place(document, is_room, wanted, warnings)?;
+        let rooms = placed
+            .iter()
+            .map(|placed| placed.node)
+            .filter(|&node| is_room(node));
+        let rooms: Vec<u32> = rooms.collect();
+        let mut called: HashMap<&'d str, [Option<usize>; 2]> = HashMap::new();
+        for (place, placed) in placed.iter().enumerate() {
+            let name = &*document.nodes[placed.node as usize].name;
+            if exits.contains(name) {
+                let two = called.entry(name).or_default();
+                *two = [two[0].or(Some(place)), two[0].and(two[1].or(Some(place)))];
+            }
+        }
+        let mut plan = Plan {
+            document,
+            exits: called,
+            placed,
+            hints,
+            rooms,
+            flat,
+        };
+        plan.check_rooms(warnings)?;
+        for placed in plan.placed.iter().filter(|placed| plan.is_item(placed)) {
+            if placed.world.inverse().is_none() {
+                warnings.name(WarningKind::Flattened, || document.node_name(placed.node));
+            }
+        }
+        Ok(plan)
+    }
+
+    /// The nodes of the scene that show something or are named by a portal, by their numbers.
+    pub(super) fn shown(&self) -> &[Placed] {
+        &self.placed
+    }
+
+    /// Names must tell rooms apart; and where there is no room, openings are none.
+    fn check_rooms(&mut self, warnings: &mut Warnings) -> Result<(), AuthoringError> {
+        let document = self.document;
+        let mut named: HashMap<&str, u32> = HashMap::new();
+        for &room in &self.rooms {
+            let name = &*document.nodes[room as usize].name;
+            if !name.is_empty()
+                && let Some(first) = named.insert(name, room)
+            {
+                let [first, second] = [first, room].map(|node| document.node_name(node));
+                return Err(AuthoringError::RoomsShareName { first, second });
+            }
+        }
+        if !self.rooms.is_empty() {
+            return Ok(());
+        }
+        for placed in &self.placed {
+            match self.hints.get(&placed.node) {
+                Some(Hint::Opening { by_name: false, .. }) if !self.flat => {
+                    let node = document.node_name(placed.node);
+                    return Err(AuthoringError::NoRooms { node });
+                }
+                Some(Hint::Opening { by_name: true, .. }) => {
+                    warnings.name(WarningKind::OpeningsWithoutRooms, || {
+                        document.node_name(placed.node)
+                    });
+                }
+                _ => {}
+            }
+        }
+        self.hints
+            .retain(|_, hint| !matches!(hint, Hint::Opening { by_name: true, .. }));
+        Ok(())
+    }
+
+    /// Builds the rooms; `name` is that of all that stands in none.
+    pub(super) fn rooms(
+        &self,
+        name: &str,
+        meshes: &Meshes,
+        materials: &Arc<[Material]>,
+        names: &Names<'d>,
+        warnings: &mut Warnings,
+    ) -> Result<(Vec<Room>, Vec<Portal>), BrokenRule> {
+        let (items, stray): (Vec<&Placed>, Vec<&Placed>) = self
+            .placed
+            .iter()
+            .filter(|placed| self.is_item(placed))
+            .partition(|placed| self.room(placed).is_some());
+        let mut shells: Vec<Shell> = Vec::new();
+        if !self.flat {
+            shells.extend(self.rooms.iter().map(|&room| self.shell(room, materials)));
+        }
+        let marked_rooms = shells.len();
+        let has_rest = marked_rooms == 0 || !stray.is_empty();
+        if has_rest {
+            shells.push(Shell {
+                name: name.to_owned(),
+                spoken: "what stands in no room".to_owned(),
+                builder: ContentBuilder::new(Arc::clone(materials)),
+                method: None,
+            });
+        }
+        let mut held: Vec<Vec<&Placed>> = vec![Vec::new(); shells.len()];
+        for placed in &items {
+            held[self.room(placed).unwrap_or(marked_rooms)].push(placed);
+        }
+        for placed in &stray {
+            held[marked_rooms].push(placed);
+        }
+        for ((number, shell), held) in shells.iter_mut().enumerate().zip(held) {
+            if held.is_empty() && number < marked_rooms {
+                warnings.name(WarningKind::EmptyRooms, || shell.spoken.clone());
+            }
+            self.fill(&mut shell.builder, &held, meshes, names);
+        }
+        let marked = if self.flat {
+            Vec::new()
+        } else {
+            self.marked(meshes, names)?
+        };
+        let (rooms, portals) = rooms::join(shells, &marked)?;
+        let is_seen = portals.iter().any(|portal| portal.to.0 as usize == marked_rooms);
+        if marked_rooms > 0 && !is_seen {
+            for placed in stray {
+                warnings.name(WarningKind::InNoRoom, || self.document.node_name(placed.node));
+            }
+        }
+        Ok((rooms, portals))
+    }
+
+    /// The room that a node stands in, by its place among all.
+    fn room(&self, placed: &Placed) -> Option<usize> {
+        let room = placed.room.filter(|_| !self.flat)?;
+        self.rooms.binary_search(&room).ok()
+    }
+
+    /// Does a node show its mesh? A portal does not; a mirror does where everything is one room.
+    fn is_item(&self, placed: &Placed) -> bool {
+        let has_mesh = self.document.nodes[placed.node as usize].mesh.is_some();
+        has_mesh
+            && match self.hints.get(&placed.node) {
+                Some(Hint::Opening { way, .. }) => self.flat && *way == Way::Mirror,
+                _ => true,
+            }
+    }
+
+    fn shell(&self, room: u32, materials: &Arc<[Material]>) -> Shell {
+        let name = &*self.document.nodes[room as usize].name;
+        let method = match self.hints.get(&room) {
+            Some(Hint::Room { method }) => *method,
+            _ => None,
+        };
+        Shell {
+            name: if name.is_empty() {
+                format!("node#{room}")
+            } else {
+                name.to_owned()
+            },
+            spoken: self.document.node_name(room),
+            builder: ContentBuilder::new(Arc::clone(materials)),
+            method,
+        }
+    }
+
+    /// Puts items into a room, and the meshes that they are copies of, each once.
+    fn fill(&self, builder: &mut ContentBuilder, held: &[&Placed], meshes: &Meshes, names: &Names<'d>) {
+        let node = |placed: &Placed| &self.document.nodes[placed.node as usize];
+        let own: BTreeSet<u32> = held.iter().filter_map(|placed| node(placed).mesh).collect();
+        let own: BTreeMap<u32, MeshId> = own
+            .into_iter()
+            .map(|mesh| (mesh, builder.mesh(Arc::clone(meshes.get(mesh)))))
+            .collect();
+        for placed in held {
+            let node = node(placed);
+            if let Some(mesh) = node.mesh.and_then(|mesh| own.get(&mesh)) {
+                builder.item(&names.name(placed.node, node), *mesh, placed.world);
+            }
+        }
+    }
+
+    /// Every opening, with where its author says that it leads.
+    fn marked(&self, meshes: &Meshes, names: &Names<'d>) -> Result<Vec<Marked>, AuthoringError> {
+        let mut marked = Vec::new();
+        for placed in &self.placed {
+            let Some(Hint::Opening { way, .. }) = self.hints.get(&placed.node) else {
+                continue;
+            };
+            let node = &self.document.nodes[placed.node as usize];
+            let spoken = self.document.node_name(placed.node);
+            let Some(mesh) = node.mesh else {
+                return Err(AuthoringError::NoMesh { node: spoken });
+            };
+            marked.push(Marked {
+                name: names.name(placed.node, node).into_owned(),
+                mesh: Arc::clone(meshes.get(mesh)),
+                world: placed.world,
+                owner: self.room(placed),
+                way: self.way(placed, way, &spoken)?,
+                spoken,
+            });
+        }
+        Ok(marked)
+    }
+
+    fn way(&self, placed: &Placed, way: &Way, spoken: &str) -> Result<rooms::Way, AuthoringError> {
+        let Way::Portal { to, one_way, exit } = way else {
+            return Ok(rooms::Way::Mirror);
+        };
+        let to = match to {
+            Some(to) => Some(self.room_called(to, spoken)?),
+            None => None,
+        };
+        let Some(exit) = exit else {
+            return Ok(rooms::Way::Door {
+                to,
+                one_way: *one_way,
+            });
+        };
+        let out = self.node_called(exit, spoken)?;
+        let frame = |placed: &Placed| {
+            Frame::of(&placed.world).ok_or_else(|| AuthoringError::NoFrame {
+                node: self.document.node_name(placed.node),
+            })
+        };
+        Ok(rooms::Way::Teleport(Box::new(Teleport {
+            from: frame(placed)?,
+            exit: frame(out)?,
+            exit_name: short(exit),
+            to: to.or_else(|| self.room(out)),
+        })))
+    }
+
+    fn room_called(&self, name: &str, spoken: &str) -> Result<usize, AuthoringError> {
+        const FEW: usize = 24;
+        let name_of = |&room: &u32| &*self.document.nodes[room as usize].name;
+        let found = self.rooms.iter().position(|room| name_of(room) == name);
+        found.ok_or_else(|| {
+            let mut rooms: Vec<String> = self.rooms.iter().map(name_of).take(FEW).map(short).collect();
+            if self.rooms.len() > FEW {
+                rooms.push(format!("and {} more", self.rooms.len() - FEW));
+            }
+            AuthoringError::NoSuchRoom {
+                node: spoken.to_owned(),
+                to: short(name),
+                rooms: rooms.join(", "),
+            }
+        })
+    }
+
+    fn node_called(&self, name: &str, spoken: &str) -> Result<&Placed, AuthoringError> {
+        let called = self.exits.get(name).copied().unwrap_or_default();
+        let [first, second] = called.map(|place| place.map(|place| &self.placed[place]));
+        let (node, exit) = (|| spoken.to_owned(), || short(name));
+        match (first, second) {
+            (Some(only), None) => Ok(only),
+            (None, _) => Err(AuthoringError::NoSuchExit {
+                node: node(),
+                exit: exit(),
+            }),
+            (Some(first), Some(second)) => Err(AuthoringError::ManyExits {
+                node: node(),
+                exit: exit(),
+                first: self.document.node_name(first.node),
+                second: self.document.node_name(second.node),
+            }),
+        }
+    }
+}
+
+fn exit(hint: &Hint) -> Option<&str> {
+    match hint {
+        Hint::Opening {
+            way: Way::Portal { exit, .. },
+            ..
+        } => exit.as_deref(),
+        _ => None,
+    }
+}

@@ -1,0 +1,63 @@
+//! Frames: where a node stands and how it is turned, without its scale.
+
+use enfilade::Transform;
+use glam::{DAffine3, DMat3, DVec3};
+
+/// A place and three axes of unit length, right-handed.
+///
+/// The scale of a node does not count: on a portal it is only the size of its rectangle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frame(DAffine3);
+
+impl Frame {
+    /// The frame of a node; `None` where its axes do not say how it is turned. Of axes that are not square to each
+    /// other z counts most, for one goes along it, then y; of a mirrored node x is turned round.
+    pub(crate) fn of(world_from_node: &Transform) -> Option<Frame> {
+        let [x, y, z, place] = world_from_node
+            .columns()
+            .map(|column| DVec3::from(column.map(f64::from)));
+        // A node flattened along one axis still says where that points.
+        let z = z.try_normalize().or_else(|| x.cross(y).try_normalize())?;
+        let y = (y - z * y.dot(z)).try_normalize();
+        let y = y.or_else(|| z.cross(x).try_normalize())?;
+        Some(Frame(DAffine3 {
+            matrix3: DMat3::from_cols(y.cross(z), y, z),
+            translation: place,
+        }))
+    }
+
+    pub(crate) fn place(&self) -> DVec3 {
+        self.0.translation
+    }
+
+    /// Against the way in.
+    pub(crate) fn back(&self) -> DVec3 {
+        self.0.matrix3.z_axis
+    }
+
+    /// The transform of one who goes in here and comes out at `exit`: rigid.
+    pub(crate) fn there_from_here(&self, exit: &Frame) -> Transform {
+        let there_from_here = exit.0 * self.0.inverse();
+        Transform::from_columns(
+            there_from_here
+                .to_cols_array_2d()
+                .map(|column| column.map(|value| value as f32)),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scale_changes_no_frame_and_no_axis_no_frame_at_all() {
+        let turned = Transform::rotation([0.0, 1.0, 0.0], 1.0);
+        let here = Frame::of(&(turned * Transform::scaling([3.0, 0.5, 7.0]))).expect("a frame");
+        let there = Frame::of(&turned).expect("a frame");
+        let point = here.there_from_here(&there).point([1.0, 2.0, 3.0]);
+        assert!((DVec3::from(point.map(f64::from)) - DVec3::new(1.0, 2.0, 3.0)).length() < 1e-6);
+        assert!(Frame::of(&Transform::scaling([1.0, 1.0, 0.0])).is_some());
+        assert!(Frame::of(&Transform::scaling([1.0, 0.0, 0.0])).is_none());
+    }
+}

@@ -1,0 +1,353 @@
+//! Joins rooms: every marked mesh becomes openings of rooms, and portals that lead out of them.
+
+use super::outline::outline;
+use super::overlap::overlap;
+use super::sides::{self, LEAST, Side, sides};
+use super::{Marked, Shell, Teleport, Way};
+use crate::{AuthoringError, BrokenRule, Room};
+use enfilade::{Content, ConvexPolygon, FragmentId, OpeningId, Portal, Ray, Transform};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// An opening of a room and where it leads.
+struct Lead {
+    /// Which marked mesh.
+    marked: usize,
+    from: usize,
+    outline: ConvexPolygon,
+    to: usize,
+    there_from_here: Transform,
+}
+
+/// Builds the rooms with their openings, and the portals between them.
+pub(crate) fn join(shells: Vec<Shell>, marked: &[Marked]) -> Result<(Vec<Room>, Vec<Portal>), BrokenRule> {
+    // Most files are one room without openings: nothing is to be asked of it.
+    if shells.len() == 1 && marked.is_empty() {
+        return finish(shells, marked, Vec::new());
+    }
+    let bare: Vec<Content> = shells
+        .iter()
+        .map(|shell| shell.builder.clone().build().map_err(BrokenRule::Content))
+        .collect::<Result<_, _>>()?;
+    let spoken = |room: usize| shells[room].spoken.clone();
+    if let Some((first, second, point)) = overlap(&bare) {
+        let [first, second] = [first, second].map(spoken);
+        return Err(AuthoringError::RoomsOverlap { first, second, point }.into());
+    }
+    let spoken: Vec<&str> = shells.iter().map(|shell| &*shell.spoken).collect();
+    let found: Vec<Result<Vec<Lead>, AuthoringError>> = (0..marked.len())
+        .into_par_iter()
+        .map(|number| leads(&bare, &spoken, number, &marked[number]))
+        .collect();
+    // In order, so that of several errors the first is told, whichever thread was done first.
+    let leads: Vec<Lead> = found
+        .into_iter()
+        .collect::<Result<Vec<_>, _>>()?
+        .into_iter()
+        .flatten()
+        .collect();
+    if let Some((a, b)) = same_place(&leads) {
+        let [first, second] = [a, b].map(|lead| marked[lead.marked].spoken.clone());
+        let room = shells[a.from].spoken.clone();
+        return Err(AuthoringError::SamePlace { first, second, room }.into());
+    }
+    drop(bare);
+    finish(shells, marked, leads)
+}
+
+/// Adds the openings to their rooms and builds these.
+fn finish(
+    mut shells: Vec<Shell>,
+    marked: &[Marked],
+    leads: Vec<Lead>,
+) -> Result<(Vec<Room>, Vec<Portal>), BrokenRule> {
+    let mut portals = Vec::with_capacity(leads.len());
+    for lead in leads {
+        let opening: OpeningId = shells[lead.from]
+            .builder
+            .opening(&marked[lead.marked].name, lead.outline);
+        portals.push(Portal {
+            from: FragmentId(lead.from as u32),
+            opening,
+            to: FragmentId(lead.to as u32),
+            there_from_here: lead.there_from_here,
+            open: true,
+        });
+    }
+    let mut rooms = Vec::with_capacity(shells.len());
+    for shell in shells {
+        rooms.push(Room {
+            name: shell.name,
+            content: Arc::new(shell.builder.build().map_err(BrokenRule::Content)?),
+            method: shell.method,
+        });
+    }
+    Ok((rooms, portals))
+}
+
+/// The openings that one marked mesh makes.
+fn leads(
+    rooms: &[Content],
+    spoken: &[&str],
+    number: usize,
+    marked: &Marked,
+) -> Result<Vec<Lead>, AuthoringError> {
+    let outline = outline(&marked.mesh, &marked.world, &marked.spoken)?;
+    let around = Around {
+        rooms,
+        spoken,
+        marked,
+        sides: sides(rooms, &outline),
+    };
+    let lead = |from, outline, to, there_from_here| Lead {
+        marked: number,
+        from,
+        outline,
+        to,
+        there_from_here,
+    };
+    match &marked.way {
+        Way::Door { to, one_way } => {
+            let (from, to, turned) = around.two_rooms(*to, *one_way)?;
+            let (ahead, back) = if turned {
+                (outline.flipped(), outline)
+            } else {
+                (outline.clone(), outline.flipped())
+            };
+            let mut leads = vec![lead(from, ahead, to, Transform::IDENTITY)];
+            if !one_way {
+                leads.push(lead(to, back, from, Transform::IDENTITY));
+            }
+            Ok(leads)
+        }
+        Way::Teleport(teleport) => {
+            let Teleport {
+                from,
+                exit,
+                exit_name,
+                to,
+            } = &**teleport;
+            let normal = DVec3::from(outline.normal().map(f64::from));
+            // A face that leans by more than 80 degrees is one that was never turned.
+            let facing = normal.dot(from.back());
+            if facing.abs() < 0.17 {
+                let node = marked.spoken.clone();
+                return Err(AuthoringError::Edgewise { node });
+            }
+            let turned = facing < 0.0;
+            let room = around.before(turned)?;
+            let to = to.or_else(|| sides::around(rooms, exit.place())).ok_or_else(|| {
+                AuthoringError::ExitInNoRoom {
+                    node: marked.spoken.clone(),
+                    exit: exit_name.clone(),
+                }
+            })?;
+            let outline = if turned { outline.flipped() } else { outline };
+            Ok(vec![lead(room, outline, to, from.there_from_here(exit))])
+        }
+        Way::Mirror => {
+            let (room, turned) = around.mirrored(&outline)?;
+            let outline = if turned { outline.flipped() } else { outline };
+            let reflection = Transform::reflection(outline.corners()[0], outline.normal());
+            Ok(vec![lead(room, outline, room, reflection)])
+        }
+    }
+}
+
+/// A marked mesh and what stands at its two sides.
+struct Around<'a> {
+    rooms: &'a [Content],
+    spoken: &'a [&'a str],
+    marked: &'a Marked,
+    /// Before its front and behind it.
+    sides: [Side; 2],
+}
+
+impl Around<'_> {
+    /// The room that a door leads out of, the one it leads into, and whether the first is behind the front.
+    fn two_rooms(&self, to: Option<usize>, one_way: bool) -> Result<(usize, usize, bool), AuthoringError> {
+        let [front, back] = &self.sides;
+        let owner = self.marked.owner;
+        let near: Vec<usize> = (0..self.rooms.len())
+            .filter(|&room| front.part(room).max(back.part(room)) >= LEAST || to == Some(room))
+            .collect();
+        let mut best: Option<(bool, f64, usize, usize)> = None;
+        for &a in &near {
+            for &b in near.iter().filter(|&&b| b != a) {
+                // What the author names stands there, whatever the rays say.
+                let part = |side: &Side, room: usize| {
+                    let part = side.part(room);
+                    (part >= LEAST || to == Some(room)).then_some(part)
+                };
+                let (Some(before), Some(behind)) = (part(front, a), part(back, b)) else {
+                    continue;
+                };
+                if to.is_some_and(|to| to != a && to != b) {
+                    continue;
+                }
+                let with_owner = owner.is_some_and(|owner| owner == a || owner == b);
+                let pair = (with_owner, before + behind, a, b);
+                if best.is_none_or(|(owners, votes, ..)| (with_owner, pair.1) > (owners, votes)) {
+                    best = Some(pair);
+                }
+            }
+        }
+        let Some((_, _, front, back)) = best else {
+            return Err(self.no_two_rooms(to));
+        };
+        let leads_out_of = match (to, owner) {
+            (Some(to), _) => {
+                if front == to {
+                    back
+                } else {
+                    front
+                }
+            }
+            (None, Some(owner)) if owner == front || owner == back => owner,
+            _ if one_way => {
+                return Err(AuthoringError::OneWayFromNowhere {
+                    node: self.marked.spoken.clone(),
+                    rooms: format!("{} and {}", self.spoken[front], self.spoken[back]),
+                });
+            }
+            _ => front,
+        };
+        let turned = leads_out_of == back;
+        let other = if turned { front } else { back };
+        Ok((leads_out_of, other, turned))
+    }
+
+    fn no_two_rooms(&self, to: Option<usize>) -> AuthoringError {
+        let node = self.marked.spoken.clone();
+        let touched = self.sides.iter().filter_map(Side::first).next();
+        match touched.or(to) {
+            Some(room) => AuthoringError::TouchesOneRoom {
+                node,
+                room: self.spoken[room].to_owned(),
+            },
+            None => AuthoringError::TouchesNoRoom { node },
+        }
+    }
+
+    /// The room before the front, or behind it.
+    fn before(&self, turned: bool) -> Result<usize, AuthoringError> {
+        let side = &self.sides[usize::from(turned)];
+        let owner = self.marked.owner.filter(|&owner| side.part(owner) >= LEAST);
+        let found = owner.or_else(|| side.first());
+        found.ok_or_else(|| AuthoringError::TouchesNoRoom {
+            node: self.marked.spoken.clone(),
+        })
+    }
+
+    /// The room that a mirror shows, and whether the side that it shows is behind the front of its mesh: so where that
+    /// is turned to a wall.
+    fn mirrored(&self, outline: &ConvexPolygon) -> Result<(usize, bool), AuthoringError> {
+        let room = match self.marked.owner {
+            Some(owner) => owner,
+            None => self.before(false).or_else(|_| self.before(true))?,
+        };
+        let [front, back] = [1.0, -1.0].map(|side| free_rays(&self.rooms[room], outline, side));
+        Ok((room, back > front))
+    }
+}
+
+/// How free the sight is before one side of an opening: for each ray straight ahead 2 where it ends at the front of a
+/// face some way off, 1 where it does not end, 0 at a wall hard by or from within one.
+fn free_rays(room: &Content, outline: &ConvexPolygon, side: f64) -> usize {
+    let corners: Vec<DVec3> = points(outline);
+    let size = area(&corners).sqrt();
+    let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+    let ahead = DVec3::from(outline.normal().map(f64::from)) * side;
+    let origins = corners
+        .iter()
+        .map(|corner| (*corner + middle) * 0.5)
+        .chain([middle]);
+    origins
+        .map(|origin| {
+            let ray = Ray {
+                origin: (origin + ahead * (1e-4 * size)).as_vec3().into(),
+                direction: ahead.as_vec3().into(),
+            };
+            match room.cast(&ray) {
+                Some(hit) if hit.from_behind || hit.distance < 0.1 * size => 0,
+                Some(_) => 2,
+                None => 1,
+            }
+        })
+        .sum()
+}
+
+/// Two openings of one room that face the same way and cover each other for the most part.
+fn same_place(leads: &[Lead]) -> Option<(&Lead, &Lead)> {
+    let mut by_room: Vec<&Lead> = leads.iter().collect();
+    by_room.sort_by(|a, b| {
+        let low = |lead: &Lead| lead.outline.bounds().min[0];
+        a.from.cmp(&b.from).then(low(a).total_cmp(&low(b)))
+    });
+    for (place, a) in by_room.iter().enumerate() {
+        let bounds = a.outline.bounds();
+        let end = bounds.max[0] + bounds.longest_side();
+        let near = by_room[place + 1..]
+            .iter()
+            .take_while(|b| b.from == a.from && b.outline.bounds().min[0] <= end);
+        for b in near {
+            if covers_most(&a.outline, &b.outline) {
+                return Some(if a.marked < b.marked { (a, b) } else { (b, a) });
+            }
+        }
+    }
+    None
+}
+
+/// Do two outlines that face the same way lie over each other, nearly in one plane?
+fn covers_most(a: &ConvexPolygon, b: &ConvexPolygon) -> bool {
+    let normal = DVec3::from(a.normal().map(f64::from));
+    let (a, mut rest, facing) = (
+        points(a),
+        points(b),
+        normal.dot(DVec3::from(b.normal().map(f64::from))),
+    );
+    let [area_a, area_b] = [&a, &rest].map(|polygon| area(polygon));
+    let off = rest
+        .iter()
+        .map(|corner| normal.dot(*corner - a[0]).abs())
+        .fold(0.0, f64::max);
+    if facing < 0.99 || off > 0.1 * area_a.min(area_b).sqrt() {
+        return false;
+    }
+    for (i, corner) in a.iter().enumerate() {
+        let inward = normal.cross(a[(i + 1) % a.len()] - *corner);
+        rest = clipped(&rest, *corner, inward);
+    }
+    area(&rest) > 0.5 * area_a.min(area_b)
+}
+
+fn points(polygon: &ConvexPolygon) -> Vec<DVec3> {
+    let corner = |corner: &[f32; 3]| DVec3::from(corner.map(f64::from));
+    polygon.corners().iter().map(corner).collect()
+}
+
+fn area(polygon: &[DVec3]) -> f64 {
+    let sum: DVec3 = polygon
+        .windows(2)
+        .map(|pair| (pair[0] - polygon[0]).cross(pair[1] - polygon[0]))
+        .sum();
+    0.5 * sum.length()
+}
+
+/// What of a polygon lies on the inner side of a line. Sutherland, Hodgman, Reentrant Polygon Clipping, 1974.
+fn clipped(polygon: &[DVec3], origin: DVec3, inward: DVec3) -> Vec<DVec3> {
+    let mut kept = Vec::new();
+    for (i, &here) in polygon.iter().enumerate() {
+        let next = polygon[(i + 1) % polygon.len()];
+        let [a, b] = [here, next].map(|point| inward.dot(point - origin));
+        if a >= 0.0 {
+            kept.push(here);
+        }
+        if (a < 0.0) != (b < 0.0) {
+            kept.push(here + (next - here) * (a / (a - b)));
+        }
+    }
+    kept
+}

@@ -1,0 +1,177 @@
+//! Which rooms stand at the two sides of an opening.
+//!
+//! From places a little before it, rays go ahead in a cone; each votes for the room whose face it meets first. So a
+//! garden whose box holds the house has no say in a parlour, a thick wall of one room has little in the next, and
+//! a door's leaf, which hangs nearer than the places are, has none.
+
+use enfilade::{Aabb, Content, ConvexPolygon, Hit, Ray};
+use glam::DVec3;
+
+/// What part of the votes makes a room one that stands there.
+pub(super) const LEAST: f64 = 0.15;
+/// How far before the opening rays begin, relative to the square root of its area.
+const BEFORE: [f64; 2] = [0.1, 0.3];
+/// Rays that go round in each of two cones about the one straight ahead, and the angle of these, as a tangent.
+const AROUND: usize = 6;
+const CONES: [f64; 2] = [0.55, 1.4];
+
+/// One side of an opening: what part of the rays meets which room first.
+#[derive(Debug, Default)]
+pub(super) struct Side(Vec<(usize, f64)>);
+
+impl Side {
+    /// The part of a room, 0 to 1.
+    pub(super) fn part(&self, room: usize) -> f64 {
+        let entry = self.0.iter().find(|(other, _)| *other == room);
+        entry.map_or(0.0, |(_, part)| *part)
+    }
+
+    /// The rooms that stand there.
+    pub(super) fn rooms(&self) -> impl Iterator<Item = usize> {
+        self.0
+            .iter()
+            .filter(|(_, part)| *part >= LEAST)
+            .map(|(room, _)| *room)
+    }
+
+    /// The room that most rays meet.
+    pub(super) fn first(&self) -> Option<usize> {
+        self.rooms()
+            .max_by(|a, b| self.part(*a).total_cmp(&self.part(*b)))
+    }
+}
+
+/// Both sides of an opening: its front, then its back. Rooms that are not near it have no say.
+pub(super) fn sides(rooms: &[Content], outline: &ConvexPolygon) -> [Side; 2] {
+    let corners: Vec<DVec3> = outline
+        .corners()
+        .iter()
+        .map(|corner| DVec3::from(corner.map(f64::from)))
+        .collect();
+    let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+    let reach = corners
+        .iter()
+        .map(|corner| (*corner - middle).length())
+        .fold(0.0, f64::max);
+    let near: Vec<usize> = (0..rooms.len())
+        .filter(|&room| meets(&rooms[room].bounds(), &outline.bounds(), 2.0 * reach))
+        .collect();
+    let normal = DVec3::from(outline.normal().map(f64::from));
+    [normal, -normal].map(|ahead| side(rooms, &near, &corners, middle, ahead))
+}
+
+/// The room that most rays in all directions from a point meet first.
+pub(super) fn around(rooms: &[Content], point: DVec3) -> Option<usize> {
+    let mut votes = Votes::default();
+    let all: Vec<usize> = (0..rooms.len()).collect();
+    for i in 0..26 {
+        votes.cast(rooms, &all, point, spread(i, 26));
+    }
+    votes.side().first()
+}
+
+/// Directions spread evenly over the sphere, by the golden angle; the first is nearly straight up.
+pub(super) fn spread(i: usize, count: usize) -> DVec3 {
+    let height = 1.0 - (2 * i + 1) as f64 / count as f64;
+    let angle = i as f64 * 2.399_963_229_728_653;
+    let radius = (1.0 - height * height).sqrt();
+    DVec3::new(radius * angle.cos(), height, radius * angle.sin())
+}
+
+fn side(rooms: &[Content], near: &[usize], corners: &[DVec3], middle: DVec3, ahead: DVec3) -> Side {
+    let area: f64 = (0..corners.len())
+        .map(|i| {
+            let [a, b] = [corners[i] - middle, corners[(i + 1) % corners.len()] - middle];
+            0.5 * a.cross(b).length()
+        })
+        .sum();
+    let x = ahead.any_orthonormal_vector();
+    let y = ahead.cross(x);
+    let mut votes = Votes::default();
+    // Four of many corners are enough.
+    let step = corners.len().div_ceil(4);
+    let places = corners
+        .iter()
+        .step_by(step)
+        .map(|corner| (middle + *corner) * 0.5);
+    for place in places.chain([middle]) {
+        for before in BEFORE {
+            let origin = place + ahead * (before * area.sqrt());
+            votes.cast(rooms, near, origin, ahead);
+            for (turn, tangent) in CONES.into_iter().enumerate() {
+                for i in 0..AROUND {
+                    let angle = std::f64::consts::TAU * (i as f64 + 0.5 * turn as f64) / AROUND as f64;
+                    let aside = x * angle.cos() + y * angle.sin();
+                    votes.cast(rooms, near, origin, ahead + aside * tangent);
+                }
+            }
+        }
+    }
+    if votes.rays > 0 {
+        return votes.side();
+    }
+    // Nothing is met: the open air of the smallest box that holds it.
+    let outside = (middle + ahead * (BEFORE[1] * area.sqrt())).as_vec3().into();
+    let volume = |room: &usize| rooms[*room].bounds().volume();
+    let holds = near
+        .iter()
+        .filter(|&&room| rooms[room].bounds().contains(outside));
+    let smallest = holds.min_by(|a, b| volume(a).total_cmp(&volume(b)));
+    Side(smallest.map(|&room| (room, LEAST)).into_iter().collect())
+}
+
+fn meets(a: &Aabb, b: &Aabb, margin: f64) -> bool {
+    !a.is_empty()
+        && (0..3).all(|axis| {
+            f64::from(a.min[axis]) <= f64::from(b.max[axis]) + margin
+                && f64::from(b.min[axis]) <= f64::from(a.max[axis]) + margin
+        })
+}
+
+#[derive(Default)]
+struct Votes {
+    rays: usize,
+    first: Vec<(usize, usize)>,
+}
+
+impl Votes {
+    /// Lets one ray vote, if it meets anything. Of rooms whose walls meet in one plane the one whose front is met counts.
+    fn cast(&mut self, rooms: &[Content], near: &[usize], origin: DVec3, direction: DVec3) {
+        let ray = Ray {
+            origin: origin.as_vec3().into(),
+            direction: direction.as_vec3().into(),
+        };
+        let met: Vec<(usize, Hit)> = near
+            .iter()
+            .filter_map(|&room| Some((room, rooms[room].cast(&ray)?)))
+            .collect();
+        let nearest = met
+            .iter()
+            .map(|(_, hit)| hit.distance)
+            .fold(f64::INFINITY, f64::min);
+        let first = |hit: &Hit| hit.distance <= nearest * (1.0 + 1e-5);
+        let from_behind = met
+            .iter()
+            .filter(|(_, hit)| first(hit))
+            .all(|(_, hit)| hit.from_behind);
+        self.rays += usize::from(!met.is_empty());
+        for (room, hit) in met {
+            if first(&hit) && hit.from_behind == from_behind {
+                match self.first.iter_mut().find(|(other, _)| *other == room) {
+                    Some((_, votes)) => *votes += 1,
+                    None => self.first.push((room, 1)),
+                }
+            }
+        }
+    }
+
+    fn side(&self) -> Side {
+        let part = |votes: usize| votes as f64 / self.rays as f64;
+        Side(
+            self.first
+                .iter()
+                .map(|&(room, votes)| (room, part(votes)))
+                .collect(),
+        )
+    }
+}

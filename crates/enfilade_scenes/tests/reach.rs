@@ -1,15 +1,16 @@
 //! What reaches where through portals, held against all chains of portals tried one by one.
 
+use enfilade::laws::{chains, goes_straight};
 use enfilade::{FragmentId, Light, Limits, Met, Place, PortalId, Ray, Scene, Transform};
 use enfilade_scenes::{BuiltIn, built_in};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 const SCENES: [&str; 6] = ["two-rooms", "mirror", "free-doorway", "slits", "pillar", "glass"];
-const MOST_CROSSED: u16 = 3;
+const MOST_CROSSED: usize = 3;
 
 fn limits() -> Limits {
     let mut limits = Limits::default();
-    limits.max_crossings = MOST_CROSSED;
+    limits.max_crossings = MOST_CROSSED as u16;
     limits
 }
 
@@ -26,79 +27,6 @@ fn points(scene: &Scene, fragment: FragmentId, per_side: u32) -> Vec<[f32; 3]> {
         [along(0, x), along(1, y), along(2, z)]
     };
     (0..count).map(point).collect()
-}
-
-/// All chains of open portals that begin in a fragment, and where they lead.
-fn chains(scene: &Scene, from: FragmentId) -> Vec<(Vec<PortalId>, FragmentId)> {
-    let mut all = vec![(Vec::new(), from)];
-    let mut next = 0;
-    while next < all.len() {
-        let (chain, at) = all[next].clone();
-        next += 1;
-        if chain.len() == usize::from(MOST_CROSSED) {
-            continue;
-        }
-        for (portal, id) in scene.portals().iter().zip((0..).map(PortalId)) {
-            if portal.open && portal.from == at {
-                let mut longer: Vec<PortalId> = chain.clone();
-                longer.push(id);
-                all.push((longer, portal.to));
-            }
-        }
-    }
-    all
-}
-
-/// Does the straight line from one point go through all openings of a chain to another? `None` where that is a matter of
-/// rounding.
-fn goes_straight(scene: &Scene, from: [f32; 3], chain: &[PortalId], to: [f32; 3]) -> Option<bool> {
-    const CLEAR: f64 = 1e-4;
-    let f64s = |point: [f32; 3]| DVec3::from(point.map(f64::from));
-    let moved = |transform: &Transform, point: DVec3| {
-        let columns = transform.columns().map(f64s);
-        columns[0] * point.x + columns[1] * point.y + columns[2] * point.z + columns[3]
-    };
-    // The origin in each space, from the first on, and the target in each, from the last back.
-    let portals: Vec<_> = chain.iter().map(|id| &scene.portals()[id.0 as usize]).collect();
-    let mut origins = vec![f64s(from)];
-    for portal in &portals {
-        origins.push(moved(&portal.there_from_here, origins[origins.len() - 1]));
-    }
-    let mut targets = vec![f64s(to)];
-    for portal in portals.iter().rev() {
-        let back = portal.there_from_here.inverse().expect("a portal leads back");
-        targets.push(moved(&back, targets[targets.len() - 1]));
-    }
-    targets.reverse();
-    let mut last = 0.0;
-    for (i, portal) in portals.iter().enumerate() {
-        let outline = &scene.fragment(portal.from).openings()[usize::from(portal.opening.0)].outline;
-        let corners: Vec<DVec3> = outline.corners().iter().map(|&corner| f64s(corner)).collect();
-        let normal = f64s(outline.normal());
-        let [near, far] = [origins[i], targets[i]].map(|point| normal.dot(point - corners[0]));
-        if near.abs() < CLEAR || far.abs() < CLEAR {
-            return None;
-        }
-        if near < 0.0 || far > 0.0 {
-            return Some(false);
-        }
-        let at = near / (near - far);
-        if (at - last).abs() < CLEAR && i > 0 {
-            return None;
-        }
-        let met = origins[i].lerp(targets[i], at);
-        let edges = (0..corners.len()).map(|k| (corners[k], corners[(k + 1) % corners.len()]));
-        let off = edges.map(|(a, b)| normal.cross(b - a).normalize().dot(met - a));
-        let least = off.fold(f64::INFINITY, f64::min);
-        if least.abs() < CLEAR {
-            return None;
-        }
-        if least < 0.0 || at < last {
-            return Some(false);
-        }
-        last = at;
-    }
-    Some(true)
 }
 
 #[test]
@@ -121,10 +49,10 @@ fn a_beam_holds_what_a_straight_line_through_the_same_openings_leads_to() {
                 }
                 chain
             };
-            for (chain, to) in chains(&scene, fragment) {
+            for (chain, to) in chains(&scene, fragment, MOST_CROSSED) {
                 let beam = (0..beams.len()).find(|&number| chain_of(number) == chain);
                 for point in points(&scene, to, 5) {
-                    let Some(expected) = goes_straight(&scene, camera.eye, &chain, point) else {
+                    let Some(expected) = goes_straight(&scene, from, &chain, point.map(f64::from)) else {
                         continue;
                     };
                     let holds = beam.is_some_and(|number| beams[number].holds(point.map(f64::from)));
@@ -155,10 +83,12 @@ fn one_place_sees_another_where_no_face_is_on_the_straight_line_between() {
         };
         for to in scene.fragments() {
             for point in points(&scene, to, 4) {
-                let chains = chains(&scene, fragment).into_iter().filter(|(_, end)| *end == to);
+                let chains = chains(&scene, fragment, MOST_CROSSED)
+                    .into_iter()
+                    .filter(|(_, end)| *end == to);
                 let answers: Vec<_> = chains
                     .map(|(chain, _)| {
-                        goes_straight(&scene, camera.eye, &chain, point)
+                        goes_straight(&scene, from, &chain, point.map(f64::from))
                             .map(|straight| straight && is_free(&scene, camera.eye, fragment, &chain, point))
                     })
                     .collect();

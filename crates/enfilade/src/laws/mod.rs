@@ -8,11 +8,13 @@
 mod bundle;
 mod owners;
 mod reference;
+mod straight;
 mod tree;
 mod truth;
 
 pub use owners::OwnerPicture;
 pub use reference::Reference;
+pub use straight::{Lamplight, chains, goes_straight};
 pub use truth::{Truth, Verdict};
 
 /// How far from a sample's centre the other four rays pass, in pixels, along x and y: 2⁻¹⁰.

@@ -1,7 +1,7 @@
 //! Openings that lead elsewhere than through a wall: mirrors, nested scenes, a doorway that stands free.
 
 use super::stage::{
-    BLUE, BROWN, Doorway, GREEN, GREY, RED, RED_SHEET, Stage, WHITE, YELLOW, both_ways, finished, sheet,
+    BLUE, BROWN, Doorway, GREEN, GREY, RED, RED_SHEET, Stage, WHITE, YELLOW, both_ways, finished, lamp, sheet,
 };
 use crate::envelope::Side;
 use crate::shape::{Shape, ball, block, cuboid, fill, knot};
@@ -48,6 +48,7 @@ pub(crate) fn mirror() -> BuiltIn {
     let mut scene = SceneBuilder::new();
     let room = scene.add("room", stage.build(), Method::HierarchicalZ);
     scene.mirror(room, opening);
+    lamp(&mut scene, room, [-1.6, 2.2, -1.0], 6.0);
     finished(
         scene,
         vec![
@@ -82,6 +83,7 @@ pub(crate) fn mirrors() -> BuiltIn {
     for opening in openings {
         scene.mirror(room, opening);
     }
+    lamp(&mut scene, room, [0.9, 2.4, 1.2], 7.0);
     finished(
         scene,
         vec![
@@ -123,6 +125,7 @@ pub(crate) fn nested() -> BuiltIn {
         [96.04, -1.2, 0.0],
     ]);
     both_ways(&mut scene, (room, opening), (inside, "front"), there_from_here);
+    lamp(&mut scene, room, [0.4, 1.9, 0.6], 6.0);
     let from_the_window = Transform::from_columns([
         [0.0, 0.0, -2.0],
         [0.0, 2.0, 0.0],
@@ -206,6 +209,7 @@ fn inside_the_casket() -> Scene {
     let mut scene = SceneBuilder::new();
     let casket = scene.add("casket", stage.build(), Method::HierarchicalZ);
     scene.exit("lid", (casket, out));
+    lamp(&mut scene, casket, [200.3, 1.2, 0.3], 3.0);
     scene.build().expect("the casket is sound")
 }
 

@@ -4,8 +4,8 @@ use crate::envelope::{Ceiling, Finish, Hole, Plan, Side, envelope};
 use crate::shape::Shape;
 use crate::{BuiltIn, Camera};
 use enfilade::{
-    Alpha, Content, ContentBuilder, ConvexPolygon, End, Material, MaterialId, Mesh, Method, OpeningId,
-    SceneBuilder, Transform,
+    Alpha, Content, ContentBuilder, ConvexPolygon, End, FragmentId, Light, Material, MaterialId, Mesh,
+    Method, OpeningId, SceneBuilder, Transform,
 };
 use glam::{Vec3, vec2, vec3};
 use std::sync::Arc;
@@ -208,6 +208,17 @@ pub(crate) fn alone(stage: Stage, cameras: Vec<Camera>) -> BuiltIn {
     let mut scene = SceneBuilder::new();
     scene.add("world", stage.build(), Method::HierarchicalZ);
     finished(scene, cameras)
+}
+
+/// Hangs a white lamp up in a fragment: it lights all within a few metres of it.
+pub(crate) fn lamp(scene: &mut SceneBuilder, fragment: FragmentId, position: [f32; 3], range: f32) {
+    let strength = 0.05 * range * range;
+    scene.light(Light {
+        fragment,
+        position,
+        color: [strength, 0.92 * strength, 0.78 * strength],
+        range,
+    });
 }
 
 /// Two fragments in one space, with a door between an opening of each.

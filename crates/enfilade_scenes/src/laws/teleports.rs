@@ -2,7 +2,7 @@
 
 use super::stage::{
     BLUE, BROWN, Doorway, GREEN, GREY, RED, RED_SHEET, Stage, WHITE, YELLOW, YELLOW_SHEET, both_ways,
-    finished, sheet,
+    finished, lamp, sheet,
 };
 use crate::envelope::Side;
 use crate::shape::{Shape, ball, block, cuboid, knot};
@@ -59,6 +59,7 @@ pub(crate) fn teleport() -> BuiltIn {
     scene.portal((hall, openings[1]), garden, garden_from_hall);
     let model_from_hall = about(TO_MODEL, [-0.2, 1.0, 0.1], 0.3, 1.0 / 40.0, [10.0, 0.06, 0.15]);
     scene.portal((hall, openings[2]), model, model_from_hall);
+    lamp(&mut scene, hall, [1.5, 2.6, 1.0], 9.0);
     finished(
         scene,
         vec![

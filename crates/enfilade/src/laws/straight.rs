@@ -1,0 +1,137 @@
+//! Straight lines through chains of portals, tried one by one, and the lamplight that comes along them: what beams and
+//! lit pictures are held against.
+
+use crate::query::Place;
+use crate::scene::{FragmentId, Light, PortalId, Scene};
+use glam::{DAffine3, DVec3};
+
+/// All chains of open portals that begin in a fragment, none longer than `most`, and where each leads.
+pub fn chains(scene: &Scene, from: FragmentId, most: usize) -> Vec<(Vec<PortalId>, FragmentId)> {
+    let mut all = vec![(Vec::new(), from)];
+    let mut next = 0;
+    while next < all.len() {
+        let (chain, at) = all[next].clone();
+        next += 1;
+        if chain.len() == most {
+            continue;
+        }
+        for (portal, id) in scene.portals().iter().zip((0..).map(PortalId)) {
+            if portal.open && portal.from == at {
+                let mut longer: Vec<PortalId> = chain.clone();
+                longer.push(id);
+                all.push((longer, portal.to));
+            }
+        }
+    }
+    all
+}
+
+/// How near to an edge or a plane a line is a matter of rounding, in scene units.
+const CLEAR: f64 = 1e-4;
+
+/// Does the straight line from a place go through all openings of a chain, in their order, to a point of the last
+/// fragment? `None` where that is a matter of rounding.
+pub fn goes_straight(scene: &Scene, from: Place, chain: &[PortalId], to: [f64; 3]) -> Option<bool> {
+    let portals: Vec<_> = chain.iter().map(|id| &scene.portals()[id.0 as usize]).collect();
+    // The origin in each space, from the first on, and the target in each, from the last back.
+    let mut origins = vec![DVec3::from(from.position.map(f64::from))];
+    for portal in &portals {
+        origins.push(
+            portal
+                .there_from_here
+                .0
+                .transform_point3(origins[origins.len() - 1]),
+        );
+    }
+    let mut targets = vec![DVec3::from(to)];
+    for portal in portals.iter().rev() {
+        let back = portal.there_from_here.0.inverse();
+        targets.push(back.transform_point3(targets[targets.len() - 1]));
+    }
+    targets.reverse();
+    let mut last = 0.0;
+    let mut unsure = false;
+    for (i, portal) in portals.iter().enumerate() {
+        let outline = &scene.fragment(portal.from).openings()[usize::from(portal.opening.0)].outline;
+        let corners: Vec<DVec3> = (outline.corners().iter())
+            .map(|corner| DVec3::from(corner.map(f64::from)))
+            .collect();
+        let normal = DVec3::from(outline.normal().map(f64::from));
+        let [near, far] = [origins[i], targets[i]].map(|point| normal.dot(point - corners[0]));
+        if near < -CLEAR || far > CLEAR {
+            return Some(false);
+        }
+        unsure |= near < CLEAR || far > -CLEAR;
+        let at = near / (near - far);
+        let met = origins[i].lerp(targets[i], at);
+        let edges = (0..corners.len()).map(|k| (corners[k], corners[(k + 1) % corners.len()]));
+        let off = edges.map(|(a, b)| normal.cross(b - a).normalize().dot(met - a));
+        let inside = off.fold(f64::INFINITY, f64::min);
+        if inside < -CLEAR || at < last - CLEAR {
+            return Some(false);
+        }
+        unsure |= inside < CLEAR || (i > 0 && at < last + CLEAR);
+        last = at;
+    }
+    (!unsure).then_some(true)
+}
+
+/// The light of a scene's lamps, along all chains of portals.
+pub struct Lamplight<'a> {
+    scene: &'a Scene,
+    ways: Vec<Way>,
+}
+
+/// One way of one lamp into a fragment.
+struct Way {
+    light: Light,
+    chain: Vec<PortalId>,
+    fragment: FragmentId,
+    /// Where the lamp is, as seen from there, and lengths there for one where it hangs.
+    lamp: DVec3,
+    scale: f64,
+}
+
+impl Lamplight<'_> {
+    /// Along chains of at most `most` portals.
+    pub fn new(scene: &Scene, most: usize) -> Lamplight<'_> {
+        let ways_of = |&light: &Light| {
+            let way = move |(chain, fragment): (Vec<PortalId>, FragmentId)| {
+                let there_from_here = chain.iter().fold(DAffine3::IDENTITY, |sum, id| {
+                    scene.portals()[id.0 as usize].there_from_here.0 * sum
+                });
+                Way {
+                    light,
+                    chain,
+                    fragment,
+                    lamp: there_from_here.transform_point3(DVec3::from(light.position.map(f64::from))),
+                    scale: there_from_here.matrix3.x_axis.length(),
+                }
+            };
+            chains(scene, light.fragment, most).into_iter().map(way)
+        };
+        Lamplight {
+            scene,
+            ways: scene.lights().iter().flat_map(ways_of).collect(),
+        }
+    }
+
+    /// What a white surface whose unit normal is `normal` sends back at a point of a fragment, linear. `None` where it is
+    /// a matter of rounding whether a lamp shines there.
+    pub fn at(&self, fragment: FragmentId, point: [f64; 3], normal: [f64; 3]) -> Option<[f64; 3]> {
+        let mut sum = DVec3::ZERO;
+        for way in self.ways.iter().filter(|way| way.fragment == fragment) {
+            let from = Place {
+                fragment: way.light.fragment,
+                position: way.light.position,
+            };
+            let to_lamp = way.lamp - DVec3::from(point);
+            let cosine = DVec3::from(normal).dot(to_lamp.normalize());
+            let strength = way.light.falloff(to_lamp.length() / way.scale) * cosine.max(0.0);
+            if strength > 0.0 && goes_straight(self.scene, from, &way.chain, point)? {
+                sum += DVec3::from(way.light.color.map(f64::from)) * strength;
+            }
+        }
+        Some(sum.into())
+    }
+}

@@ -1,0 +1,181 @@
+//! Pictures by lamplight, held against light that is followed along every chain of portals one by one.
+
+use enfilade::laws::Lamplight;
+use enfilade::{Light, LightId, Met, Ray, Scene, View, Viewer};
+use enfilade_draw::{Painter, RgbImage, Show};
+use enfilade_scenes::{BuiltIn, Camera, built_in};
+use glam::DVec3;
+
+const SIZE: [u32; 2] = [96, 64];
+
+fn drawn(scene: &Scene, view: &View) -> (RgbImage, usize) {
+    let mut painter = Painter::new(scene, view, Show::Image);
+    Viewer::new().draw(scene, view, &mut painter);
+    let shining = painter.lights_shining();
+    (painter.into_image(), shining)
+}
+
+/// The same scene with its lamps turned off.
+fn in_the_dark(scene: &Scene) -> Scene {
+    let mut dark = scene.clone();
+    for (number, &light) in scene.lights().iter().enumerate() {
+        let off = Light {
+            color: [0.0; 3],
+            ..light
+        };
+        dark.set_light(LightId(number as u32), off).expect("it was sound");
+    }
+    dark
+}
+
+fn decode(byte: u8) -> f64 {
+    let srgb = f64::from(byte) / 255.0;
+    if srgb <= 0.040_45 {
+        srgb / 12.92
+    } else {
+        ((srgb + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+fn encode(linear: f64) -> f64 {
+    let linear = linear.clamp(0.0, 1.0);
+    255.0
+        * if linear <= 0.003_130_8 {
+            12.92 * linear
+        } else {
+            1.055 * linear.powf(1.0 / 2.4) - 0.055
+        }
+}
+
+/// What is seen in a direction: lamplight there, and the colour that it falls on. `None` where that cannot be told.
+fn lamplight_along(
+    scene: &Scene,
+    lamplight: &Lamplight,
+    view: &View,
+    direction: DVec3,
+) -> Option<(DVec3, [f32; 4], (u32, u32, u32))> {
+    let fragment = scene.fragment_of(view).expect("a room");
+    let ray = Ray {
+        origin: view.eye,
+        direction: direction.as_vec3().into(),
+    };
+    let cast = scene.cast(fragment, &ray);
+    let Met::Face(hit) = cast.met else { return None };
+    let surface = scene.fragment(cast.fragment).surface(hit.item, hit.face);
+    let material_is_thin = hit.from_behind != cast.there_from_here.mirrors() && hit.from_behind;
+    if material_is_thin || surface.alpha != enfilade::Alpha::Opaque {
+        return None;
+    }
+    let eye = DVec3::from(view.eye.map(f64::from));
+    let columns = cast
+        .there_from_here
+        .columns()
+        .map(|c| DVec3::from(c.map(f64::from)));
+    let moved = |p: DVec3| columns[0] * p.x + columns[1] * p.y + columns[2] * p.z + columns[3];
+    let [eye, point] = [moved(eye), moved(eye + direction * cast.distance)];
+    let normal = DVec3::from(surface.normal.map(f64::from));
+    let normal = if normal.dot(eye - point) < 0.0 {
+        -normal
+    } else {
+        normal
+    };
+    let light = lamplight.at(cast.fragment, point.into(), normal.into())?;
+    Some((
+        light.into(),
+        surface.color,
+        (cast.fragment.0, hit.item.0, hit.face),
+    ))
+}
+
+/// Directions through and about the middle of a pixel.
+fn directions(view: &View, [x, y]: [u32; 2]) -> [DVec3; 5] {
+    let [eye, toward, up] = [view.eye, view.toward, view.up].map(|v| DVec3::from(v.map(f64::from)));
+    let forward = (toward - eye).normalize();
+    let right = forward.cross(up).normalize();
+    let up = right.cross(forward);
+    let step = 2.0 * (0.5 * f64::from(view.fov_y)).tan() / f64::from(view.size[1]);
+    [
+        [0.0, 0.0],
+        [-0.02, -0.02],
+        [0.02, -0.02],
+        [-0.02, 0.02],
+        [0.02, 0.02],
+    ]
+    .map(|[dx, dy]| {
+        let [right_of, above] = [
+            f64::from(x) + 0.5 + dx - 0.5 * f64::from(view.size[0]),
+            0.5 * f64::from(view.size[1]) - (f64::from(y) + 0.5 + dy),
+        ];
+        forward + right * (right_of * step) + up * (above * step)
+    })
+}
+
+#[test]
+fn lamplight_falls_through_doors_mirrors_and_teleports_as_far_as_they_let_it() {
+    let (mut compared, mut lit, mut through) = (0, 0, 0);
+    for name in ["mirror", "mirrors", "nested", "teleport"] {
+        let BuiltIn { scene, cameras } = built_in(name).expect("it is built in");
+        let dark = in_the_dark(&scene);
+        let lamplight = Lamplight::new(&scene, if name == "mirrors" { 5 } else { 4 });
+        for camera in &cameras {
+            let view = camera.view(SIZE);
+            let ([picture, unlit], _) = ([&scene, &dark].map(|scene| drawn(scene, &view).0), ());
+            for y in 0..SIZE[1] {
+                for x in 0..SIZE[0] {
+                    let seen = directions(&view, [x, y])
+                        .map(|direction| lamplight_along(&scene, &lamplight, &view, direction));
+                    let Some((light, color, face)) = seen[0] else {
+                        continue;
+                    };
+                    // Where a step aside shows another face, or light that ends, either is right.
+                    let agrees = |other: &Option<(DVec3, [f32; 4], (u32, u32, u32))>| {
+                        other.is_some_and(|(near, _, at)| at == face && near.distance(light) < 0.02)
+                    };
+                    if !seen[1..].iter().all(agrees) {
+                        continue;
+                    }
+                    compared += 1;
+                    lit += usize::from(light.length() > 0.01);
+                    let home = scene.lights().iter().all(|lamp| lamp.fragment.0 != face.0);
+                    through += usize::from(home && light.length() > 0.01);
+                    let [shown, before] = [&picture, &unlit].map(|image| image.get_pixel(x, y).0);
+                    for channel in 0..3 {
+                        let expected =
+                            encode(decode(before[channel]) + light[channel] * f64::from(color[channel]));
+                        let off = (f64::from(shown[channel]) - expected).abs();
+                        assert!(
+                            off <= 2.0,
+                            "@{name} from `{}` at ({x}, {y}): {shown:?}, {expected} in channel {channel}; {face:?}",
+                            camera.name
+                        );
+                    }
+                }
+            }
+        }
+    }
+    assert!(compared > 50_000 && lit > 20_000, "{compared}, {lit} lit");
+    assert!(through > 500, "{through} in rooms without a lamp");
+}
+
+#[test]
+fn a_lamp_that_shines_on_nothing_seen_is_left_out() {
+    let BuiltIn { scene, cameras } = built_in("teleport").expect("it is built in");
+    let shining = |camera: &Camera| drawn(&scene, &camera.view(SIZE)).1;
+    let named = |name: &str| {
+        cameras
+            .iter()
+            .find(|camera| camera.name == name)
+            .expect("a camera")
+    };
+    assert_eq!(shining(named("before the gate")), 1);
+    let mut far = scene.clone();
+    let lamp = scene.lights()[0];
+    let moved = Light {
+        position: [3.0, 0.5, 3.0],
+        range: 0.2,
+        ..lamp
+    };
+    far.set_light(LightId(0), moved).expect("it is sound");
+    let view = named("in the yard").view(SIZE);
+    assert_eq!(drawn(&far, &view).1, 0);
+}

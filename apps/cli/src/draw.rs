@@ -68,10 +68,10 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
         let mut viewer = prepared.viewer();
         for (view, file) in views.iter().zip(&files) {
             let start = Instant::now();
-            let image = draw(prepared, &mut viewer, view, args.show);
+            let (image, lights) = painted(prepared, &mut viewer, view, args.show);
             let took = start.elapsed().as_secs_f64() * 1e3;
             save(&image, file)?;
-            said += &line(file, prepared, &viewer, took);
+            said += &line(file, prepared, &viewer, lights, took);
             progress.step();
         }
         if measured {
@@ -123,11 +123,16 @@ fn with_shapes(prepared: Vec<Prepared>, choice: Choice, skipped: &mut Vec<Skippe
     Ok(kept)
 }
 
-/// `a.png: 43 items, 34,120 triangles by hierarchical-z in 21.3 ms`.
-fn line(file: &Path, prepared: &Prepared, viewer: &Viewer, took: f64) -> String {
+/// `a.png: 43 items, 34,120 triangles by hierarchical-z in 21.3 ms; 2 of 5 lights shine on them`.
+fn line(file: &Path, prepared: &Prepared, viewer: &Viewer, lights: usize, took: f64) -> String {
     let set = viewer.visible();
+    let all = prepared.scene.lights().len();
+    let lights = match all {
+        0 => String::new(),
+        _ => format!("; {lights} of {} shine on them", plural(all, "light")),
+    };
     format!(
-        "{}: {}, {} triangles by {} in {} ms\n",
+        "{}: {}, {} triangles by {} in {} ms{lights}\n",
         file.display(),
         plural(measure::distinct(set).len(), "item"),
         count(set.triangle_count(&prepared.scene)),
@@ -156,9 +161,15 @@ fn numbered(file: &Path, number: usize, of: usize) -> PathBuf {
 
 /// Draws a view, shading included.
 pub(crate) fn draw(prepared: &Prepared, viewer: &mut Viewer, view: &View, show: Show) -> RgbImage {
+    painted(prepared, viewer, view, show).0
+}
+
+/// Draws a view; also tells how many lights shine on what is seen.
+fn painted(prepared: &Prepared, viewer: &mut Viewer, view: &View, show: Show) -> (RgbImage, usize) {
     let mut painter = Painter::new(&prepared.scene, view, show);
     viewer.draw(&prepared.scene, view, &mut painter);
-    painter.into_image()
+    let lights = painter.lights_shining();
+    (painter.into_image(), lights)
 }
 
 /// Writes a picture, whole or not at all.

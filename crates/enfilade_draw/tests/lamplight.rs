@@ -47,13 +47,11 @@ fn encode(linear: f64) -> f64 {
         }
 }
 
+/// Lamplight, the colour that it falls on, and the fragment, item and face.
+type Lit = (DVec3, [f32; 4], (u32, u32, u32));
+
 /// What is seen in a direction: lamplight there, and the colour that it falls on. `None` where that cannot be told.
-fn lamplight_along(
-    scene: &Scene,
-    lamplight: &Lamplight,
-    view: &View,
-    direction: DVec3,
-) -> Option<(DVec3, [f32; 4], (u32, u32, u32))> {
+fn lamplight_along(scene: &Scene, lamplight: &Lamplight, view: &View, direction: DVec3) -> Option<Lit> {
     let fragment = scene.fragment_of(view).expect("a room");
     let ray = Ray {
         origin: view.eye,
@@ -119,7 +117,7 @@ fn lamplight_falls_through_doors_mirrors_and_teleports_as_far_as_they_let_it() {
         let lamplight = Lamplight::new(&scene, if name == "mirrors" { 5 } else { 4 });
         for camera in &cameras {
             let view = camera.view(SIZE);
-            let ([picture, unlit], _) = ([&scene, &dark].map(|scene| drawn(scene, &view).0), ());
+            let [picture, unlit] = [&scene, &dark].map(|scene| drawn(scene, &view).0);
             for y in 0..SIZE[1] {
                 for x in 0..SIZE[0] {
                     let seen = directions(&view, [x, y])
@@ -128,7 +126,7 @@ fn lamplight_falls_through_doors_mirrors_and_teleports_as_far_as_they_let_it() {
                         continue;
                     };
                     // Where a step aside shows another face, or light that ends, either is right.
-                    let agrees = |other: &Option<(DVec3, [f32; 4], (u32, u32, u32))>| {
+                    let agrees = |other: &Option<Lit>| {
                         other.is_some_and(|(near, _, at)| at == face && near.distance(light) < 0.02)
                     };
                     if !seen[1..].iter().all(agrees) {

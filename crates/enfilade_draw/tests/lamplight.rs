@@ -60,8 +60,8 @@ fn lamplight_along(scene: &Scene, lamplight: &Lamplight, view: &View, direction:
     let cast = scene.cast(fragment, &ray);
     let Met::Face(hit) = cast.met else { return None };
     let surface = scene.fragment(cast.fragment).surface(hit.item, hit.face);
-    let material_is_thin = hit.from_behind != cast.there_from_here.mirrors() && hit.from_behind;
-    if material_is_thin || surface.alpha != enfilade::Alpha::Opaque {
+    // A face of one side is not seen from behind, and glass does not stop the eye.
+    if hit.from_behind || surface.alpha != enfilade::Alpha::Opaque {
         return None;
     }
     let eye = DVec3::from(view.eye.map(f64::from));

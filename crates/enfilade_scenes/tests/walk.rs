@@ -1,6 +1,6 @@
 //! Walking through the built-in scenes: nobody leaks through an edge or a corner, and everybody knows where they are.
 
-use enfilade::{FragmentId, Met, Place, Ray, Scene, Transform};
+use enfilade::{FragmentId, Place, Ray, Scene, Transform};
 use enfilade_scenes::{BuiltIn, built_in};
 
 /// Numbers by chance, the same every time. Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, 2014.

@@ -51,6 +51,7 @@ fn the_report_has_its_stable_shape() {
         "items_visible",
         "ms",
         "passages",
+        "through",
         "toward",
         "triangles_in_frustum",
         "triangles_visible",
@@ -58,6 +59,10 @@ fn the_report_has_its_stable_shape() {
         "visible",
     ];
     assert_eq!(keys(&report["views"][0]), view);
+    assert_eq!(
+        report["views"][0]["through"],
+        json!([{ "fragment": "scene", "crossings": 0, "contract": "exact", "items_visible": 3 }])
+    );
     assert_eq!(
         keys(&report["views"][0]["check"]),
         [

@@ -12,4 +12,5 @@ mod scenes;
 mod shapes;
 mod unsound;
 mod villa;
+mod villa_doors;
 mod warnings;

@@ -42,3 +42,22 @@ pyramid hierarchical-z 960x540
 tiles masked 960x540
 tree svbsp 960x540
 COVERS
+
+# A tour of the palace; blanks in names of cameras are underscores.
+while read -r picture camera; do
+    "$program" draw @enfilade --camera "${camera//_/ }" --size 640x360 --output "book/src/pictures/palace-$picture.png"
+done <<'TOUR'
+enfilade enfilade
+facing-mirrors facing_mirrors
+living-picture living_picture
+dolls-house doll's_house
+secret-passage secret_passage
+bookcase bookcase
+grotto grotto
+fountain fountain
+court court
+gallery gallery
+TOUR
+"$program" draw @enfilade --show fragments --size 640x360 --output book/src/pictures/palace-fragments.png
+"$program" draw @mirrors --size 480x270 --output book/src/pictures/lamp-mirrors.png
+"$program" draw @teleport --size 480x270 --output book/src/pictures/lamp-teleport.png

@@ -123,13 +123,13 @@ fn with_shapes(prepared: Vec<Prepared>, choice: Choice, skipped: &mut Vec<Skippe
     Ok(kept)
 }
 
-/// `a.png: 43 items, 34,120 triangles by hierarchical-z in 21.3 ms; 2 of 5 lights shine on them`.
+/// `a.png: 43 items, 34,120 triangles by hierarchical-z in 21.3 ms; lights that shine on them: 2 of 5`.
 fn line(file: &Path, prepared: &Prepared, viewer: &Viewer, lights: usize, took: f64) -> String {
     let set = viewer.visible();
     let all = prepared.scene.lights().len();
     let lights = match all {
         0 => String::new(),
-        _ => format!("; {lights} of {} shine on them", plural(all, "light")),
+        _ => format!("; lights that shine on them: {lights} of {all}"),
     };
     format!(
         "{}: {}, {} triangles by {} in {} ms{lights}\n",

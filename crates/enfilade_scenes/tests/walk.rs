@@ -54,6 +54,14 @@ fn wander(scene: &Scene, from: Place, steps: usize, seed: u64, check: impl Fn(&P
             walked.crossed,
             cast.crossed
         );
+        let end: [f32; 3] = std::array::from_fn(|axis| place.position[axis] + direction[axis] * far);
+        let image = walked.there_from_here.point(end);
+        let off = (0..3).map(|axis| (image[axis] - walked.place.position[axis]).abs());
+        assert!(
+            off.fold(0.0, f32::max) < 1e-3,
+            "{image:?} is not {:?}",
+            walked.place
+        );
         check(&place, &walked.place);
         crossings += walked.crossed.len();
         place = walked.place;
@@ -86,6 +94,23 @@ fn a_hundred_thousand_steps_through_the_palace_never_leak() {
         );
     }
     assert!(crossings > 500, "only {crossings} doors were gone through");
+}
+
+#[test]
+fn steps_through_teleports_mirrors_and_other_scales_go_where_rays_go() {
+    let mut crossings = 0;
+    for name in ["teleport", "impossible", "mirrors", "nested", "free-doorway"] {
+        let BuiltIn { scene, cameras } = built_in(name).expect("it is built in");
+        for (camera, seed) in cameras.iter().zip(0..) {
+            let fragment = scene.locate(camera.eye, camera.toward).expect("a room");
+            let place = Place {
+                fragment,
+                position: camera.eye,
+            };
+            crossings += wander(&scene, place, 2000, seed, |_, _| {});
+        }
+    }
+    assert!(crossings > 400, "only {crossings} portals were gone through");
 }
 
 #[test]

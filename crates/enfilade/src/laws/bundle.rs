@@ -3,22 +3,19 @@
 use crate::geom::Aabb;
 use glam::{DAffine3, DVec3};
 
-/// Rays in a bundle: through a sample's centre, and through the four places about it.
-pub(super) const RAYS: usize = 5;
-
-/// Five rays from one point. A ray's parameter is the distance along the line of sight, in whatever space.
+/// Rays from one point that go nearly the same way. A ray's parameter is the distance along the line of sight, in whatever space.
 #[derive(Clone, Copy)]
-pub(super) struct Bundle {
+pub(super) struct Bundle<const N: usize> {
     pub(super) origin: DVec3,
-    pub(super) directions: [DVec3; RAYS],
+    pub(super) directions: [DVec3; N],
 }
 
 /// Bounds of 1 / direction on each axis; `None` where the directions do not agree on a sign.
 pub(super) struct Slopes([Option<[f64; 2]>; 3]);
 
-impl Bundle {
+impl<const N: usize> Bundle<N> {
     /// The same rays in another space; their parameters stay.
-    pub(super) fn moved(&self, there_from_here: &DAffine3) -> Bundle {
+    pub(super) fn moved(&self, there_from_here: &DAffine3) -> Bundle<N> {
         Bundle {
             origin: there_from_here.transform_point3(self.origin),
             directions: self

@@ -6,6 +6,8 @@
 //! Independent of the methods: it shares with them only the input arrays of contents, scenes and views.
 
 mod bundle;
+mod hits;
+mod lens;
 mod owners;
 mod reference;
 mod tree;

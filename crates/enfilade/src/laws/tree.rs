@@ -2,8 +2,8 @@
 //!
 //! Its own walk is in f32, which is too coarse for scenes far from the origin: what it drops would be missed here.
 
-use super::bundle::{Bundle, RAYS};
-use crate::content::{Alpha, Content, ItemId};
+use super::bundle::Bundle;
+use crate::content::{Alpha, Content, ItemId, Opening};
 use crate::geom::{Aabb, Transform};
 use crate::mesh::Mesh;
 use glam::{DAffine3, DVec3};
@@ -11,6 +11,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams};
 use rayon::prelude::*;
+use smallvec::SmallVec;
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
@@ -36,6 +37,8 @@ pub(super) struct Trees {
     faces: Vec<Arc<Faces>>,
     /// Into each item's space; `None` where its tree is in the fragment's.
     item_from_fragment: Vec<Option<DAffine3>>,
+    /// The corners of each opening.
+    openings: Vec<Vec<DVec3>>,
 }
 
 /// A tree over the triangles of a mesh.
@@ -45,6 +48,10 @@ struct Faces {
     /// Face and last corner of each triangle; empty where all faces are triangles.
     triangles: Vec<[u32; 2]>,
 }
+
+/// Nodes to be looked into, and where the bundle enters them; the next one last. Few trees are so deep that it needs
+/// memory of its own.
+type Waiting = SmallVec<[(f64, u32); 64]>;
 
 struct Boxed(Aabb);
 
@@ -129,7 +136,12 @@ impl Trees {
             .iter()
             .map(|&item| Boxed(content.item(item).bounds))
             .collect();
+        let corners = |opening: &Opening| {
+            let corners = opening.outline.corners().iter();
+            corners.map(|c| DVec3::from(c.map(f64::from))).collect()
+        };
         Trees {
+            openings: content.openings().iter().map(corners).collect(),
             content: Arc::clone(content),
             items: tree(&boxes),
             solid,
@@ -138,15 +150,21 @@ impl Trees {
         }
     }
 
-    pub(super) fn content(&self) -> &Content {
-        &self.content
+    /// The corners of each opening.
+    pub(super) fn openings(&self) -> &[Vec<DVec3>] {
+        &self.openings
     }
 
     /// Meets all faces that rays of the bundle (those in `active`) meet no farther than the nearest that hides, or a
     /// little behind it; `limit` is asked again after each.
-    pub(super) fn walk(&self, bundle: &Bundle, active: [bool; RAYS], found: &mut impl Found) {
+    pub(super) fn walk<const N: usize>(
+        &self,
+        bundle: &Bundle<N>,
+        active: &[bool; N],
+        found: &mut impl Found,
+    ) {
         let slopes = bundle.slopes();
-        let mut waiting: Vec<(f64, u32)> = Vec::with_capacity(64);
+        let mut waiting = Waiting::new();
         let enters = |tree: &Bvh2, node: u32, limit: f64| {
             let bounds = tree.nodes[node as usize].aabb();
             bundle.enters(
@@ -179,7 +197,13 @@ impl Trees {
         }
     }
 
-    fn walk_item(&self, item: ItemId, bundle: &Bundle, active: [bool; RAYS], found: &mut impl Found) {
+    fn walk_item<const N: usize>(
+        &self,
+        item: ItemId,
+        bundle: &Bundle<N>,
+        active: &[bool; N],
+        found: &mut impl Found,
+    ) {
         let faces = &self.faces[item.0 as usize];
         if faces.tree.nodes.is_empty() {
             return;
@@ -201,7 +225,7 @@ impl Trees {
                 limit,
             )
         };
-        let mut waiting: Vec<(f64, u32)> = Vec::with_capacity(64);
+        let mut waiting = Waiting::new();
         waiting.extend(enters(0, found.limit()).map(|w| (w, 0)));
         while let Some((w, index)) = waiting.pop() {
             if w > found.limit() {
@@ -224,7 +248,7 @@ impl Trees {
                 };
                 let used = [corners[0], corners[last as usize - 1], corners[last as usize]].map(corner);
                 let material = self.content.material_of(&mesh.clusters()[mesh.cluster_of(face)]);
-                for ray in (0..RAYS).filter(|&ray| active[ray]) {
+                for ray in (0..N).filter(|&ray| active[ray]) {
                     let Some((w, from_behind)) = local.meets(ray, used) else {
                         continue;
                     };
@@ -251,7 +275,7 @@ pub(super) trait Found {
     fn add(&mut self, meeting: Meeting);
 }
 
-fn push_nearest_last(waiting: &mut Vec<(f64, u32)>, first: u32, enters: impl Fn(u32) -> Option<f64>) {
+fn push_nearest_last(waiting: &mut Waiting, first: u32, enters: impl Fn(u32) -> Option<f64>) {
     let children = [first, first + 1].map(|child| (enters(child), child));
     let [a, b] = children;
     let ordered = if a.0.unwrap_or(f64::INFINITY) < b.0.unwrap_or(f64::INFINITY) {

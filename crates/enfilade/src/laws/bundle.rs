@@ -41,6 +41,7 @@ impl<const N: usize> Bundle<N> {
     }
 
     /// The least parameter at which any ray may be inside a box; `None` where none can be before `limit`.
+    #[inline]
     pub(super) fn enters(&self, slopes: &Slopes, bounds: &Aabb, limit: f64) -> Option<f64> {
         let [mut enter, mut leave] = [0.0_f64, limit];
         for axis in 0..3 {
@@ -58,6 +59,7 @@ impl<const N: usize> Bundle<N> {
     /// Where ray `ray` meets a triangle: its parameter, and whether it comes from behind.
     ///
     /// Möller, Trumbore, Fast, Minimum Storage Ray/Triangle Intersection, 1997; sides are counted in.
+    #[inline]
     pub(super) fn meets(&self, ray: usize, [a, b, c]: [DVec3; 3]) -> Option<(f64, bool)> {
         let direction = self.directions[ray];
         let [ab, ac, from_a] = [b - a, c - a, self.origin - a];

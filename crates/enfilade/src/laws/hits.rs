@@ -11,8 +11,8 @@ pub(super) struct Hits<const N: usize> {
     from: [f64; N],
     /// The nearest that certainly hides what is behind it.
     nearest: [f64; N],
-    /// Beyond this parameter no ray sees anything.
-    limit: f64,
+    /// The farthest of these, over the active rays.
+    farthest: f64,
     meetings: Vec<(Meeting, Owner)>,
 }
 
@@ -22,7 +22,7 @@ impl<const N: usize> Hits<N> {
             active,
             from,
             nearest: [f64::INFINITY; N],
-            limit: f64::INFINITY,
+            farthest: f64::INFINITY,
             meetings: Vec::with_capacity(2 * N),
         }
     }
@@ -53,10 +53,11 @@ impl<const N: usize> Hits<N> {
             return;
         }
         if hides && certain && w < self.nearest[ray] {
-            self.nearest[ray] = w;
-            let all = (0..N).filter(|&ray| self.active[ray]);
-            let farthest = all.map(|ray| self.nearest[ray]).fold(0.0, f64::max);
-            self.limit = farthest * (1.0 + 2.0 * EPSILON);
+            let before = std::mem::replace(&mut self.nearest[ray], w);
+            if before == self.farthest {
+                let all = (0..N).filter(|&ray| self.active[ray]);
+                self.farthest = all.map(|ray| self.nearest[ray]).fold(0.0, f64::max);
+            }
         }
         self.meetings.push((meeting, owner));
     }
@@ -64,7 +65,7 @@ impl<const N: usize> Hits<N> {
 
 impl<const N: usize> Found for Hits<N> {
     fn limit(&self) -> f64 {
-        self.limit
+        self.farthest * (1.0 + 2.0 * EPSILON)
     }
 
     fn add(&mut self, meeting: Meeting) {

@@ -3,22 +3,19 @@
 use crate::geom::Aabb;
 use glam::{DAffine3, DVec3};
 
-/// Rays in a bundle: through a sample's centre, and through the four places about it.
-pub(super) const RAYS: usize = 5;
-
-/// Five rays from one point. A ray's parameter is the distance along the line of sight, in whatever space.
+/// Rays from one point that go nearly the same way. A ray's parameter is the distance along the line of sight, in whatever space.
 #[derive(Clone, Copy)]
-pub(super) struct Bundle {
+pub(super) struct Bundle<const N: usize> {
     pub(super) origin: DVec3,
-    pub(super) directions: [DVec3; RAYS],
+    pub(super) directions: [DVec3; N],
 }
 
 /// Bounds of 1 / direction on each axis; `None` where the directions do not agree on a sign.
 pub(super) struct Slopes([Option<[f64; 2]>; 3]);
 
-impl Bundle {
+impl<const N: usize> Bundle<N> {
     /// The same rays in another space; their parameters stay.
-    pub(super) fn moved(&self, there_from_here: &DAffine3) -> Bundle {
+    pub(super) fn moved(&self, there_from_here: &DAffine3) -> Bundle<N> {
         Bundle {
             origin: there_from_here.transform_point3(self.origin),
             directions: self
@@ -44,6 +41,7 @@ impl Bundle {
     }
 
     /// The least parameter at which any ray may be inside a box; `None` where none can be before `limit`.
+    #[inline]
     pub(super) fn enters(&self, slopes: &Slopes, bounds: &Aabb, limit: f64) -> Option<f64> {
         let [mut enter, mut leave] = [0.0_f64, limit];
         for axis in 0..3 {
@@ -61,6 +59,7 @@ impl Bundle {
     /// Where ray `ray` meets a triangle: its parameter, and whether it comes from behind.
     ///
     /// Möller, Trumbore, Fast, Minimum Storage Ray/Triangle Intersection, 1997; sides are counted in.
+    #[inline]
     pub(super) fn meets(&self, ray: usize, [a, b, c]: [DVec3; 3]) -> Option<(f64, bool)> {
         let direction = self.directions[ray];
         let [ab, ac, from_a] = [b - a, c - a, self.origin - a];

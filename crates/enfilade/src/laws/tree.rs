@@ -2,8 +2,8 @@
 //!
 //! Its own walk is in f32, which is too coarse for scenes far from the origin: what it drops would be missed here.
 
-use super::bundle::{Bundle, RAYS};
-use crate::content::{Alpha, Content, ItemId};
+use super::bundle::Bundle;
+use crate::content::{Alpha, Content, ItemId, Opening};
 use crate::geom::{Aabb, Transform};
 use crate::mesh::Mesh;
 use glam::{DAffine3, DVec3};
@@ -11,6 +11,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams};
 use rayon::prelude::*;
+use smallvec::SmallVec;
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
@@ -36,6 +37,8 @@ pub(super) struct Trees {
     faces: Vec<Arc<Faces>>,
     /// Into each item's space; `None` where its tree is in the fragment's.
     item_from_fragment: Vec<Option<DAffine3>>,
+    /// The corners of each opening.
+    openings: Vec<Vec<DVec3>>,
 }
 
 /// A tree over the triangles of a mesh.
@@ -45,6 +48,10 @@ struct Faces {
     /// Face and last corner of each triangle; empty where all faces are triangles.
     triangles: Vec<[u32; 2]>,
 }
+
+/// Nodes to be looked into, and where the bundle enters them; the next one last. Few trees are so deep that it needs
+/// memory of its own.
+type Waiting = SmallVec<[(f64, u32); 64]>;
 
 struct Boxed(Aabb);
 
@@ -62,7 +69,12 @@ fn tree(boxes: &[Boxed]) -> Bvh2 {
         return Bvh2::default();
     }
     let mut unused = Duration::ZERO;
-    build_bvh2(boxes, BvhBuildParams::very_fast_build(), &mut unused)
+    // One triangle a leaf: a box is tested once for a whole bundle, a triangle once for every ray.
+    let params = BvhBuildParams {
+        max_prims_per_leaf: 1,
+        ..BvhBuildParams::fast_build()
+    };
+    build_bvh2(boxes, params, &mut unused)
 }
 
 impl Faces {
@@ -129,7 +141,12 @@ impl Trees {
             .iter()
             .map(|&item| Boxed(content.item(item).bounds))
             .collect();
+        let corners = |opening: &Opening| {
+            let corners = opening.outline.corners().iter();
+            corners.map(|c| DVec3::from(c.map(f64::from))).collect()
+        };
         Trees {
+            openings: content.openings().iter().map(corners).collect(),
             content: Arc::clone(content),
             items: tree(&boxes),
             solid,
@@ -138,108 +155,111 @@ impl Trees {
         }
     }
 
-    pub(super) fn content(&self) -> &Content {
-        &self.content
+    /// The corners of each opening.
+    pub(super) fn openings(&self) -> &[Vec<DVec3>] {
+        &self.openings
     }
 
     /// Meets all faces that rays of the bundle (those in `active`) meet no farther than the nearest that hides, or a
     /// little behind it; `limit` is asked again after each.
-    pub(super) fn walk(&self, bundle: &Bundle, active: [bool; RAYS], found: &mut impl Found) {
-        let slopes = bundle.slopes();
-        let mut waiting: Vec<(f64, u32)> = Vec::with_capacity(64);
-        let enters = |tree: &Bvh2, node: u32, limit: f64| {
-            let bounds = tree.nodes[node as usize].aabb();
-            bundle.enters(
-                &slopes,
-                &Aabb {
-                    min: bounds.min.into(),
-                    max: bounds.max.into(),
-                },
-                limit,
-            )
-        };
-        if !self.items.nodes.is_empty() {
-            waiting.extend(enters(&self.items, 0, found.limit()).map(|w| (w, 0)));
-        }
-        while let Some((w, index)) = waiting.pop() {
-            if w > found.limit() {
-                continue;
-            }
-            let node = &self.items.nodes[index as usize];
-            if node.prim_count > 0 {
-                for prim in node.first_index..node.first_index + node.prim_count {
-                    let item = self.solid[self.items.primitive_indices[prim as usize] as usize];
-                    self.walk_item(item, bundle, active, found);
-                }
-                continue;
-            }
-            push_nearest_last(&mut waiting, node.first_index, |child| {
-                enters(&self.items, child, found.limit())
-            });
-        }
+    pub(super) fn walk<const N: usize>(
+        &self,
+        bundle: &Bundle<N>,
+        active: &[bool; N],
+        found: &mut impl Found,
+    ) {
+        visit(&self.items, bundle, found, |place, found| {
+            self.walk_item(self.solid[place as usize], bundle, active, found);
+        });
     }
 
-    fn walk_item(&self, item: ItemId, bundle: &Bundle, active: [bool; RAYS], found: &mut impl Found) {
+    fn walk_item<const N: usize>(
+        &self,
+        item: ItemId,
+        bundle: &Bundle<N>,
+        active: &[bool; N],
+        found: &mut impl Found,
+    ) {
         let faces = &self.faces[item.0 as usize];
-        if faces.tree.nodes.is_empty() {
-            return;
-        }
         let back = &self.item_from_fragment[item.0 as usize];
         let local = back.map_or(*bundle, |back| bundle.moved(&back));
-        let slopes = local.slopes();
         let mesh = self.content.mesh_of(item);
         // A flattened item's faces are met where they stand.
         let place = back.is_none().then(|| self.content.item(item).transform());
-        let enters = |node: u32, limit: f64| {
-            let bounds = faces.tree.nodes[node as usize].aabb();
-            local.enters(
-                &slopes,
-                &Aabb {
-                    min: bounds.min.into(),
-                    max: bounds.max.into(),
-                },
-                limit,
-            )
-        };
-        let mut waiting: Vec<(f64, u32)> = Vec::with_capacity(64);
-        waiting.extend(enters(0, found.limit()).map(|w| (w, 0)));
-        while let Some((w, index)) = waiting.pop() {
-            if w > found.limit() {
-                continue;
-            }
-            let node = &faces.tree.nodes[index as usize];
-            if node.prim_count == 0 {
-                push_nearest_last(&mut waiting, node.first_index, |child| {
-                    enters(child, found.limit())
-                });
-                continue;
-            }
-            for prim in node.first_index..node.first_index + node.prim_count {
-                let triangle = faces.tree.primitive_indices[prim as usize];
-                let [face, last] = *faces.triangles.get(triangle as usize).unwrap_or(&[triangle, 2]);
-                let corners = mesh.face(face);
-                let corner = |index: u32| {
-                    let position = DVec3::from(mesh.positions()[index as usize].map(f64::from));
-                    place.map_or(position, |place| place.0.transform_point3(position))
+        visit(&faces.tree, &local, found, |triangle, found| {
+            let [face, last] = *faces.triangles.get(triangle as usize).unwrap_or(&[triangle, 2]);
+            let corners = mesh.face(face);
+            let corner = |index: u32| {
+                let position = DVec3::from(mesh.positions()[index as usize].map(f64::from));
+                place.map_or(position, |place| place.0.transform_point3(position))
+            };
+            let used = [corners[0], corners[last as usize - 1], corners[last as usize]].map(corner);
+            for ray in (0..N).filter(|&ray| active[ray]) {
+                let Some((w, from_behind)) = local.meets(ray, used) else {
+                    continue;
                 };
-                let used = [corners[0], corners[last as usize - 1], corners[last as usize]].map(corner);
                 let material = self.content.material_of(&mesh.clusters()[mesh.cluster_of(face)]);
-                for ray in (0..RAYS).filter(|&ray| active[ray]) {
-                    let Some((w, from_behind)) = local.meets(ray, used) else {
-                        continue;
-                    };
-                    if material.double_sided || !from_behind {
-                        let hides = material.alpha == Alpha::Opaque;
-                        found.add(Meeting {
-                            ray,
-                            w,
-                            item,
-                            face,
-                            hides,
-                        });
-                    }
+                if material.double_sided || !from_behind {
+                    let hides = material.alpha == Alpha::Opaque;
+                    found.add(Meeting {
+                        ray,
+                        w,
+                        item,
+                        face,
+                        hides,
+                    });
                 }
             }
+        });
+    }
+}
+
+/// Calls `leaf` with what lies in all boxes of a tree that a bundle may enter before the limit, roughly the nearest
+/// first.
+fn visit<const N: usize, F: Found>(
+    tree: &Bvh2,
+    bundle: &Bundle<N>,
+    found: &mut F,
+    mut leaf: impl FnMut(u32, &mut F),
+) {
+    if tree.nodes.is_empty() {
+        return;
+    }
+    let slopes = bundle.slopes();
+    let enters = |node: u32, limit: f64| {
+        let bounds = tree.nodes[node as usize].aabb();
+        let bounds = Aabb {
+            min: bounds.min.into(),
+            max: bounds.max.into(),
+        };
+        bundle.enters(&slopes, &bounds, limit)
+    };
+    let mut waiting = Waiting::new();
+    waiting.extend(enters(0, found.limit()).map(|w| (w, 0)));
+    while let Some((w, index)) = waiting.pop() {
+        if w > found.limit() {
+            continue;
+        }
+        let node = &tree.nodes[index as usize];
+        if node.prim_count > 0 {
+            for place in node.first_index..node.first_index + node.prim_count {
+                leaf(tree.primitive_indices[place as usize], found);
+            }
+            continue;
+        }
+        let (one, other) = (node.first_index, node.first_index + 1);
+        match (enters(one, found.limit()), enters(other, found.limit())) {
+            (Some(a), Some(b)) if a < b => {
+                waiting.push((b, other));
+                waiting.push((a, one));
+            }
+            (Some(a), Some(b)) => {
+                waiting.push((a, one));
+                waiting.push((b, other));
+            }
+            (Some(a), None) => waiting.push((a, one)),
+            (None, Some(b)) => waiting.push((b, other)),
+            (None, None) => {}
         }
     }
 }
@@ -249,15 +269,4 @@ pub(super) trait Found {
     /// Beyond this parameter nothing matters any more.
     fn limit(&self) -> f64;
     fn add(&mut self, meeting: Meeting);
-}
-
-fn push_nearest_last(waiting: &mut Vec<(f64, u32)>, first: u32, enters: impl Fn(u32) -> Option<f64>) {
-    let children = [first, first + 1].map(|child| (enters(child), child));
-    let [a, b] = children;
-    let ordered = if a.0.unwrap_or(f64::INFINITY) < b.0.unwrap_or(f64::INFINITY) {
-        [b, a]
-    } else {
-        [a, b]
-    };
-    waiting.extend(ordered.into_iter().filter_map(|(w, child)| w.map(|w| (w, child))));
 }

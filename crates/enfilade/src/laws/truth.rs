@@ -34,43 +34,72 @@ pub struct Truth {
     imaginable: HashSet<(Chain, ItemId)>,
 }
 
-/// One sample's part of a truth.
-pub(super) struct Sample {
+/// What rays tell, sample after sample: a part of a truth.
+#[derive(Default)]
+pub(super) struct Told {
     possible: Vec<Possible>,
-    certain: Option<(Chain, ItemId)>,
-    contested: bool,
-    certain_glass: Vec<(Chain, ItemId)>,
+    ends: Vec<u32>,
+    contested: u64,
+    certain: Vec<(Chain, ItemId)>,
+    imaginable: Vec<(Chain, ItemId)>,
+    /// Of the sample at hand alone; kept for their memory.
+    here: Vec<Possible>,
     glass: Vec<(Chain, ItemId)>,
 }
 
-impl Sample {
-    pub(super) fn of(rays: &[RaySees]) -> Sample {
-        let mut possible: Vec<Possible> = rays.iter().flat_map(|ray| ray.possible.iter().copied()).collect();
-        possible.sort_unstable();
-        possible.dedup();
+impl Told {
+    /// Takes a sample of a picture, seen by such rays.
+    pub(super) fn sample(&mut self, rays: &[RaySees]) {
+        self.place(rays);
+        self.possible.extend_from_slice(&self.here);
+        self.ends.push(self.possible.len() as u32);
+    }
+
+    /// Takes a place that is in no picture, seen by such rays: only what items may be seen there is kept.
+    pub(super) fn place(&mut self, rays: &[RaySees]) {
+        self.here.clear();
+        self.here
+            .extend(rays.iter().flat_map(|ray| ray.possible.iter().copied()));
+        self.here.sort_unstable();
+        self.here.dedup();
         let item = |p: &Possible| p.owner.and_then(Owner::item).map(|item| (p.chain, item));
-        let first = possible.first().and_then(item);
-        let one_item = possible.len() == 1 || (first.is_some() && possible.iter().all(|p| item(p) == first));
-        let mut glass: Vec<_> = rays
-            .iter()
-            .flat_map(|ray| ray.glass.iter().map(|&(chain, item, _)| (chain, item)))
-            .collect();
-        glass.sort_unstable();
-        glass.dedup();
-        let certain_glass = glass.iter().copied().filter(|&(chain, item)| {
-            rays.iter().all(|ray| {
-                ray.glass
-                    .iter()
-                    .any(|&(c, i, sure)| sure && c == chain && i == item)
-            })
-        });
-        Sample {
-            certain: first.filter(|_| one_item),
-            contested: !one_item,
-            certain_glass: certain_glass.collect(),
-            glass,
-            possible,
+        let first = self.here.first().and_then(item);
+        let one_item =
+            self.here.len() == 1 || (first.is_some() && self.here.iter().all(|p| item(p) == first));
+        self.contested += u64::from(!one_item);
+        if let Some(seen) = first.filter(|_| one_item) {
+            push_new(&mut self.certain, seen);
         }
+        for seen in self.here.iter().filter_map(item) {
+            push_new(&mut self.imaginable, seen);
+        }
+        self.glass.clear();
+        let glass = rays.iter().flat_map(|ray| &ray.glass);
+        self.glass.extend(glass.map(|&(chain, item, _)| (chain, item)));
+        self.glass.sort_unstable();
+        self.glass.dedup();
+        for &seen in &self.glass {
+            let mut all = rays.iter();
+            if all.all(|ray| ray.glass.iter().any(|&(c, i, sure)| sure && (c, i) == seen)) {
+                push_new(&mut self.certain, seen);
+            }
+            push_new(&mut self.imaginable, seen);
+        }
+    }
+
+    /// Keeps every item once. Done where the rays are followed, on many threads, for the sake of speed.
+    pub(super) fn settle(&mut self) {
+        for items in [&mut self.certain, &mut self.imaginable] {
+            items.sort_unstable();
+            items.dedup();
+        }
+    }
+}
+
+/// Neighbours mostly see the same item: it is not kept for each of them.
+fn push_new(items: &mut Vec<(Chain, ItemId)>, seen: (Chain, ItemId)) {
+    if items.last() != Some(&seen) {
+        items.push(seen);
     }
 }
 
@@ -91,16 +120,7 @@ pub struct Verdict {
 }
 
 impl Truth {
-    /// Of samples that are not those of a picture.
-    pub(super) fn of_set(size: [u32; 2], rows: Vec<Vec<Sample>>) -> Truth {
-        Truth {
-            possible: Vec::new(),
-            ends: Vec::new(),
-            ..Truth::new(size, rows)
-        }
-    }
-
-    pub(super) fn new(size: [u32; 2], rows: Vec<Vec<Sample>>) -> Truth {
+    pub(super) fn new(size: [u32; 2], rows: Vec<Told>) -> Truth {
         let mut truth = Truth {
             size,
             possible: Vec::new(),
@@ -109,18 +129,13 @@ impl Truth {
             certain: BTreeSet::new(),
             imaginable: HashSet::new(),
         };
-        for sample in rows.into_iter().flatten() {
-            truth.contested += u64::from(sample.contested);
-            truth.certain.extend(sample.certain);
-            truth.certain.extend(sample.certain_glass);
-            let owners = sample
-                .possible
-                .iter()
-                .filter_map(|p| Some((p.chain, p.owner?.item()?)));
-            truth.imaginable.extend(owners);
-            truth.imaginable.extend(sample.glass);
-            truth.possible.extend(sample.possible);
-            truth.ends.push(truth.possible.len() as u32);
+        for row in rows {
+            let before = truth.possible.len() as u32;
+            truth.contested += row.contested;
+            truth.certain.extend(row.certain);
+            truth.imaginable.extend(row.imaginable);
+            truth.possible.extend(row.possible);
+            truth.ends.extend(row.ends.into_iter().map(|end| before + end));
         }
         truth
     }

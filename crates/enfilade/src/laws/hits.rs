@@ -1,0 +1,77 @@
+//! What the rays of a bundle meet in one fragment.
+
+use super::EPSILON;
+use super::tree::{Found, Meeting};
+use crate::content::Owner;
+
+/// What rays meet in a fragment, sorted out when all is known.
+pub(super) struct Hits<const N: usize> {
+    active: [bool; N],
+    /// Nearer than this a ray sees nothing: the near distance, or the portal.
+    from: [f64; N],
+    /// The nearest that certainly hides what is behind it.
+    nearest: [f64; N],
+    /// The farthest of these, over the active rays.
+    farthest: f64,
+    meetings: Vec<(Meeting, Owner)>,
+}
+
+impl<const N: usize> Hits<N> {
+    pub(super) fn new(active: [bool; N], from: [f64; N]) -> Hits<N> {
+        Hits {
+            active,
+            from,
+            nearest: [f64::INFINITY; N],
+            farthest: f64::INFINITY,
+            meetings: Vec::with_capacity(2 * N),
+        }
+    }
+
+    /// What is this near to where seeing begins may be seen or not: it is possible, but hides nothing for certain.
+    pub(super) fn certainly_beyond(&self, ray: usize, w: f64) -> bool {
+        w > self.from[ray] * (1.0 + EPSILON)
+    }
+
+    pub(super) fn nearest(&self, ray: usize) -> f64 {
+        self.nearest[ray]
+    }
+
+    /// All that is not behind what certainly hides it; asked when all is taken.
+    pub(super) fn meetings(&self) -> impl Iterator<Item = &(Meeting, Owner)> {
+        self.meetings
+            .iter()
+            .filter(|(meeting, _)| !self.hidden(meeting.ray, meeting.w))
+    }
+
+    fn hidden(&self, ray: usize, w: f64) -> bool {
+        w > self.nearest[ray] * (1.0 + EPSILON)
+    }
+
+    pub(super) fn take(&mut self, meeting: Meeting, owner: Owner, certain: bool) {
+        let Meeting { ray, w, hides, .. } = meeting;
+        if self.hidden(ray, w) {
+            return;
+        }
+        if hides && certain && w < self.nearest[ray] {
+            let before = std::mem::replace(&mut self.nearest[ray], w);
+            if before == self.farthest {
+                let all = (0..N).filter(|&ray| self.active[ray]);
+                self.farthest = all.map(|ray| self.nearest[ray]).fold(0.0, f64::max);
+            }
+        }
+        self.meetings.push((meeting, owner));
+    }
+}
+
+impl<const N: usize> Found for Hits<N> {
+    fn limit(&self) -> f64 {
+        self.farthest * (1.0 + 2.0 * EPSILON)
+    }
+
+    fn add(&mut self, meeting: Meeting) {
+        if meeting.w >= self.from[meeting.ray] * (1.0 - EPSILON) {
+            let certain = self.certainly_beyond(meeting.ray, meeting.w);
+            self.take(meeting, Owner::Face(meeting.item, meeting.face), certain);
+        }
+    }
+}

@@ -12,6 +12,8 @@ use std::cmp::Reverse;
 pub struct Seen {
     pub(crate) items: Vec<SeenItem>,
     pub(crate) openings: Vec<SeenOpening>,
+    /// For each opening its place in `openings`, if it is there: else any number.
+    places: Vec<u32>,
     pub(crate) clusters: Vec<u32>,
     pub(crate) glass: Vec<GlassSample>,
     /// Samples that opaque faces own.
@@ -68,13 +70,22 @@ impl Seen {
 
     /// Reports an opening, and the samples it owns where they are known. Report each once.
     pub fn opening(&mut self, opening: OpeningId, rows: Option<Rows>) {
+        let number = usize::from(opening.0);
+        if self.places.len() <= number {
+            self.places.resize(number + 1, 0);
+        }
+        self.places[number] = self.openings.len() as u32;
         self.openings.push(SeenOpening { opening, rows });
     }
 
     /// Adds samples `x0..x1` of row `y` to those that an opening owns; rows come top to bottom.
     pub(crate) fn add_to_opening(&mut self, opening: OpeningId, y: u16, x0: u16, x1: u16) {
-        let mut all = self.openings.iter_mut();
-        if let Some(seen) = all.find(|seen| seen.opening == opening) {
+        let place = self
+            .places
+            .get(usize::from(opening.0))
+            .map_or(0, |&place| place as usize);
+        let known = self.openings.get_mut(place);
+        if let Some(seen) = known.filter(|seen| seen.opening == opening) {
             seen.rows.get_or_insert_default().push(y, x0, x1);
         } else {
             let mut rows = self.spare_rows.pop().unwrap_or_default();

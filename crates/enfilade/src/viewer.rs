@@ -295,43 +295,46 @@ impl Look<'_> {
         let passage = self.set.passage(id);
         let way = self.scene.portal_of(passage.fragment, seen.opening);
         let Some(portal_id) = way.filter(|&PortalId(index)| self.scene.portals()[index as usize].open) else {
-            return self.paint_closed(id, &seen);
+            return self.paint_closed(id, seen);
         };
         let full = self.set.passages.len() >= self.limits.max_passages as usize;
         if full || passage.crossings >= self.limits.max_crossings {
             self.set.complete = false;
-            return self.paint_closed(id, &seen);
+            return self.paint_closed(id, seen);
         }
         let portal = &self.scene.portals()[portal_id.0 as usize];
         let outline = &self.scene.fragment(passage.fragment).openings()[usize::from(seen.opening.0)].outline;
         // Where the look before came to a limit, painting does not go on.
         let gathered = self.gathered.as_ref();
         if gathered.is_some_and(|gathered| gathered.id(passage.chain_through(portal_id)).is_none()) {
-            return self.paint_closed(id, &seen);
+            return self.paint_closed(id, seen);
         }
         if let Some(child) = passage.through(id, portal_id, portal, outline, seen.rows) {
             self.go_through(child);
         }
     }
 
-    fn paint_closed(&mut self, id: PassageId, seen: &SeenOpening) {
-        self.enter(id);
-        let (Some(canvas), Some(rows)) = (self.canvas.as_deref_mut(), &seen.rows) else {
+    fn paint_closed(&mut self, id: PassageId, seen: SeenOpening) {
+        let Some(mut rows) = seen.rows else {
             return;
         };
-        for y in rows.range() {
+        self.enter(id);
+        if let Some(canvas) = self.canvas.as_deref_mut() {
             let owner = Owner::Opening(seen.opening);
-            let spans: Vec<Span> = rows
-                .row(y)
-                .iter()
-                .map(|&[x0, x1]| Span {
-                    x0,
-                    x1,
-                    owner,
-                    see_through: false,
-                })
-                .collect();
-            canvas.row(y, &spans);
+            let span = |&[x0, x1]: &[u16; 2]| Span {
+                x0,
+                x1,
+                owner,
+                see_through: false,
+            };
+            let mut spans: Vec<Span> = Vec::new();
+            for y in rows.range() {
+                spans.clear();
+                spans.extend(rows.row(y).iter().map(span));
+                canvas.row(y, &spans);
+            }
         }
+        rows.clear();
+        self.memory.spare_rows.push(rows);
     }
 }

@@ -158,7 +158,7 @@ fn rooms_in_a_row(times: bool) {
             let scene = row
                 .with_method(method, Method::DEFAULT_LIMIT)
                 .expect("small rooms");
-            let room = [0, rooms / 2 & !1][from];
+            let room = [0, (rooms / 2) & !1][from];
             let view = view_from(room);
             let mut viewer = Viewer::new();
             let set = viewer.look(&scene, &view);

@@ -6,7 +6,7 @@ use crate::memory::Memory;
 use crate::passage::{Passage, PassageId};
 use crate::region::Region;
 use crate::scene::{PortalId, Scene};
-use crate::seen::{Seen, SeenOpening, paint_glass};
+use crate::seen::{Seen, SeenOpening};
 use crate::stats::Stats;
 use crate::view::View;
 use crate::visible::{VisibleItem, VisibleSet};
@@ -229,8 +229,8 @@ impl Look<'_> {
         let scene = self.scene;
         let fragment = scene.fragment(self.set.passage(id).fragment);
         let mut seen = self.spare.pop().unwrap_or_default();
+        self.lend(&mut seen);
         seen.clear(self.canvas.is_some());
-        std::mem::swap(&mut seen.spare_rows, &mut self.memory.spare_rows);
         self.enter(id);
         let passage = self.set.passage(id);
         if let Some(gathered) = &self.gathered
@@ -244,17 +244,26 @@ impl Look<'_> {
             None => fragment.gather(passage, self.memory, &mut seen),
         }
         self.take_in(id, &seen);
-        std::mem::swap(&mut seen.spare_rows, &mut self.memory.spare_rows);
+        if self.canvas.is_some() {
+            seen.panes.fill(&mut seen.glass);
+        }
+        self.lend(&mut seen);
         let mut openings = std::mem::take(&mut seen.openings);
         openings.drain(..).for_each(|opening| self.follow(id, opening));
         seen.openings = openings;
-        if !seen.glass.is_empty() {
+        if !seen.panes.is_empty() {
             self.enter(id);
             if let Some(canvas) = self.canvas.as_deref_mut() {
-                paint_glass(&mut seen.glass, canvas);
+                seen.panes.paint(canvas);
             }
         }
         self.spare.push(seen);
+    }
+
+    /// Lends what all passages share while they are looked through, or takes it back: many are on the way at once.
+    fn lend(&mut self, seen: &mut Seen) {
+        std::mem::swap(&mut seen.spare_rows, &mut self.memory.spare_rows);
+        std::mem::swap(&mut seen.glass, &mut self.memory.spare_glass);
     }
 
     /// Tells the canvas which passage comes, by its place in the set that the caller gets.

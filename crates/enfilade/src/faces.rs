@@ -1,6 +1,7 @@
 //! Batches of faces, as orders hand them out and covers take them.
 
 use crate::content::{Alpha, Content, ItemId, OpeningId};
+use crate::geom::Step;
 use crate::mesh::Cluster;
 use crate::passage::Passage;
 use glam::{DAffine3, DVec3};
@@ -132,6 +133,25 @@ impl<'a> Faces<'a> {
             may_be_chosen: false,
             cuts: &[],
         }
+    }
+
+    /// Hands out the openings that may be in view, each as a face: of many, those of the parts of the fragment that are.
+    pub(crate) fn of_openings(content: &Content, passage: &Passage, mut each: impl FnMut(&Faces)) {
+        if passage.flat || content.openings().is_empty() {
+            return;
+        }
+        content.opening_tree().walk(passage.eye(), |step| match step {
+            Step::Node(bounds) => passage.region_around_openings(bounds).is_some(),
+            Step::Thing(opening) => {
+                let opening = OpeningId(opening as u16);
+                each(&Faces::of_opening(
+                    content,
+                    opening,
+                    &passage.screen_from_fragment,
+                ));
+                true
+            }
+        });
     }
 
     /// The sign that the determinant of three corners as (X, Y, W) has where a face is seen from its front; 0 where faces

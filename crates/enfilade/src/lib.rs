@@ -81,7 +81,7 @@ pub use passage::{Passage, PassageId};
 pub use query::{Cast, Met, Near, Place, Presence, Reached, SightLine, Standpoint, Walked, survey};
 pub use region::{Region, Sight};
 pub use scene::{
-    End, FragmentId, Light, LightId, NestedId, Portal, PortalId, Scene, SceneBuilder, SceneError,
+    End, FragmentId, Light, LightId, NestedId, Portal, PortalId, Scene, SceneBuilder, SceneError, Way,
 };
 pub use seen::Seen;
 pub use simd::simd_level;

@@ -3,6 +3,7 @@
 use crate::aperture::Rows;
 use crate::content::ItemId;
 use crate::passage::Passage;
+use crate::seen::GlassSample;
 use crate::stats::Stats;
 use glam::DVec3;
 use std::any::{Any, TypeId};
@@ -15,6 +16,8 @@ pub struct Memory {
     pub(crate) recall: Recall,
     /// Rows of samples to be filled anew.
     pub(crate) spare_rows: Vec<Rows>,
+    /// Room for samples of glass.
+    pub(crate) spare_glass: Vec<GlassSample>,
     /// Counts of the look at hand.
     pub stats: Stats,
     /// May what the last look saw be seen first? It changes the cost, never the answer.
@@ -34,6 +37,7 @@ impl Default for Memory {
             marks: Marks::default(),
             recall: Recall::default(),
             spare_rows: Vec::new(),
+            spare_glass: Vec::new(),
             stats: Stats::default(),
             coherence: true,
             occluders: None,

@@ -225,7 +225,6 @@ impl Passage {
 
     /// What is seen of the box around an opening, if it shows its front. Openings are seen however near they are.
     pub(crate) fn region_of_opening(&self, outline: &ConvexPolygon) -> Option<Region> {
-        const AT_THE_EYE: f64 = 1e-30;
         let (_, distance) = self.plane_of(outline);
         // As faces are told from the front.
         let front = if self.screen_from_fragment.matrix3.determinant() < 0.0 {
@@ -234,14 +233,14 @@ impl Passage {
             distance < 0.0
         };
         let bounds = Aabb::of(outline.corners().iter().copied());
-        Region::in_rect(
-            self,
-            self.aperture.rect(),
-            AT_THE_EYE,
-            &self.screen_from_fragment,
-            &bounds,
-        )
-        .filter(|region| front && !region.rect.is_empty())
+        self.region_around_openings(&bounds).filter(|_| front)
+    }
+
+    /// What is seen of a box around openings.
+    pub(crate) fn region_around_openings(&self, bounds: &Aabb) -> Option<Region> {
+        const AT_THE_EYE: f64 = 1e-30;
+        let (rect, from_here) = (self.aperture.rect(), &self.screen_from_fragment);
+        Region::in_rect(self, rect, AT_THE_EYE, from_here, bounds).filter(|region| !region.rect.is_empty())
     }
 
     /// Pixels that stand for a distance of 1 across the line of sight, at a distance of 1 along it.

@@ -12,8 +12,12 @@ use std::cmp::Reverse;
 pub struct Seen {
     pub(crate) items: Vec<SeenItem>,
     pub(crate) openings: Vec<SeenOpening>,
+    /// For each opening its place in `openings`, if it is there: else any number.
+    places: Vec<u32>,
     pub(crate) clusters: Vec<u32>,
     pub(crate) glass: Vec<GlassSample>,
+    /// The same, while what is behind the openings is painted.
+    pub(crate) panes: Panes,
     /// Samples that opaque faces own.
     pub(crate) samples_owned: u64,
     /// Is every sample of glass wanted, or only which glass is seen?
@@ -68,13 +72,22 @@ impl Seen {
 
     /// Reports an opening, and the samples it owns where they are known. Report each once.
     pub fn opening(&mut self, opening: OpeningId, rows: Option<Rows>) {
+        let number = usize::from(opening.0);
+        if self.places.len() <= number {
+            self.places.resize(number + 1, 0);
+        }
+        self.places[number] = self.openings.len() as u32;
         self.openings.push(SeenOpening { opening, rows });
     }
 
     /// Adds samples `x0..x1` of row `y` to those that an opening owns; rows come top to bottom.
     pub(crate) fn add_to_opening(&mut self, opening: OpeningId, y: u16, x0: u16, x1: u16) {
-        let mut all = self.openings.iter_mut();
-        if let Some(seen) = all.find(|seen| seen.opening == opening) {
+        let place = self
+            .places
+            .get(usize::from(opening.0))
+            .map_or(0, |&place| place as usize);
+        let known = self.openings.get_mut(place);
+        if let Some(seen) = known.filter(|seen| seen.opening == opening) {
             seen.rows.get_or_insert_default().push(y, x0, x1);
         } else {
             let mut rows = self.spare_rows.pop().unwrap_or_default();
@@ -127,36 +140,65 @@ impl Seen {
         self.openings.clear();
         self.clusters.clear();
         self.glass.clear();
+        self.panes.clear();
         self.samples_owned = 0;
         self.paints = paints;
     }
 }
 
-/// Paints glass over what is behind it: at each sample the farthest first, of equally near ones the one with the
-/// highest number, so that the lowest ends in front.
-pub(crate) fn paint_glass(glass: &mut [GlassSample], canvas: &mut dyn Canvas) {
-    glass.sort_unstable_by_key(|g| (g.y, g.x, g.nearness, Reverse((g.item, g.face))));
-    // Layer by layer: the k-th farthest glass of each sample of a row is painted in one go.
-    let mut spans: Vec<Span> = Vec::new();
-    for row in glass.chunk_by(|a, b| a.y == b.y) {
-        for layer in 0.. {
-            spans.clear();
-            for sample in row.chunk_by(|a, b| a.x == b.x).filter_map(|same| same.get(layer)) {
-                let owner = Owner::Face(sample.item, sample.face);
-                match spans.last_mut() {
-                    Some(span) if span.x1 == sample.x && span.owner == owner => span.x1 += 1,
-                    _ => spans.push(Span {
-                        x0: sample.x,
-                        x1: sample.x + 1,
-                        owner,
-                        see_through: true,
-                    }),
+/// Glass as rows of spans, in the order in which it is painted: far smaller than its samples.
+#[derive(Debug, Default)]
+pub(crate) struct Panes {
+    spans: Vec<Span>,
+    /// Of each layer of a row the row's number, and where its spans end.
+    layers: Vec<(u16, usize)>,
+}
+
+impl Panes {
+    /// Takes samples of glass: at each place the farthest comes first, of equally near ones the one with the highest
+    /// number, so that the lowest ends in front.
+    pub(crate) fn fill(&mut self, glass: &mut [GlassSample]) {
+        self.clear();
+        glass.sort_unstable_by_key(|g| (g.y, g.x, g.nearness, Reverse((g.item, g.face))));
+        // Layer by layer: the k-th farthest glass of each sample of a row is painted in one go.
+        for row in glass.chunk_by(|a, b| a.y == b.y) {
+            for layer in 0.. {
+                let start = self.spans.len();
+                for sample in row.chunk_by(|a, b| a.x == b.x).filter_map(|same| same.get(layer)) {
+                    let owner = Owner::Face(sample.item, sample.face);
+                    match self.spans[start..].last_mut() {
+                        Some(span) if span.x1 == sample.x && span.owner == owner => span.x1 += 1,
+                        _ => self.spans.push(Span {
+                            x0: sample.x,
+                            x1: sample.x + 1,
+                            owner,
+                            see_through: true,
+                        }),
+                    }
                 }
+                if self.spans.len() == start {
+                    break;
+                }
+                self.layers.push((row[0].y, self.spans.len()));
             }
-            if spans.is_empty() {
-                break;
-            }
-            canvas.row(row[0].y, &spans);
+        }
+    }
+
+    fn clear(&mut self) {
+        self.spans.clear();
+        self.layers.clear();
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.layers.is_empty()
+    }
+
+    /// Paints the glass over what is behind it.
+    pub(crate) fn paint(&self, canvas: &mut dyn Canvas) {
+        let mut start = 0;
+        for &(y, end) in &self.layers {
+            canvas.row(y, &self.spans[start..end]);
+            start = end;
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::memory::Memory;
 use crate::passage::{Passage, PassageId};
 use crate::region::Region;
 use crate::scene::{PortalId, Scene};
-use crate::seen::{Seen, SeenOpening, paint_glass};
+use crate::seen::{Seen, SeenOpening};
 use crate::stats::Stats;
 use crate::view::View;
 use crate::visible::{VisibleItem, VisibleSet};
@@ -229,8 +229,8 @@ impl Look<'_> {
         let scene = self.scene;
         let fragment = scene.fragment(self.set.passage(id).fragment);
         let mut seen = self.spare.pop().unwrap_or_default();
+        self.lend(&mut seen);
         seen.clear(self.canvas.is_some());
-        std::mem::swap(&mut seen.spare_rows, &mut self.memory.spare_rows);
         self.enter(id);
         let passage = self.set.passage(id);
         if let Some(gathered) = &self.gathered
@@ -244,17 +244,26 @@ impl Look<'_> {
             None => fragment.gather(passage, self.memory, &mut seen),
         }
         self.take_in(id, &seen);
-        std::mem::swap(&mut seen.spare_rows, &mut self.memory.spare_rows);
+        if self.canvas.is_some() {
+            seen.panes.fill(&mut seen.glass);
+        }
+        self.lend(&mut seen);
         let mut openings = std::mem::take(&mut seen.openings);
         openings.drain(..).for_each(|opening| self.follow(id, opening));
         seen.openings = openings;
-        if !seen.glass.is_empty() {
+        if !seen.panes.is_empty() {
             self.enter(id);
             if let Some(canvas) = self.canvas.as_deref_mut() {
-                paint_glass(&mut seen.glass, canvas);
+                seen.panes.paint(canvas);
             }
         }
         self.spare.push(seen);
+    }
+
+    /// Lends what all passages share while they are looked through, or takes it back: many are on the way at once.
+    fn lend(&mut self, seen: &mut Seen) {
+        std::mem::swap(&mut seen.spare_rows, &mut self.memory.spare_rows);
+        std::mem::swap(&mut seen.glass, &mut self.memory.spare_glass);
     }
 
     /// Tells the canvas which passage comes, by its place in the set that the caller gets.
@@ -295,43 +304,46 @@ impl Look<'_> {
         let passage = self.set.passage(id);
         let way = self.scene.portal_of(passage.fragment, seen.opening);
         let Some(portal_id) = way.filter(|&PortalId(index)| self.scene.portals()[index as usize].open) else {
-            return self.paint_closed(id, &seen);
+            return self.paint_closed(id, seen);
         };
         let full = self.set.passages.len() >= self.limits.max_passages as usize;
         if full || passage.crossings >= self.limits.max_crossings {
             self.set.complete = false;
-            return self.paint_closed(id, &seen);
+            return self.paint_closed(id, seen);
         }
         let portal = &self.scene.portals()[portal_id.0 as usize];
         let outline = &self.scene.fragment(passage.fragment).openings()[usize::from(seen.opening.0)].outline;
         // Where the look before came to a limit, painting does not go on.
         let gathered = self.gathered.as_ref();
         if gathered.is_some_and(|gathered| gathered.id(passage.chain_through(portal_id)).is_none()) {
-            return self.paint_closed(id, &seen);
+            return self.paint_closed(id, seen);
         }
         if let Some(child) = passage.through(id, portal_id, portal, outline, seen.rows) {
             self.go_through(child);
         }
     }
 
-    fn paint_closed(&mut self, id: PassageId, seen: &SeenOpening) {
-        self.enter(id);
-        let (Some(canvas), Some(rows)) = (self.canvas.as_deref_mut(), &seen.rows) else {
+    fn paint_closed(&mut self, id: PassageId, seen: SeenOpening) {
+        let Some(mut rows) = seen.rows else {
             return;
         };
-        for y in rows.range() {
+        self.enter(id);
+        if let Some(canvas) = self.canvas.as_deref_mut() {
             let owner = Owner::Opening(seen.opening);
-            let spans: Vec<Span> = rows
-                .row(y)
-                .iter()
-                .map(|&[x0, x1]| Span {
-                    x0,
-                    x1,
-                    owner,
-                    see_through: false,
-                })
-                .collect();
-            canvas.row(y, &spans);
+            let span = |&[x0, x1]: &[u16; 2]| Span {
+                x0,
+                x1,
+                owner,
+                see_through: false,
+            };
+            let mut spans: Vec<Span> = Vec::new();
+            for y in rows.range() {
+                spans.clear();
+                spans.extend(rows.row(y).iter().map(span));
+                canvas.row(y, &spans);
+            }
         }
+        rows.clear();
+        self.memory.spare_rows.push(rows);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::names::Names;
 use super::{Content, Item, ItemId, Material, MeshId, Opening, OpeningId};
-use crate::geom::{Aabb, ConvexPolygon, Transform};
+use crate::geom::{Aabb, ConvexPolygon, Copies, Octree, Transform};
 use crate::mesh::Mesh;
 use std::sync::{Arc, Mutex, Weak};
 use thiserror::Error;
@@ -80,9 +80,8 @@ impl ContentBuilder {
         let mut items = Vec::with_capacity(placed.len());
         let mut first_faces = Vec::with_capacity(placed.len() + 1);
         let mut faces = 0_u64;
-        let mut bounds = openings
-            .iter()
-            .fold(Aabb::EMPTY, |sum, o| sum.union(&o.outline.bounds()));
+        let holes: Vec<Aabb> = openings.iter().map(|o| o.outline.bounds()).collect();
+        let mut bounds = holes.iter().fold(Aabb::EMPTY, |sum, hole| sum.union(hole));
         for (number, (mesh, transform)) in placed.into_iter().enumerate() {
             let name = || names.get(number).to_owned();
             let built = meshes
@@ -123,6 +122,7 @@ impl ContentBuilder {
             items,
             names,
             openings,
+            opening_tree: Octree::build(&holes, FEW_OPENINGS, Copies::One),
             outline_corners,
             outline_ends,
             first_faces,
@@ -133,6 +133,9 @@ impl ContentBuilder {
 }
 
 const MOST_OPENINGS: usize = 60_000;
+
+/// Openings in a node of the tree over them, at most: as many are handed out by number, however they lie.
+const FEW_OPENINGS: usize = 16;
 
 /// The box around a placed mesh: a large mesh by its corners, a small one by its positions, which is tighter.
 fn placed_bounds(transform: &Transform, mesh: &Mesh) -> Aabb {

@@ -5,7 +5,7 @@ mod names;
 
 pub use builder::{ContentBuilder, ContentError};
 
-use crate::geom::{Aabb, ConvexPolygon, Transform};
+use crate::geom::{Aabb, ConvexPolygon, Octree, Transform};
 use crate::mesh::{Cluster, Mesh};
 use names::Names;
 use std::any::Any;
@@ -105,6 +105,8 @@ pub struct Content {
     items: Vec<Item>,
     names: Names,
     openings: Vec<Opening>,
+    /// Over the boxes of openings.
+    opening_tree: Octree,
     /// 0, 1, 2 … up to the most corners of an opening, and where each ends: an opening as an indexed face.
     outline_corners: Vec<u32>,
     outline_ends: Vec<[u32; 2]>,
@@ -150,6 +152,11 @@ impl Content {
         &self.openings
     }
 
+    /// The tree over the boxes of openings.
+    pub(crate) fn opening_tree(&self) -> &Octree {
+        &self.opening_tree
+    }
+
     /// The smallest box around all items and openings, in the space of the fragment.
     pub fn bounds(&self) -> Aabb {
         self.bounds
@@ -176,6 +183,7 @@ impl Content {
     /// Memory in bytes; meshes that other fragments share are counted in each.
     pub fn bytes(&self) -> u64 {
         self.meshes.iter().map(|mesh| mesh.bytes()).sum::<u64>()
+            + self.opening_tree.bytes()
             + (size_of_val(&*self.items) + size_of_val(&*self.first_faces) + self.names.bytes()) as u64
     }
 

@@ -1,7 +1,7 @@
 //! Draws what was gathered, by a z-buffer: the picture is exact though the set need not be.
 
 use crate::canvas::Canvas;
-use crate::content::{Alpha, Content, ItemId, OpeningId};
+use crate::content::{Alpha, Content, ItemId};
 use crate::cover::{DepthBuffer, Paints};
 use crate::faces::Faces;
 use crate::memory::Memory;
@@ -28,12 +28,7 @@ pub(super) fn draw_gathered(
     cover.clear(passage, memory.trace);
     let stats = &mut memory.stats;
     let before = seen.samples_owned;
-    if !passage.flat {
-        for opening in (0..content.openings().len() as u16).map(OpeningId) {
-            let faces = Faces::of_opening(content, opening, &passage.screen_from_fragment);
-            cover.add(&faces, passage, stats, None);
-        }
-    }
+    Faces::of_openings(content, passage, |faces| cover.add(faces, passage, stats, None));
     let hides = |&(item, cluster): &(ItemId, u32)| {
         let cluster = &content.mesh_of(item).clusters()[cluster as usize];
         content.material_of(cluster).alpha == Alpha::Opaque

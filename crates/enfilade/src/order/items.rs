@@ -81,14 +81,9 @@ pub(super) fn hand_out_see_through(
     }
 }
 
-/// Hands out all openings, unless they are plain holes.
+/// Hands out the openings that may be in view, unless they are plain holes.
 pub(super) fn hand_out_openings(content: &Content, passage: &Passage, visit: &mut impl Visit) {
-    if passage.flat {
-        return;
-    }
-    for opening in 0..content.openings().len() as u16 {
-        visit.faces(&opening_faces(content, passage, OpeningId(opening)));
-    }
+    Faces::of_openings(content, passage, |faces| visit.faces(faces));
 }
 
 /// An opening as a face.

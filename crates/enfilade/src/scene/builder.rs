@@ -1,9 +1,10 @@
 //! Puts a scene together, and refuses one that cannot be.
 
-use super::{Body, Exit, FragmentId, Light, LightId, Placed, Portal, PortalId, Scene, SceneError};
-use crate::content::{Content, OpeningId};
+use super::locate::Boxes;
+use super::{Body, Exit, FragmentId, Light, LightId, Placed, Portal, PortalId, Scene, SceneError, Way};
+use crate::content::{Content, Opening, OpeningId};
 use crate::fragment::Fragment;
-use crate::geom::Transform;
+use crate::geom::{Aabb, Transform};
 use crate::method::Method;
 use std::sync::Arc;
 
@@ -165,8 +166,9 @@ impl SceneBuilder {
             if !there_from_here.is_similarity() {
                 return Err(SceneError::NotSimilar(number));
             }
-            let (from, opening) = joined.resolve_opening(number, &from)?;
-            let (to, _) = joined.resolve(number, &to)?;
+            let way = Way::Portal(number);
+            let (from, opening) = joined.resolve_opening(&way, &from)?;
+            let (to, _) = joined.resolve(&way, &to)?;
             joined.portals.push(Portal {
                 from,
                 opening,
@@ -177,7 +179,8 @@ impl SceneBuilder {
         }
         let mut exits = Vec::new();
         for (name, from) in self.exits {
-            let (fragment, opening) = joined.resolve_opening(joined.portals.len() - taken_in, &from)?;
+            let way = Way::Exit(name.clone());
+            let (fragment, opening) = joined.resolve_opening(&way, &from)?;
             exits.push(Exit {
                 name,
                 fragment,
@@ -249,12 +252,13 @@ impl Joined {
         self.fragments.extend(scene.fragments);
     }
 
-    fn resolve_opening(&self, portal: usize, end: &End) -> Result<(FragmentId, OpeningId), SceneError> {
-        let (fragment, opening) = self.resolve(portal, end)?;
-        Ok((fragment, opening.ok_or(SceneError::NoOpening(portal))?))
+    fn resolve_opening(&self, way: &Way, end: &End) -> Result<(FragmentId, OpeningId), SceneError> {
+        let (fragment, opening) = self.resolve(way, end)?;
+        let opening = opening.ok_or_else(|| SceneError::NoOpening(way.clone()))?;
+        Ok((fragment, opening))
     }
 
-    fn resolve(&self, portal: usize, end: &End) -> Result<(FragmentId, Option<OpeningId>), SceneError> {
+    fn resolve(&self, way: &Way, end: &End) -> Result<(FragmentId, Option<OpeningId>), SceneError> {
         let (fragment, opening) = match end {
             End::Anywhere(fragment) => (*fragment, None),
             End::Opening(fragment, opening) => (*fragment, Some(*opening)),
@@ -262,20 +266,16 @@ impl Joined {
                 let exits = self.scenes.get(scene.0 as usize).map_or(&[][..], Vec::as_slice);
                 let found = exits.iter().find(|exit| exit.name == *name);
                 let exit = found.ok_or_else(|| SceneError::NoSuchExit {
-                    portal,
+                    way: way.clone(),
                     exit: name.clone(),
-                    exits: exits
-                        .iter()
-                        .map(|exit| format!("`{}`", exit.name))
-                        .collect::<Vec<_>>()
-                        .join(", "),
+                    exits: exits.iter().map(|exit| exit.name.clone()).collect(),
                 })?;
                 return Ok((exit.fragment, Some(exit.opening)));
             }
         };
         if fragment.0 as usize >= self.own_fragments {
             return Err(SceneError::NoSuchFragment {
-                portal,
+                way: way.clone(),
                 fragment: fragment.0,
                 fragments: self.own_fragments,
             });
@@ -285,7 +285,7 @@ impl Joined {
         if let Some(opening) = opening.filter(|opening| usize::from(opening.0) >= openings) {
             let fragment = placed.name.clone();
             return Err(SceneError::NoSuchOpening {
-                portal,
+                way: way.clone(),
                 fragment,
                 opening: opening.0,
                 openings,
@@ -300,19 +300,26 @@ impl Joined {
             first_opening.push(first_opening[first_opening.len() - 1] + placed.openings().len() as u32);
         }
         let mut portal_of: Vec<Option<PortalId>> = vec![None; first_opening[self.fragments.len()] as usize];
+        let way = |number: usize| {
+            number
+                .checked_sub(taken_in)
+                .map_or(Way::PortalWithin, Way::Portal)
+        };
         for (number, portal) in self.portals.iter().enumerate() {
             let slot = first_opening[portal.from.0 as usize] as usize + usize::from(portal.opening.0);
             if let Some(first) = portal_of[slot].replace(PortalId(number as u32)) {
                 let placed = &self.fragments[portal.from.0 as usize];
                 return Err(SceneError::TwoPortals {
-                    first: (first.0 as usize).saturating_sub(taken_in),
-                    second: number - taken_in,
+                    first: way(first.0 as usize),
+                    second: way(number),
                     opening: placed.openings()[usize::from(portal.opening.0)].name.clone(),
                     fragment: placed.name.clone(),
                 });
             }
         }
+        let boxes = self.fragments.iter().map(Placed::bounds).collect();
         Ok(Scene {
+            boxes: Boxes::new(boxes),
             fragments: self.fragments,
             portals: self.portals,
             portal_of,
@@ -326,9 +333,11 @@ impl Joined {
 }
 
 impl Placed {
-    fn openings(&self) -> &[crate::content::Opening] {
-        match &self.body {
-            Body::Ours { fragment, .. } | Body::Own(fragment) => fragment.openings(),
-        }
+    fn openings(&self) -> &[Opening] {
+        self.fragment().openings()
+    }
+
+    fn bounds(&self) -> Aabb {
+        self.fragment().bounds()
     }
 }

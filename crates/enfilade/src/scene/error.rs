@@ -1,27 +1,28 @@
 //! Why fragments and portals do not make a scene.
 
 use crate::method::TooLarge;
+use std::fmt;
 use thiserror::Error;
 
 /// Why fragments and portals do not make a scene.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// A portal names a fragment that is not there.
-    #[error("portal {portal} leads to fragment {fragment}, but there are only {fragments}")]
+    /// A portal or an exit names a fragment that is not there.
+    #[error("{way} names fragment {fragment}, but there are only {fragments}")]
     NoSuchFragment {
-        /// Which portal, by the order in which they were added; a door is two.
-        portal: usize,
+        /// Which portal or exit.
+        way: Way,
         /// The fragment it names.
         fragment: u32,
         /// How many there are.
         fragments: usize,
     },
-    /// A portal names an opening that its fragment does not have.
-    #[error("portal {portal} uses opening {opening} of fragment `{fragment}`, which has only {openings}")]
+    /// A portal or an exit names an opening that its fragment does not have.
+    #[error("{way} uses opening {opening} of fragment `{fragment}`, which has only {openings}")]
     NoSuchOpening {
-        /// Which portal.
-        portal: usize,
+        /// Which portal or exit.
+        way: Way,
         /// The fragment's name.
         fragment: String,
         /// The opening it names.
@@ -29,21 +30,23 @@ pub enum SceneError {
         /// How many there are.
         openings: usize,
     },
-    /// A portal names an exit that the nested scene does not have.
-    #[error("portal {portal} uses exit `{exit}` of a nested scene, which has only: {exits}")]
+    /// A portal or an exit names an exit that the nested scene does not have.
+    #[error("{way} uses exit `{exit}` of a nested scene, which has {}", self.exits_in_words())]
     NoSuchExit {
-        /// Which portal.
-        portal: usize,
+        /// Which portal or exit.
+        way: Way,
         /// The exit it names.
         exit: String,
         /// Those that there are.
-        exits: String,
+        exits: Vec<String>,
     },
     /// A portal or an exit leads out of a fragment, but not of an opening of it.
-    #[error("portal {0} begins anywhere in a fragment; a portal leads out of an opening, or out of an exit")]
-    NoOpening(usize),
-    /// Content is given to a fragment that is the user's own.
-    #[error("fragment `{0}` is one of your own: it has no content to exchange")]
+    #[error(
+        "{0} begins anywhere in a fragment; it must lead out of an opening, or out of a nested scene's exit"
+    )]
+    NoOpening(Way),
+    /// Content or a method is given to a fragment that is the user's own.
+    #[error("fragment `{0}` is one of your own: it has neither content nor method to exchange")]
     NotOurs(String),
     /// Content that is to replace another has more or fewer openings.
     #[error("fragment `{fragment}` has {had} openings, but the content that is to replace its own has {has}")]
@@ -59,12 +62,12 @@ pub enum SceneError {
     #[error("light {0} must have finite numbers, a range above 0, and a fragment of this scene")]
     BadLight(usize),
     /// Two portals lead out of one opening.
-    #[error("portals {first} and {second} both lead out of opening `{opening}` of fragment `{fragment}`")]
+    #[error("{first} and {second} both lead out of opening `{opening}` of fragment `{fragment}`")]
     TwoPortals {
         /// The first of the two.
-        first: usize,
+        first: Way,
         /// The second of the two.
-        second: usize,
+        second: Way,
         /// The opening's name.
         opening: String,
         /// The fragment's name.
@@ -81,4 +84,37 @@ pub enum SceneError {
         /// What it needs.
         why: TooLarge,
     },
+}
+
+/// What a broken rule is about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// A portal, by the order in which they were added; a door is two.
+    Portal(usize),
+    /// A portal of a scene that stands in this one.
+    PortalWithin,
+    /// An exit, by its name.
+    Exit(String),
+}
+
+impl fmt::Display for Way {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Way::Portal(number) => write!(f, "portal {number}"),
+            Way::PortalWithin => f.write_str("a portal of a nested scene"),
+            Way::Exit(name) => write!(f, "exit `{name}`"),
+        }
+    }
+}
+
+impl SceneError {
+    /// The exits that there are.
+    fn exits_in_words(&self) -> String {
+        match self {
+            SceneError::NoSuchExit { exits, .. } if !exits.is_empty() => {
+                format!("only `{}`", exits.join("`, `"))
+            }
+            _ => "none".to_owned(),
+        }
+    }
 }

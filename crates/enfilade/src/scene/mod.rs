@@ -7,10 +7,11 @@
 mod builder;
 mod error;
 mod light;
+mod locate;
 mod portal;
 
 pub use builder::{End, NestedId, SceneBuilder};
-pub use error::SceneError;
+pub use error::{SceneError, Way};
 pub use light::{Light, LightId};
 pub use portal::{FragmentId, Portal, PortalId};
 
@@ -19,6 +20,7 @@ use crate::fragment::{Built, Fragment};
 use crate::geom::{Aabb, Transform};
 use crate::method::{Method, TooLarge};
 use crate::view::View;
+use locate::Boxes;
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -27,6 +29,7 @@ use std::sync::Arc;
 #[derive(Clone)]
 pub struct Scene {
     fragments: Vec<Placed>,
+    boxes: Boxes,
     portals: Vec<Portal>,
     /// The portal of each opening, fragment after fragment; `first_opening` says where a fragment's begin.
     portal_of: Vec<Option<PortalId>>,
@@ -81,9 +84,7 @@ impl Scene {
 
     /// A fragment, as whatever sees it.
     pub fn fragment(&self, id: FragmentId) -> &dyn Fragment {
-        match &self.fragments[id.0 as usize].body {
-            Body::Ours { fragment, .. } | Body::Own(fragment) => &**fragment,
-        }
+        self.fragments[id.0 as usize].fragment()
     }
 
     /// A fragment's name.
@@ -141,28 +142,40 @@ impl Scene {
         content: impl Into<Arc<Content>>,
     ) -> Result<(), SceneError> {
         let content = content.into();
-        let limit = self.limit_bytes;
-        let placed = &mut self.fragments[id.0 as usize];
-        let name = || placed.name.clone();
-        let Body::Ours {
-            method,
-            content: before,
-            ..
-        } = &placed.body
-        else {
-            return Err(SceneError::NotOurs(name()));
-        };
+        let (before, method) = self.ours(id)?;
         let [had, has] = [before, &content].map(|content| content.openings().len());
         if had != has {
-            let fragment = name();
+            let fragment = self.fragment_name(id).to_owned();
             return Err(SceneError::Openings { fragment, had, has });
         }
-        let method = *method;
-        let built = method.build(Arc::clone(&content), limit);
+        self.rebuild(id, content, method)?;
+        self.boxes.change(id, self.bounds(id));
+        Ok(())
+    }
+
+    /// Has a fragment seen by another method; no other is touched.
+    ///
+    /// # Errors
+    /// [`SceneError::NotOurs`] or [`SceneError::TooLarge`], and then it stays as it was.
+    pub fn set_method(&mut self, id: FragmentId, method: Method) -> Result<(), SceneError> {
+        let (content, _) = self.ours(id)?;
+        self.rebuild(id, Arc::clone(content), method)
+    }
+
+    fn ours(&self, id: FragmentId) -> Result<(&Arc<Content>, Method), SceneError> {
+        match &self.fragments[id.0 as usize].body {
+            Body::Ours { content, method, .. } => Ok((content, *method)),
+            Body::Own(_) => Err(SceneError::NotOurs(self.fragment_name(id).to_owned())),
+        }
+    }
+
+    fn rebuild(&mut self, id: FragmentId, content: Arc<Content>, method: Method) -> Result<(), SceneError> {
+        let built = method.build(Arc::clone(&content), self.limit_bytes);
         let fragment = built.map_err(|why| SceneError::TooLarge {
-            fragment: name(),
+            fragment: self.fragment_name(id).to_owned(),
             why,
         })?;
+        let placed = &mut self.fragments[id.0 as usize];
         placed.body = Body::Ours {
             content,
             method,
@@ -235,34 +248,10 @@ impl Scene {
     ///
     /// Boxes that end in a doorway both hold an eye that stands in it: then the one whose middle is nearer to where
     /// the eye looks (`toward`) is taken, so that the doorway is behind the eye.
+    ///
+    /// Cost: O(log fragments) where few boxes overlap, and O(fragments given other content since the scene was built).
     pub fn locate(&self, point: [f32; 3], toward: [f32; 3]) -> Option<FragmentId> {
-        let ahead = |bounds: &Aabb| -> f64 {
-            let center = bounds.center();
-            (0..3)
-                .map(|a| f64::from(center[a] - point[a]) * f64::from(toward[a] - point[a]))
-                .sum()
-        };
-        let away = |bounds: &Aabb| -> f64 {
-            (0..3)
-                .map(|a| f64::from((bounds.min[a] - point[a]).max(point[a] - bounds.max[a]).max(0.0)).powi(2))
-                .sum()
-        };
-        let boxes = || {
-            self.fragments()
-                .map(|id| (id, self.fragment(id).bounds()))
-                .filter(|(_, b)| !b.is_empty())
-        };
-        let inside = |bounds: &Aabb| (0..3).all(|a| bounds.min[a] < point[a] && point[a] < bounds.max[a]);
-        let smaller = |a: &(FragmentId, Aabb), b: &(FragmentId, Aabb)| a.1.volume().total_cmp(&b.1.volume());
-        (boxes().filter(|(_, b)| inside(b)).min_by(smaller))
-            .or_else(|| {
-                boxes()
-                    .filter(|(_, b)| b.contains(point))
-                    .max_by(|a, b| ahead(&a.1).total_cmp(&ahead(&b.1)))
-            })
-            .or_else(|| boxes().min_by(|a, b| away(&a.1).total_cmp(&away(&b.1))))
-            .map(|(id, _)| id)
-            .or_else(|| self.fragments().next())
+        self.boxes.locate(point, toward)
     }
 
     /// The fragment that a view's eye stands in; `None` where the scene has none, or not the one that the view names.
@@ -291,7 +280,8 @@ impl Scene {
     /// Memory in bytes, of contents and of what methods built over them.
     pub fn bytes(&self) -> u64 {
         let fragments = self.fragments().map(|id| self.fragment(id).bytes()).sum::<u64>();
-        fragments + (size_of_val(&*self.portals) + size_of_val(&*self.portal_of)) as u64
+        let portals = size_of_val(&*self.portals) + size_of_val(&*self.portal_of);
+        fragments + self.boxes.bytes() + portals as u64
     }
 
     /// What methods built, over all fragments: sums, and the depth of the deepest tree.
@@ -307,5 +297,13 @@ impl Scene {
 
     fn contents(&self) -> impl Iterator<Item = &Arc<Content>> {
         self.fragments().filter_map(|id| self.content(id))
+    }
+}
+
+impl Placed {
+    fn fragment(&self) -> &dyn Fragment {
+        match &self.body {
+            Body::Ours { fragment, .. } | Body::Own(fragment) => &**fragment,
+        }
     }
 }

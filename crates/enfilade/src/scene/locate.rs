@@ -1,0 +1,209 @@
+//! Which fragment a point stands in.
+//!
+//! The boxes of all fragments stand in an octree, so that only those near the point are asked.
+//! Cost: O(log fragments + boxes that hold the point), and O(1) for each fragment whose box has changed since.
+//! Exact: the answer is that of asking every box; boxes that have changed are asked apart.
+
+use super::FragmentId;
+use crate::geom::{Aabb, Copies, Octree, Step};
+
+/// The boxes of a scene's fragments.
+#[derive(Clone)]
+pub(super) struct Boxes {
+    tree: Octree,
+    /// Of each fragment, as it is now.
+    boxes: Vec<Aabb>,
+    /// Those that the tree does not hold as they are now, in order.
+    apart: Vec<u32>,
+}
+
+/// Boxes in a node of the tree, at most.
+const FEW: usize = 8;
+
+impl Boxes {
+    pub(super) fn new(boxes: Vec<Aabb>) -> Boxes {
+        let is_finite = |held: &Aabb| held.min.iter().chain(&held.max).all(|value| value.is_finite());
+        let numbered = (0..).zip(&boxes);
+        let apart = numbered.filter(|(_, held)| !is_finite(held) && !held.is_empty());
+        let apart: Vec<u32> = apart.map(|(number, _)| number).collect();
+        let mut sorted = boxes.clone();
+        apart
+            .iter()
+            .for_each(|&number| sorted[number as usize] = Aabb::EMPTY);
+        Boxes {
+            tree: Octree::build(&sorted, FEW, Copies::One),
+            boxes,
+            apart,
+        }
+    }
+
+    /// A fragment's box is another now. The tree stays as it is: what moves, moves again in the next frame.
+    pub(super) fn change(&mut self, fragment: FragmentId, bounds: Aabb) {
+        let held = &mut self.boxes[fragment.0 as usize];
+        if *held != bounds {
+            *held = bounds;
+            if let Err(place) = self.apart.binary_search(&fragment.0) {
+                self.apart.insert(place, fragment.0);
+            }
+        }
+    }
+
+    /// See [`Scene::locate`](super::Scene::locate).
+    pub(super) fn locate(&self, point: [f32; 3], toward: [f32; 3]) -> Option<FragmentId> {
+        self.around(point, toward)
+            .or_else(|| self.nearest(point))
+            .or((!self.boxes.is_empty()).then_some(0))
+            .map(FragmentId)
+    }
+
+    /// The smallest box that holds a point; of those that only end in it, the one ahead.
+    fn around(&self, point: [f32; 3], toward: [f32; 3]) -> Option<u32> {
+        let ahead = |bounds: &Aabb| -> f64 {
+            let center = bounds.center();
+            (0..3)
+                .map(|a| f64::from(center[a] - point[a]) * f64::from(toward[a] - point[a]))
+                .sum()
+        };
+        let inside = |bounds: &Aabb| (0..3).all(|a| bounds.min[a] < point[a] && point[a] < bounds.max[a]);
+        let mut smallest: Option<(f64, u32)> = None;
+        let mut farthest_ahead: Option<(f64, u32)> = None;
+        self.each(
+            point,
+            |bounds| bounds.contains(point),
+            |number, bounds| {
+                if inside(bounds) {
+                    let this = (bounds.volume(), number);
+                    let less = smallest
+                        .is_none_or(|best| this.0.total_cmp(&best.0).then(number.cmp(&best.1)).is_lt());
+                    smallest = if less { Some(this) } else { smallest };
+                } else if smallest.is_none() {
+                    let this = (ahead(bounds), number);
+                    let more = farthest_ahead
+                        .is_none_or(|best| this.0.total_cmp(&best.0).then(number.cmp(&best.1)).is_gt());
+                    farthest_ahead = if more { Some(this) } else { farthest_ahead };
+                }
+            },
+        );
+        smallest.or(farthest_ahead).map(|(_, number)| number)
+    }
+
+    /// The box nearest to a point that none holds.
+    fn nearest(&self, point: [f32; 3]) -> Option<u32> {
+        // Grows with the box's place alone, also when rounded: no box is nearer than the node that holds it.
+        let away = |bounds: &Aabb| -> f64 {
+            (0..3)
+                .map(|a| f64::from((bounds.min[a] - point[a]).max(point[a] - bounds.max[a]).max(0.0)).powi(2))
+                .sum()
+        };
+        let nearest = std::cell::Cell::new(None::<(f64, u32)>);
+        self.each(
+            point,
+            |bounds| nearest.get().is_none_or(|(best, _)| away(bounds) <= best),
+            |number, bounds| {
+                let this = (away(bounds), number);
+                let less = |best: (f64, u32)| this.0.total_cmp(&best.0).then(number.cmp(&best.1)).is_lt();
+                if nearest.get().is_none_or(less) {
+                    nearest.set(Some(this));
+                }
+            },
+        );
+        nearest.get().map(|(_, number)| number)
+    }
+
+    /// Asks `wanted` of boxes around boxes, from near to far, and of boxes; gives those that are to `take`.
+    fn each(&self, point: [f32; 3], wanted: impl Fn(&Aabb) -> bool, mut take: impl FnMut(u32, &Aabb)) {
+        let mut offer = |number: u32| {
+            let bounds = &self.boxes[number as usize];
+            if !bounds.is_empty() && wanted(bounds) {
+                take(number, bounds);
+            }
+        };
+        self.apart.iter().copied().for_each(&mut offer);
+        self.tree.walk(point.map(f64::from), |step| match step {
+            Step::Node(bounds) => wanted(bounds),
+            Step::Thing(number) => {
+                offer(number);
+                true
+            }
+        });
+    }
+
+    /// Memory in bytes.
+    pub(super) fn bytes(&self) -> u64 {
+        self.tree.bytes() + (size_of_val(&*self.boxes) + size_of_val(&*self.apart)) as u64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As the docs of [`Scene::locate`](super::super::Scene::locate) say it, of every box.
+    fn by_asking_all(boxes: &[Aabb], point: [f32; 3], toward: [f32; 3]) -> Option<FragmentId> {
+        let solid = || (0..).zip(boxes).filter(|(_, held)| !held.is_empty());
+        let inside = |held: &Aabb| (0..3).all(|a| held.min[a] < point[a] && point[a] < held.max[a]);
+        let ahead = |held: &Aabb| -> f64 {
+            let step = |a: usize| f64::from(held.center()[a] - point[a]) * f64::from(toward[a] - point[a]);
+            (0..3).map(step).sum()
+        };
+        let away = |held: &Aabb| -> f64 {
+            let step = |a: usize| (held.min[a] - point[a]).max(point[a] - held.max[a]).max(0.0);
+            (0..3).map(|a| f64::from(step(a)).powi(2)).sum()
+        };
+        let smallest = solid()
+            .filter(|(_, held)| inside(held))
+            .min_by(|a, b| a.1.volume().total_cmp(&b.1.volume()));
+        smallest
+            .or_else(|| {
+                let ends = solid().filter(|(_, held)| held.contains(point));
+                ends.max_by(|a, b| ahead(a.1).total_cmp(&ahead(b.1)))
+            })
+            .or_else(|| solid().min_by(|a, b| away(a.1).total_cmp(&away(b.1))))
+            .map(|(number, _)| FragmentId(number))
+            .or_else(|| (!boxes.is_empty()).then_some(FragmentId(0)))
+    }
+
+    /// Numbers that look random, the same every time: whole, so that boxes touch and are alike.
+    fn whole(state: &mut u64, below: u64) -> f32 {
+        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        ((*state >> 40) % below) as f32
+    }
+
+    fn by_chance(state: &mut u64) -> Aabb {
+        let min = [0; 3].map(|_| whole(state, 12));
+        let size = [0; 3].map(|_| whole(state, 4));
+        if size == [3.0; 3] {
+            return Aabb::EMPTY;
+        }
+        Aabb {
+            min,
+            max: [0, 1, 2].map(|a| min[a] + size[a]),
+        }
+    }
+
+    #[test]
+    fn a_point_stands_where_asking_every_box_says_also_after_boxes_have_changed() {
+        let mut state = 1;
+        for count in [0, 1, 7, 300] {
+            let mut now: Vec<Aabb> = (0..count).map(|_| by_chance(&mut state)).collect();
+            if count > 7 {
+                now[5].max[1] = f32::INFINITY;
+            }
+            let mut boxes = Boxes::new(now.clone());
+            for round in 0..300 {
+                let mut point = [0; 3].map(|_| whole(&mut state, 40) * 0.5 - 3.0);
+                let toward = [0; 3].map(|_| whole(&mut state, 9) - 4.0);
+                if round % 50 == 0 {
+                    point[round / 50 % 3] = [f32::NAN, f32::INFINITY][round / 50 % 2];
+                }
+                let expected = by_asking_all(&now, point, toward);
+                assert_eq!(boxes.locate(point, toward), expected, "{count} boxes, {point:?}");
+                if round % 10 == 0 && count > 0 {
+                    let changed = round / 10 % count;
+                    now[changed] = by_chance(&mut state);
+                    boxes.change(FragmentId(changed as u32), now[changed]);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! Fragments seen by different methods in one scene: each passage keeps the contract that it states.
+
+use crate::subject::{SIZE, Subject, drawn, limits, subject, subjects, viewer};
+use enfilade::laws::Reference;
+use enfilade::{Contract, FragmentId, Method, PortalId, Scene, Transform, VisibleSet};
+use std::collections::BTreeSet;
+
+/// Methods that are no worse than this, for assignments by chance: so that laws that only hold of scenes without worse
+/// ones are put to the test as well.
+const AT_LEAST: [Contract; 3] = [Contract::Exact, Contract::Conservative, Contract::Approximate];
+
+/// The scene with a method for each fragment by chance, the same every time.
+fn mixed(scene: &Scene, at_least: Contract, seed: u64) -> Scene {
+    let pool: Vec<Method> = Method::ALL
+        .into_iter()
+        .filter(|method| method.contract() >= at_least)
+        .collect();
+    let mut scene = scene.clone();
+    let mut state = seed;
+    for fragment in scene.fragments() {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        let method = pool[(state >> 33) as usize % pool.len()];
+        let builds = scene.builds(fragment);
+        scene
+            .set_method(fragment, method)
+            .expect("the scenes of the laws are small");
+        assert_eq!(
+            (scene.method(fragment), scene.builds(fragment)),
+            (Some(method), builds + 1)
+        );
+    }
+    scene
+}
+
+/// The fragments of which a set may miss something: those that passages without a promise lead into, and those that one
+/// may see further on from there.
+fn excused(scene: &Scene, set: &VisibleSet) -> BTreeSet<FragmentId> {
+    let without = set
+        .passages()
+        .iter()
+        .filter(|passage| passage.contract == Contract::Approximate);
+    let mut waiting: Vec<(FragmentId, Option<PortalId>)> = without
+        .map(|passage| (passage.fragment, passage.portal))
+        .collect();
+    let mut met: BTreeSet<_> = waiting.iter().copied().collect();
+    while let Some((fragment, came)) = waiting.pop() {
+        for (id, portal) in (0..).map(PortalId).zip(scene.portals()) {
+            let is_way_back = came.is_some_and(|came| is_way_back(scene, came, id));
+            if portal.from == fragment && portal.open && !is_way_back && met.insert((portal.to, Some(id))) {
+                waiting.push((portal.to, Some(id)));
+            }
+        }
+    }
+    met.into_iter().map(|(fragment, _)| fragment).collect()
+}
+
+/// Does a portal lead back to where another came from? One cannot look back through the opening just passed.
+fn is_way_back(scene: &Scene, came: PortalId, back: PortalId) -> bool {
+    let [came, back] = [came, back].map(|id| &scene.portals()[id.0 as usize]);
+    let round = (back.there_from_here * came.there_from_here).columns();
+    let still = Transform::IDENTITY.columns();
+    let moved = round.iter().flatten().zip(still.iter().flatten());
+    back.to == came.from && back.from == came.to && moved.into_iter().all(|(a, b)| (a - b).abs() < 1e-4)
+}
+
+/// What was put to the test.
+#[derive(Default)]
+struct Tried {
+    /// Items that the reference sees for certain.
+    looked_at: usize,
+    /// Sets of two methods or more.
+    mixed: usize,
+    /// Sets of exact passages alone, of better than approximate ones alone, and others.
+    by_contract: [usize; 3],
+}
+
+fn every_passage_keeps_its_contract(
+    subject: &Subject,
+    size: [u32; 2],
+    seeds: std::ops::Range<u64>,
+    tried: &mut Tried,
+) {
+    let scene = &subject.built.scene;
+    let reference = Reference::new(scene);
+    let truths: Vec<_> = (subject.built.cameras.iter())
+        .map(|camera| reference.see(scene, &camera.view(size), &limits()))
+        .collect();
+    for (at_least, seed) in AT_LEAST
+        .into_iter()
+        .flat_map(|contract| seeds.clone().map(move |seed| (contract, seed)))
+    {
+        let scene = mixed(scene, at_least, seed);
+        for (camera, truth) in subject.built.cameras.iter().zip(&truths) {
+            let view = camera.view(size);
+            let (mut looks, mut draws) = (viewer(), viewer());
+            looks.look(&scene, &view);
+            let picture = drawn(&mut draws, &scene, &view);
+            for (set, picture) in [(looks.visible(), None), (draws.visible(), Some(&picture))] {
+                let verdict = truth.check(set, picture);
+                let methods: Vec<_> = scene.fragments().map(|id| scene.method(id)).collect();
+                let place = format!("@{} from `{}`: {methods:?}", subject.name, camera.name);
+                let excused = excused(&scene, set);
+                let missed = verdict
+                    .missed
+                    .iter()
+                    .filter(|(fragment, _)| !excused.contains(fragment));
+                assert_eq!(missed.count(), 0, "{place}: {:?}", verdict.missed);
+                let worst = set.passages().iter().map(|passage| passage.contract).min();
+                let worst = worst.expect("the eye is in a passage");
+                let all_exact = set
+                    .passages()
+                    .iter()
+                    .all(|passage| passage.contract == Contract::Exact);
+                if worst > Contract::Approximate {
+                    let first = picture.and_then(|picture| truth.different(picture).next());
+                    let why = first.map(|at| truth.describe(at));
+                    assert_eq!(verdict.pixels_different, 0, "{place}: {first:?} is {why:?}");
+                }
+                if all_exact {
+                    assert_eq!(verdict.extra, 0, "{place}");
+                }
+                let kind = usize::from(!all_exact) + usize::from(worst == Contract::Approximate);
+                tried.by_contract[kind] += 1;
+                let seen_by: BTreeSet<_> = (set.passages().iter())
+                    .filter_map(|passage| scene.method(passage.fragment).map(Method::name))
+                    .collect();
+                tried.mixed += usize::from(seen_by.len() > 1);
+                tried.looked_at += verdict.reference_visible;
+            }
+        }
+    }
+}
+
+#[test]
+fn methods_mixed_by_chance_keep_the_contract_of_each_passage_on_the_small_scenes() {
+    let mut tried = Tried::default();
+    let has_portals =
+        |subject: &&Subject| subject.name != "enfilade" && subject.built.scene.fragment_count() > 1;
+    for subject in subjects().iter().filter(has_portals) {
+        every_passage_keeps_its_contract(subject, SIZE, 1..5, &mut tried);
+    }
+    assert!(
+        tried.looked_at > 1000 && tried.mixed > 100,
+        "hardly anything is seen by two methods"
+    );
+    assert!(
+        tried.by_contract.iter().all(|&sets| sets > 50),
+        "{:?}",
+        tried.by_contract
+    );
+}
+
+#[test]
+fn methods_mixed_by_chance_keep_the_contract_of_each_passage_in_the_palace() {
+    let mut tried = Tried::default();
+    every_passage_keeps_its_contract(subject("enfilade"), [160, 90], 1..2, &mut tried);
+    assert!(tried.looked_at > 100 && tried.mixed > 3);
+}

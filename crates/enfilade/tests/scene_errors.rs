@@ -1,0 +1,279 @@
+//! What makes no scene, and how that is told: every error once, by its whole message.
+//!
+//! A scene cannot stand in itself: [`SceneBuilder::nest`] takes one that is built already.
+
+use enfilade::{
+    Aabb, Canvas, Content, ContentBuilder, Contract, ConvexPolygon, End, Fragment, FragmentId, Hit, ItemId,
+    Light, Material, MaterialId, Memory, Mesh, Method, Opening, OpeningId, Passage, PortalId, Ray, Scene,
+    SceneBuilder, SceneError, Seen, Surface, Transform,
+};
+use std::sync::Arc;
+
+const DOOR: OpeningId = OpeningId(0);
+const WINDOW: OpeningId = OpeningId(1);
+
+/// A room with a wall, a door and a window.
+fn room() -> Content {
+    let mut room = ContentBuilder::new([Material::opaque([1.0; 3])]);
+    let wall = Mesh::triangles(
+        &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        &[0, 1, 2],
+        MaterialId(0),
+    );
+    let wall = room.mesh(wall.expect("a triangle"));
+    room.item("wall", wall, Transform::IDENTITY);
+    for (name, x) in [("door", 0.0), ("window", 2.0)] {
+        let outline = ConvexPolygon::rectangle([x, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+        room.opening(name, outline.expect("a square"));
+    }
+    room.build().expect("a room")
+}
+
+/// A hall, and whatever else `add` puts into the scene; why that makes none.
+fn refused(add: impl FnOnce(&mut SceneBuilder, FragmentId)) -> SceneError {
+    let mut builder = SceneBuilder::new();
+    let hall = builder.add("hall", room(), Method::ZBuffer);
+    add(&mut builder, hall);
+    builder.build().err().expect("it makes no scene")
+}
+
+fn says(error: &SceneError, message: &str) {
+    assert_eq!(error.to_string(), message);
+}
+
+/// A scene of one room, left through its door and its window.
+fn cabinet() -> Scene {
+    let mut builder = SceneBuilder::new();
+    let cabinet = builder.add("cabinet", room(), Method::ZBuffer);
+    builder
+        .exit("front", (cabinet, DOOR))
+        .exit("hatch", (cabinet, WINDOW));
+    builder.build().expect("a cabinet")
+}
+
+#[test]
+fn a_fragment_that_is_not_there() {
+    let nowhere = FragmentId(12);
+    let error = refused(|scene, hall| {
+        scene
+            .door((hall, DOOR), (hall, WINDOW))
+            .portal((hall, DOOR), nowhere, Transform::IDENTITY);
+    });
+    says(&error, "portal 2 names fragment 12, but there are only 1");
+    let error = refused(|scene, _| {
+        scene.exit("gate", (nowhere, DOOR));
+    });
+    says(&error, "exit `gate` names fragment 12, but there are only 1");
+    // A nested scene's fragments are its own affair: they are reached through its exits.
+    let error = refused(|scene, hall| {
+        scene.nest(&cabinet());
+        scene.portal((hall, DOOR), FragmentId(1), Transform::IDENTITY);
+    });
+    says(&error, "portal 0 names fragment 1, but there are only 1");
+}
+
+#[test]
+fn an_opening_that_is_not_there() {
+    let error = refused(|scene, hall| {
+        scene.mirror(hall, OpeningId(7));
+    });
+    says(
+        &error,
+        "portal 0 uses opening 7 of fragment `hall`, which has only 2",
+    );
+    let error = refused(|scene, hall| {
+        scene.exit("gate", (hall, OpeningId(2)));
+    });
+    says(
+        &error,
+        "exit `gate` uses opening 2 of fragment `hall`, which has only 2",
+    );
+}
+
+#[test]
+fn an_exit_that_is_not_there() {
+    let error = refused(|scene, hall| {
+        let inner = scene.nest(&cabinet());
+        scene.door((hall, DOOR), (inner, "back"));
+    });
+    says(
+        &error,
+        "portal 0 uses exit `back` of a nested scene, which has only `front`, `hatch`",
+    );
+    let error = refused(|scene, hall| {
+        let closed = scene.nest(&SceneBuilder::new().build().expect("nothing"));
+        scene.door((hall, DOOR), (closed, "front"));
+    });
+    says(
+        &error,
+        "portal 0 uses exit `front` of a nested scene, which has none",
+    );
+    let error = refused(|scene, _| {
+        let inner = scene.nest(&cabinet());
+        scene.exit("gate", (inner, "back"));
+    });
+    says(
+        &error,
+        "exit `gate` uses exit `back` of a nested scene, which has only `front`, `hatch`",
+    );
+}
+
+#[test]
+fn a_way_out_of_anywhere() {
+    let rule =
+        "begins anywhere in a fragment; it must lead out of an opening, or out of a nested scene's exit";
+    let error = refused(|scene, hall| {
+        scene.portal(hall, (hall, DOOR), Transform::IDENTITY);
+    });
+    says(&error, &format!("portal 0 {rule}"));
+    let error = refused(|scene, hall| {
+        scene.exit("gate", End::Anywhere(hall));
+    });
+    says(&error, &format!("exit `gate` {rule}"));
+}
+
+#[test]
+fn two_portals_out_of_one_opening() {
+    let error = refused(|scene, hall| {
+        scene.mirror(hall, WINDOW).mirror(hall, DOOR).mirror(hall, WINDOW);
+    });
+    says(
+        &error,
+        "portal 0 and portal 2 both lead out of opening `window` of fragment `hall`",
+    );
+    // Portals of nested scenes have no number in the outer one.
+    let mut inner = SceneBuilder::new();
+    let cabinet = inner.add("cabinet", room(), Method::ZBuffer);
+    inner.mirror(cabinet, DOOR).exit("front", (cabinet, DOOR));
+    let inner = inner.build().expect("a cabinet");
+    let error = refused(|scene, hall| {
+        let inner = scene.nest(&inner);
+        scene.door((hall, DOOR), (inner, "front"));
+    });
+    says(
+        &error,
+        "a portal of a nested scene and portal 1 both lead out of opening `door` of fragment `cabinet`",
+    );
+}
+
+#[test]
+fn a_transform_that_shears() {
+    let sheared = Transform::from_columns([[1.0, 0.0, 0.0], [0.5, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]]);
+    let error = refused(|scene, hall| {
+        scene.portal((hall, DOOR), hall, sheared);
+    });
+    says(
+        &error,
+        "the transform of portal 0 is not rigid, uniformly scaling or reflecting",
+    );
+    let mut builder = SceneBuilder::new();
+    let hall = builder.add("hall", room(), Method::ZBuffer);
+    builder.mirror(hall, DOOR);
+    let mut scene = builder.build().expect("a hall");
+    assert_eq!(scene.set_portal(PortalId(0), sheared), Err(error));
+}
+
+#[test]
+fn a_lamp_that_cannot_shine() {
+    let lamp = |fragment, range| Light {
+        fragment,
+        position: [0.0; 3],
+        color: [1.0; 3],
+        range,
+    };
+    let error = refused(|scene, hall| {
+        scene.light(lamp(hall, 1.0));
+        scene.light(lamp(hall, 0.0));
+    });
+    let rule = "must have finite numbers, a range above 0, and a fragment of this scene";
+    says(&error, &format!("light 1 {rule}"));
+    let error = refused(|scene, _| {
+        scene.light(lamp(FragmentId(1), 1.0));
+    });
+    says(&error, &format!("light 0 {rule}"));
+}
+
+#[test]
+fn a_fragment_that_needs_too_much_memory() {
+    let error = refused(|scene, _| {
+        scene.limit_bytes(100);
+        scene.add("tower", room(), Method::Bsp);
+    });
+    let SceneError::TooLarge { fragment, why } = &error else {
+        panic!("{error}");
+    };
+    assert_eq!((&**fragment, why.limit), ("tower", 100));
+    let needs = why.needs_bytes;
+    says(
+        &error,
+        &format!(
+            "fragment `tower`: bsp needs about {needs} bytes, but 100 are allowed; z-buffer needs fewer"
+        ),
+    );
+}
+
+/// A fragment that shows nothing.
+struct Void;
+
+impl Fragment for Void {
+    fn bounds(&self) -> Aabb {
+        Aabb::EMPTY
+    }
+    fn openings(&self) -> &[Opening] {
+        &[]
+    }
+    fn contract(&self) -> Contract {
+        Contract::Exact
+    }
+    fn gather(&self, _passage: &Passage, _memory: &mut Memory, _seen: &mut Seen) {}
+    fn draw(&self, _passage: &Passage, _memory: &mut Memory, _seen: &mut Seen, _canvas: &mut dyn Canvas) {}
+    fn cast(&self, _ray: &Ray) -> Option<Hit> {
+        None
+    }
+    fn surface(&self, _item: ItemId, _face: u32) -> Surface {
+        unreachable!("it has no faces")
+    }
+}
+
+#[test]
+fn what_is_not_ours_is_not_exchanged() {
+    let mut builder = SceneBuilder::new();
+    let void = builder.add_own("void", Arc::new(Void));
+    let mut scene = builder.build().expect("a scene of one's own");
+    let message = "fragment `void` is one of your own: it has neither content nor method to exchange";
+    says(&scene.set_content(void, room()).expect_err("not ours"), message);
+    says(
+        &scene.set_method(void, Method::Bsp).expect_err("not ours"),
+        message,
+    );
+}
+
+#[test]
+fn a_content_with_fewer_openings() {
+    let mut builder = SceneBuilder::new();
+    let hall = builder.add("hall", room(), Method::ZBuffer);
+    let mut scene = builder.build().expect("a hall");
+    let closed = ContentBuilder::new([]).build().expect("nothing");
+    says(
+        &scene.set_content(hall, closed).expect_err("openings are missing"),
+        "fragment `hall` has 2 openings, but the content that is to replace its own has 0",
+    );
+}
+
+#[test]
+fn a_method_is_exchanged_in_one_fragment_or_not_at_all() {
+    let mut builder = SceneBuilder::new();
+    builder.limit_bytes(100);
+    let [hall, tower] = ["hall", "tower"].map(|name| builder.add(name, room(), Method::ZBuffer));
+    let mut scene = builder.build().expect("two rooms");
+    scene
+        .set_method(tower, Method::SBuffer)
+        .expect("it needs nothing");
+    assert!(matches!(
+        scene.set_method(tower, Method::Bsp),
+        Err(SceneError::TooLarge { .. })
+    ));
+    assert_eq!([hall, tower].map(|id| scene.builds(id)), [1, 2]);
+    let methods = [hall, tower].map(|id| scene.method(id));
+    assert_eq!(methods, [Some(Method::ZBuffer), Some(Method::SBuffer)]);
+}

@@ -158,3 +158,63 @@ fn light_fades_to_nothing_at_its_range_and_stays_finite_at_the_lamp() {
     assert!(lamp.falloff(0.0).is_finite());
     assert!(lamp.falloff(2.0) > lamp.falloff(3.0));
 }
+
+#[test]
+fn what_is_behind_a_door_is_near_by_the_way_through_it_and_not_when_it_is_closed() {
+    let BuiltIn { mut scene, .. } = built_in("two-rooms").expect("it is built in");
+    let ids: Vec<PortalId> = (0..scene.portals().len() as u32).map(PortalId).collect();
+    let [here, there] = [scene.portals()[0].from, scene.portals()[0].to];
+    // Beside the door, at the wall in which it is: the way to the box beyond bends at the post.
+    let place = Place {
+        fragment: here,
+        position: [-0.6, 1.0, -2.0],
+    };
+    let named = |scene: &Scene, fragment: FragmentId, name: &str| {
+        let content = scene.content(fragment).expect("ours");
+        let mut items = (0..content.items().len() as u32).map(enfilade::ItemId);
+        let item = items
+            .find(|&item| content.name(item) == name)
+            .expect("it is there");
+        (item, content.item(item).bounds)
+    };
+    let (left_box, bounds) = named(&scene, there, "left box");
+    let all = scene.near(place, 20.0);
+    assert!(all.windows(2).all(|pair| pair[0].distance <= pair[1].distance));
+    let found = all
+        .iter()
+        .find(|near| near.fragment == there && near.item == left_box)
+        .expect("it is near");
+    assert_eq!(found.crossed.len(), 1);
+    let nearest: Vec3 = Vec3::from(place.position)
+        .max(bounds.min.into())
+        .min(bounds.max.into());
+    let straight = f64::from(nearest.distance(place.position.into()));
+    // Around the post at z = -0.5, level with the eye: two straight lines, up to the wall's thickness of nothing.
+    let post = Vec3::new(0.0, 1.0, -0.5);
+    let corner = Vec3::new(bounds.min[0], 1.0, bounds.max[2]).min(bounds.max.into());
+    let round = f64::from(post.distance(place.position.into()) + post.distance(corner));
+    assert!(
+        found.distance > straight + 0.1,
+        "{} through the wall is {straight}",
+        found.distance
+    );
+    assert!(
+        (found.distance - round).abs() < 0.02,
+        "{} is not {round}",
+        found.distance
+    );
+    let within = |radius: f64| {
+        let near = scene.near(place, radius as f32);
+        near.iter()
+            .any(|near| near.fragment == there && near.item == left_box)
+    };
+    assert!(within(found.distance + 1e-3) && !within(found.distance - 1e-3));
+    ids.iter().for_each(|&id| scene.set_open(id, false));
+    let near = scene.near(place, 20.0);
+    assert!(
+        !near.is_empty()
+            && near
+                .iter()
+                .all(|near| near.fragment == here && near.crossed.is_empty())
+    );
+}

@@ -25,7 +25,8 @@ pub struct Walked {
     pub there_from_here: Transform,
     /// The portals that it went through, in order.
     pub crossed: Vec<PortalId>,
-    /// Did it end before [`Walked::MOST_CROSSED`] portals? Else it stops behind the last of them.
+    /// Was every portal on the way gone through? If not, it ends in the space behind the last of
+    /// [`Walked::MOST_CROSSED`].
     pub complete: bool,
 }
 
@@ -50,7 +51,8 @@ pub struct Presence {
 
 impl Scene {
     /// Moves a point, or the middle of a sphere, by a step, through every open portal that it crosses from the front to
-    /// the back; nothing else stops it. What ends in the plane of an opening has not crossed it.
+    /// the back; nothing else stops it. What ends in the plane of an opening has not crossed it. A step that is not finite
+    /// is none.
     ///
     /// Cost: O(openings) for each fragment on the way.
     pub fn walk(&self, from: Place, step: [f32; 3]) -> Walked {

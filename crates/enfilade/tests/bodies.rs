@@ -164,6 +164,14 @@ fn a_camera_on_a_boom_follows_its_player_through_a_portal() {
         if [1.0 - gone, 2.5 - gone].iter().all(|z| (z + 4.0).abs() > 1e-3) {
             assert_eq!([player.fragment.0, camera.fragment.0], expected, "frame {frame}");
         }
+        // And by the boxes of the rooms, which lie apart.
+        for place in [player, camera] {
+            let [x, y, z] = carried(&place);
+            if (-2.9..2.9).contains(&x) && (0.1..2.9).contains(&y) && (z + 4.0).abs() > 1e-3 {
+                let ahead = scene.locate(place.position, place.position.map(|value| value + 1.0));
+                assert_eq!(ahead, Some(place.fragment), "frame {frame}");
+            }
+        }
         apart += usize::from(player.fragment != camera.fragment);
         let [at, behind] = [carried(&player), carried(&camera)];
         let off = [

@@ -106,3 +106,48 @@ fn a_closed_door_shows_nothing_of_what_is_behind_it() {
     let verdict = truth.check(viewer.visible(), Some(&picture));
     assert_eq!((verdict.missed.len(), verdict.pixels_different), (0, 0));
 }
+
+#[test]
+fn a_fountain_that_moves_is_seen_as_it_is_at_every_moment_and_nothing_else_is_built() {
+    let subject = subject("enfilade");
+    let find = |scene: &enfilade::Scene| {
+        let mut fragments = scene.fragments();
+        fragments
+            .find(|&id| scene.fragment_name(id) == "Fountain")
+            .expect("the palace has one")
+    };
+    for (method, scene) in subject
+        .seen
+        .iter()
+        .filter(|(method, _)| method.contract() > Contract::Approximate)
+    {
+        let mut scene = scene.clone();
+        let fountain = find(&scene);
+        let before: Vec<u64> = scene.fragments().map(|id| scene.builds(id)).collect();
+        let mut viewer = viewer();
+        for (moment, seconds) in [(1, 0.7), (2, 1.9), (3, 3.1)] {
+            scene
+                .set_content(fountain, enfilade_scenes::fountain(seconds))
+                .expect("it fits");
+            let view = subject.camera("fountain");
+            let truth = Reference::new(&scene).see(&scene, &view, &limits());
+            let picture = drawn(&mut viewer, &scene, &view);
+            let verdict = truth.check(viewer.visible(), Some(&picture));
+            assert!(verdict.reference_visible > 10, "{method}");
+            assert_eq!(
+                (verdict.missed.len(), verdict.pixels_different),
+                (0, 0),
+                "{method}"
+            );
+            for (id, before) in scene.fragments().zip(&before) {
+                let more = if id == fountain { moment } else { 0 };
+                assert_eq!(
+                    scene.builds(id),
+                    before + more,
+                    "{method}: {}",
+                    scene.fragment_name(id)
+                );
+            }
+        }
+    }
+}

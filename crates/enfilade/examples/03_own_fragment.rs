@@ -37,10 +37,8 @@ impl Fragment for Lit {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let rooms = enfilade_scenes::built_in("two-rooms")
-        .ok_or("it is built in")?
-        .scene;
-    let content = |room| Arc::clone(rooms.content(FragmentId(room)).expect("built from content"));
+    let built = enfilade_scenes::built_in("two-rooms").ok_or("built in")?;
+    let content = |room| Arc::clone(built.scene.content(FragmentId(room)).expect("ours"));
     let lit = Lit(Method::HierarchicalZ.build(content(1), Method::DEFAULT_LIMIT)?);
 
     let mut scene = SceneBuilder::new();

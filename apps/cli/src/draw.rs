@@ -71,6 +71,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
             let (image, lights) = painted(prepared, &mut viewer, view, args.show);
             let took = start.elapsed().as_secs_f64() * 1e3;
             save(&image, file)?;
+            let lights = (args.show == Show::Image).then_some(lights);
             said += &line(file, prepared, &viewer, lights, took);
             progress.step();
         }
@@ -124,12 +125,12 @@ fn with_shapes(prepared: Vec<Prepared>, choice: Choice, skipped: &mut Vec<Skippe
 }
 
 /// `a.png: 43 items, 34,120 triangles by hierarchical-z in 21.3 ms; lights that shine on them: 2 of 5`.
-fn line(file: &Path, prepared: &Prepared, viewer: &Viewer, lights: usize, took: f64) -> String {
+fn line(file: &Path, prepared: &Prepared, viewer: &Viewer, lights: Option<usize>, took: f64) -> String {
     let set = viewer.visible();
     let all = prepared.scene.lights().len();
-    let lights = match all {
-        0 => String::new(),
-        _ => format!("; lights that shine on them: {lights} of {all}"),
+    let lights = match lights {
+        Some(lights) if all > 0 => format!("; lights that shine on them: {lights} of {all}"),
+        _ => String::new(),
     };
     format!(
         "{}: {}, {} triangles by {} in {} ms{lights}\n",

@@ -157,6 +157,17 @@ fn two_portals_out_of_one_opening() {
 }
 
 #[test]
+fn two_exits_of_one_name() {
+    let error = refused(|scene, hall| {
+        scene.exit("gate", (hall, DOOR)).exit("gate", (hall, WINDOW));
+    });
+    says(
+        &error,
+        "two exits are called `gate`: what joins one could mean either",
+    );
+}
+
+#[test]
 fn a_transform_that_shears() {
     let sheared = Transform::from_columns([[1.0, 0.0, 0.0], [0.5, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]]);
     let error = refused(|scene, hall| {
@@ -191,6 +202,11 @@ fn a_lamp_that_cannot_shine() {
         scene.light(lamp(FragmentId(1), 1.0));
     });
     says(&error, &format!("light 0 {rule}"));
+    // One that is hung up later is held to the same.
+    let mut scene = cabinet();
+    let later = scene.add_light(lamp(FragmentId(0), -1.0)).expect_err("no range");
+    says(&later, &format!("light 0 {rule}"));
+    assert!(scene.lights().is_empty());
 }
 
 #[test]

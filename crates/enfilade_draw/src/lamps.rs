@@ -8,7 +8,8 @@ const MOST_REACHED: u32 = 4096;
 /// Portals in a row that light goes through.
 const MOST_CROSSED: u16 = 8;
 
-/// Where lamps of a scene shine, and which of them shine on what is seen.
+/// Where lamps of a scene shine, and which of them shine on what is seen. None, for pictures without light.
+#[derive(Default)]
 pub(crate) struct Lamps {
     /// Fragment after fragment.
     all: Vec<Lamp>,
@@ -28,7 +29,8 @@ struct Lamp {
 }
 
 impl Lamps {
-    pub(crate) fn new(scene: &Scene) -> Lamps {
+    /// Those of a scene.
+    pub(crate) fn of(scene: &Scene) -> Lamps {
         let mut limits = Limits::default();
         limits.max_crossings = MOST_CROSSED;
         limits.max_passages = MOST_REACHED;

@@ -75,7 +75,11 @@ impl<'a> Painter<'a> {
             sky: Sky::new(view),
             fragment: FragmentId(0),
             eye: Eye::default(),
-            lamps: Lamps::new(scene),
+            lamps: if show == Show::Image {
+                Lamps::of(scene)
+            } else {
+                Lamps::default()
+            },
             rays: Rays::default(),
             shades: vec![NO_SHADE; SHADES],
         }
@@ -108,7 +112,8 @@ impl<'a> Painter<'a> {
         image
     }
 
-    /// How many of the scene's lights shine on something that was seen; the others cost nothing.
+    /// How many of the scene's lights shine on something that was seen; the others cost nothing. Only [`Show::Image`] has
+    /// light.
     pub fn lights_shining(&self) -> usize {
         self.lamps.shining()
     }
@@ -126,7 +131,7 @@ impl<'a> Painter<'a> {
             let (color, coverage) = self.color(owner);
             let [r, g, b] = encode(color);
             let lit = match owner {
-                Owner::Face(item, face) if self.show == Show::Image && self.lamps.any_here() => {
+                Owner::Face(item, face) if self.lamps.any_here() => {
                     let surface = self.scene.fragment(self.fragment).surface(item, face);
                     Some((surface, turned_to(&self.eye, &surface)))
                 }

@@ -2,9 +2,9 @@
 
 use super::names::Names;
 use super::{Content, Item, ItemId, Material, MeshId, Opening, OpeningId};
-use crate::geom::{Aabb, ConvexPolygon, Copies, Octree, Transform};
+use crate::geom::{Aabb, ConvexPolygon, Octree, Transform};
 use crate::mesh::Mesh;
-use std::sync::{Arc, Mutex, Weak};
+use std::sync::{Arc, Mutex, OnceLock, Weak};
 use thiserror::Error;
 
 /// Gathers the things of a fragment; [`ContentBuilder::build`] checks them.
@@ -122,7 +122,8 @@ impl ContentBuilder {
             items,
             names,
             openings,
-            opening_tree: Octree::build(&holes, FEW_OPENINGS, Copies::One),
+            item_tree: OnceLock::new(),
+            opening_tree: Octree::build(&holes, FEW_OPENINGS),
             outline_corners,
             outline_ends,
             first_faces,

@@ -9,7 +9,7 @@ use crate::geom::{Aabb, ConvexPolygon, Octree, Transform};
 use crate::mesh::{Cluster, Mesh};
 use names::Names;
 use std::any::Any;
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 
 /// An item of a fragment, by its place in [`Content::items`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -105,6 +105,8 @@ pub struct Content {
     items: Vec<Item>,
     names: Names,
     openings: Vec<Opening>,
+    /// Over the boxes of items, once it was asked for.
+    item_tree: OnceLock<Octree>,
     /// Over the boxes of openings.
     opening_tree: Octree,
     /// 0, 1, 2 … up to the most corners of an opening, and where each ends: an opening as an indexed face.
@@ -152,6 +154,14 @@ impl Content {
         &self.openings
     }
 
+    /// The tree over the boxes of items, each in one node; built when it is first asked for.
+    pub(crate) fn item_tree(&self) -> &Octree {
+        self.item_tree.get_or_init(|| {
+            let bounds: Vec<Aabb> = self.items.iter().map(|item| item.bounds).collect();
+            Octree::build(&bounds, FEW_ITEMS)
+        })
+    }
+
     /// The tree over the boxes of openings.
     pub(crate) fn opening_tree(&self) -> &Octree {
         &self.opening_tree
@@ -183,6 +193,7 @@ impl Content {
     /// Memory in bytes; meshes that other fragments share are counted in each.
     pub fn bytes(&self) -> u64 {
         self.meshes.iter().map(|mesh| mesh.bytes()).sum::<u64>()
+            + self.item_tree.get().map_or(0, Octree::bytes)
             + self.opening_tree.bytes()
             + (size_of_val(&*self.items) + size_of_val(&*self.first_faces) + self.names.bytes()) as u64
     }
@@ -236,6 +247,10 @@ impl Content {
         Owner::Face(ItemId(item as u32), number - self.first_faces[item])
     }
 }
+
+/// Items in a leaf of the tree over them, at most. To hold a box against a cover costs about as much as a small item's
+/// faces.
+const FEW_ITEMS: usize = 6;
 
 /// What is seen at a sample of a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

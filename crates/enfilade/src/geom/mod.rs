@@ -13,7 +13,7 @@ pub use aabb::Aabb;
 pub use bsp::{BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
 pub(crate) use cross::cross;
 pub use kd_tree::KdTree;
-pub use octree::{Copies, Enter, Octree, Step};
+pub use octree::{Enter, Octree, Step};
 pub(crate) use pierce::{Pierced, nearest_in, pierced};
 pub use polygon::{ConvexPolygon, PolygonError};
 pub use transform::Transform;

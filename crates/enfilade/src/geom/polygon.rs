@@ -38,7 +38,7 @@ pub enum PolygonError {
 }
 
 /// How far off its plane a corner may stand, relative to the polygon's size: what f32 positions of a large flat
-/// polygon lose to rounding, with a margin of a hundred.
+/// polygon lose to rounding, with a margin of a hundred. What positions far out lose comes on top.
 const FLATNESS: f64 = 1e-5;
 
 impl ConvexPolygon {
@@ -68,15 +68,17 @@ impl ConvexPolygon {
         }
         let normal = sum.normalize();
         let middle = points.iter().sum::<DVec3>() / points.len() as f64;
+        let far = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        let slack = FLATNESS * size + f64::from(f32::EPSILON) * far;
         for (i, &point) in points.iter().enumerate() {
             let off = normal.dot(point - middle).abs();
-            if off > FLATNESS * size {
+            if off > slack {
                 return Err(PolygonError::NotFlat { corner: i, off });
             }
             let before = points[(i + points.len() - 1) % points.len()];
             let after = points[(i + 1) % points.len()];
             let turn = (point - before).cross(after - point).dot(normal);
-            if turn < -FLATNESS * size * size {
+            if turn < -slack * size {
                 return Err(PolygonError::NotConvex(i));
             }
         }
@@ -151,6 +153,18 @@ mod tests {
         assert!(matches!(polygon(&bent), Err(PolygonError::NotFlat { .. })));
         let dart = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 2.0, 0.0]];
         assert_eq!(polygon(&dart), Err(PolygonError::NotConvex(2)));
+    }
+
+    #[test]
+    fn a_slanted_door_far_out_is_as_flat_as_its_coordinates_allow() {
+        for far in [0.0, 1e3, 1e5, 1e6_f32] {
+            let slanted = [[0.0, 0.0, 0.0], [0.7, 0.0, 0.7], [0.7, 2.1, 0.7], [0.0, 2.1, 0.0]];
+            let corners = slanted.map(|corner: [f32; 3]| corner.map(|value| value + far));
+            assert!(polygon(&corners).is_ok(), "{far} out");
+        }
+        let bent = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.5], [0.0, 1.0, 0.0]];
+        let bent = bent.map(|corner: [f32; 3]| corner.map(|value| value + 1e5));
+        assert!(matches!(polygon(&bent), Err(PolygonError::NotFlat { .. })));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::neighbours::{NONE, SmallMap, neighbours, neighbours_together};
 use super::{Cluster, Mesh, Part};
-use crate::geom::{Aabb, ConvexPolygon, Copies, Octree, PolygonError};
+use crate::geom::{Aabb, ConvexPolygon, Octree, PolygonError};
 use thiserror::Error;
 
 /// Why faces do not make a mesh.
@@ -145,7 +145,7 @@ pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
         starts: Vec::new(),
         neighbours: Vec::new(),
         clusters: Vec::new(),
-        tree: Octree::build(&bounds, CLUSTER_FACES, Copies::One),
+        tree: Octree::build(&bounds, CLUSTER_FACES),
         bounds: bounds.iter().fold(Aabb::EMPTY, |sum, b| sum.union(b)),
     };
     // Where a position of the input stands in the cluster being made, if it does: (cluster + 1, new index).

@@ -30,7 +30,7 @@ pub use screen::{Occluder, OccluderRoom};
 pub use summary::OccluderSummary;
 
 use crate::content::Content;
-use crate::geom::{Aabb, Copies, Octree};
+use crate::geom::{Aabb, Octree};
 use crate::mesh::Mesh;
 use glam::{DMat3, DVec3};
 use outline::{EXACT, Outline};
@@ -139,7 +139,7 @@ impl OccluderSet {
                 }
             })
             .collect();
-        set.tree = Octree::build(&bounds, FEW, Copies::One);
+        set.tree = Octree::build(&bounds, FEW);
         set.largest = largest_below(&set.tree, |item| areas[item as usize]);
         set
     }
@@ -170,7 +170,7 @@ impl OccluderSet {
         }
         let polygons = &self.polygons[first..];
         let boxes: Vec<Aabb> = polygons.iter().map(|polygon| polygon.bounds).collect();
-        let tree = Octree::build(&boxes, FEW, Copies::One);
+        let tree = Octree::build(&boxes, FEW);
         OfMesh {
             polygons: [first as u32, self.polygons.len() as u32],
             largest: largest_below(&tree, |polygon| polygons[polygon as usize].area),

@@ -1,6 +1,6 @@
 //! Octree over items: near to far, box by box, and whole nodes dropped.
 //!
-//! Small items stand in every eighth they touch, large ones where they are; walked by a queue of boxes by nearness.
+//! Walks the tree of the content's own that other questions go through too, by a queue of boxes by nearness.
 //! Source: Greene, Kass, Miller, Hierarchical Z-Buffer Visibility, SIGGRAPH 1993, section 3.1; the tree is that of
 //!     Boreskov, Hierarchical s-buffer for scenes of high complexity, its order of children made finer.
 //! Cost: building O(n log n); a walk O(boxes met · log waiting), and what nothing of can be seen ends its subtree.
@@ -9,41 +9,34 @@
 use super::queue::{Queue, Tree, walk};
 use super::{NodesNearToFar, Order, Visit};
 use crate::content::Content;
-use crate::geom::{Aabb, Copies, Octree};
+use crate::geom::{Aabb, Octree};
 use crate::passage::Passage;
 use std::ops::Range;
 
 /// Items in nested eighths of space.
-pub struct OctreeOrder {
-    tree: Octree,
-}
-
-/// Items in a leaf, at most. A test costs about as much as a small item's faces.
-const FEW_ITEMS: usize = 6;
+pub struct OctreeOrder;
 
 impl Order for OctreeOrder {
     type Gives = NodesNearToFar;
     type Scratch = Queue;
 
     fn build(content: &Content, _limit_bytes: u64) -> Option<OctreeOrder> {
-        let bounds: Vec<Aabb> = content.items().iter().map(|item| item.bounds).collect();
-        Some(OctreeOrder {
-            tree: Octree::build(&bounds, FEW_ITEMS, Copies::OnePerCell),
-        })
+        content.item_tree();
+        Some(OctreeOrder)
     }
 
     fn needs_bytes(content: &Content) -> u64 {
-        // At the depth where it stays, an item is no smaller than half a cell: it stands in at most 3 of them along
-        // each axis, in practice in one or two; eight copies with a node each are an ample guess.
-        content.items().len() as u64 * 8 * 64
+        // An item stands in one node, and a node that holds nothing has two children at least, or a deep only one: seldom.
+        content.items().len() as u64 * 2 * 64
     }
 
     fn bytes(&self) -> u64 {
-        self.tree.bytes()
+        // The content's.
+        0
     }
 
     fn visit(&self, content: &Content, passage: &Passage, queue: &mut Queue, visit: &mut impl Visit) {
-        walk(&self.tree, content, passage, queue, visit);
+        walk(content.item_tree(), content, passage, queue, visit);
     }
 }
 

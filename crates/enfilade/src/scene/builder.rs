@@ -180,6 +180,9 @@ impl SceneBuilder {
         let mut exits = Vec::new();
         for (name, from) in self.exits {
             let way = Way::Exit(name.clone());
+            if exits.iter().any(|exit: &Exit| exit.name == name) {
+                return Err(SceneError::TwoExits(name));
+            }
             let (fragment, opening) = joined.resolve_opening(&way, &from)?;
             exits.push(Exit {
                 name,

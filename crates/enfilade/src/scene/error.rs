@@ -61,6 +61,9 @@ pub enum SceneError {
     /// A light has a number that is not finite, a range of nothing, or a fragment that is not there.
     #[error("light {0} must have finite numbers, a range above 0, and a fragment of this scene")]
     BadLight(usize),
+    /// Two exits have one name.
+    #[error("two exits are called `{0}`: what joins one could mean either")]
+    TwoExits(String),
     /// Two portals lead out of one opening.
     #[error("{first} and {second} both lead out of opening `{opening}` of fragment `{fragment}`")]
     TwoPortals {

@@ -45,16 +45,33 @@ impl Scene {
         &self.lights
     }
 
+    /// Hangs up one lamp more.
+    ///
+    /// # Errors
+    /// [`SceneError::BadLight`].
+    pub fn add_light(&mut self, light: Light) -> Result<LightId, SceneError> {
+        let id = LightId(self.lights.len() as u32);
+        self.check_light(id, &light)?;
+        self.lights.push(light);
+        Ok(id)
+    }
+
     /// Changes a light, in O(1).
     ///
     /// # Errors
     /// [`SceneError::BadLight`], and then it stays as it was.
     pub fn set_light(&mut self, id: LightId, light: Light) -> Result<(), SceneError> {
-        if !light.is_sound() || light.fragment.0 as usize >= self.fragments.len() {
-            return Err(SceneError::BadLight(id.0 as usize));
-        }
+        self.check_light(id, &light)?;
         self.lights[id.0 as usize] = light;
         Ok(())
+    }
+
+    fn check_light(&self, id: LightId, light: &Light) -> Result<(), SceneError> {
+        if light.is_sound() && (light.fragment.0 as usize) < self.fragments.len() {
+            Ok(())
+        } else {
+            Err(SceneError::BadLight(id.0 as usize))
+        }
     }
 
     /// The fragments that a light shines into, its own first ([`Scene::reach`]).

@@ -5,7 +5,7 @@
 //! Exact: the answer is that of asking every box; boxes that have changed are asked apart.
 
 use super::FragmentId;
-use crate::geom::{Aabb, Copies, Octree, Step};
+use crate::geom::{Aabb, Octree, Step};
 
 /// The boxes of a scene's fragments.
 #[derive(Clone)]
@@ -31,7 +31,7 @@ impl Boxes {
             .iter()
             .for_each(|&number| sorted[number as usize] = Aabb::EMPTY);
         Boxes {
-            tree: Octree::build(&sorted, FEW, Copies::One),
+            tree: Octree::build(&sorted, FEW),
             boxes,
             apart,
         }

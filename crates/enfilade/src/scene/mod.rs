@@ -170,19 +170,12 @@ impl Scene {
     }
 
     fn rebuild(&mut self, id: FragmentId, content: Arc<Content>, method: Method) -> Result<(), SceneError> {
-        let built = method.build(Arc::clone(&content), self.limit_bytes);
-        let fragment = built.map_err(|why| SceneError::TooLarge {
-            fragment: self.fragment_name(id).to_owned(),
-            why,
-        })?;
         let placed = &mut self.fragments[id.0 as usize];
-        placed.body = Body::Ours {
-            content,
-            method,
-            fragment,
-        };
-        placed.builds += 1;
-        Ok(())
+        let built = placed.rebuild(content, method, self.limit_bytes);
+        built.map_err(|why| SceneError::TooLarge {
+            fragment: placed.name.clone(),
+            why,
+        })
     }
 
     /// How often a fragment's method was built since the fragment was added; 0 of one of the user's own.
@@ -213,18 +206,9 @@ impl Scene {
         let fragments = scene.fragments.par_iter_mut();
         #[cfg(not(feature = "rayon"))]
         let fragments = scene.fragments.iter_mut();
-        let build = |placed: &mut Placed| {
-            if let Body::Ours { content, .. } = &placed.body {
-                let content = Arc::clone(content);
-                let fragment = method.build(Arc::clone(&content), limit_bytes)?;
-                placed.body = Body::Ours {
-                    content,
-                    method,
-                    fragment,
-                };
-                placed.builds += 1;
-            }
-            Ok(())
+        let build = |placed: &mut Placed| match &placed.body {
+            Body::Ours { content, .. } => placed.rebuild(Arc::clone(content), method, limit_bytes),
+            Body::Own(_) => Ok(()),
         };
         fragments.map(build).collect::<Result<(), _>>()?;
         Ok(scene)
@@ -305,5 +289,17 @@ impl Placed {
         match &self.body {
             Body::Ours { fragment, .. } | Body::Own(fragment) => &**fragment,
         }
+    }
+
+    /// Has this content seen by this method, or stays as it was.
+    fn rebuild(&mut self, content: Arc<Content>, method: Method, limit_bytes: u64) -> Result<(), TooLarge> {
+        let fragment = method.build(Arc::clone(&content), limit_bytes)?;
+        self.body = Body::Ours {
+            content,
+            method,
+            fragment,
+        };
+        self.builds += 1;
+        Ok(())
     }
 }

@@ -1,10 +1,11 @@
 //! Octree: boxes sorted into nested eighths of space, walked front to back.
 //!
-//! Small things go down into every child they touch, large ones stay where they are, so each has few copies.
+//! A thing goes down by its middle until it is about as large as its cell, so it stands in one node; boxes grow to hold
+//! what is in them, and those of neighbours may overlap.
 //! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity (split and order of children);
 //!     Greene, Kass, Miller, Hierarchical Z-Buffer Visibility, SIGGRAPH 1993, section 3.1 (things in inner nodes).
 //! Cost: building O(n log n); a walk touches only what `visit` lets it enter.
-//! Every thing stands in nodes whose boxes together hold it whole, so a hidden node hides only hidden parts.
+//! A node's box holds all of what stands in it and below it, so a hidden node hides only hidden things.
 
 #[cfg(test)]
 mod tests;
@@ -35,21 +36,12 @@ struct Cell {
     depth: u32,
 }
 
-/// Where a thing stands that reaches over the boundary of cells.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Copies {
-    /// In the cell of its middle, whose box grows to hold it.
-    One,
-    /// In each cell that it reaches into: boxes stay small, and a walk may meet it several times.
-    OnePerCell,
-}
-
 /// What a walk meets.
 #[derive(Clone, Copy, Debug)]
 pub enum Step<'a> {
     /// A node; what `visit` answers decides whether anything below it is met.
     Node(&'a Aabb),
-    /// A thing, by its number; it is met once for each node that holds it. The answer is ignored.
+    /// A thing, by its number; it is met once. The answer is ignored.
     Thing(u32),
 }
 
@@ -70,7 +62,7 @@ const GREATEST_DEPTH: u32 = 20;
 impl Octree {
     /// Sorts things with the given boxes (numbered by their place in `bounds`; empty ones are left out) until a
     /// node holds at most `few`.
-    pub fn build(bounds: &[Aabb], few: usize, copies: Copies) -> Octree {
+    pub fn build(bounds: &[Aabb], few: usize) -> Octree {
         let whole = bounds
             .iter()
             .filter(|b| !b.is_empty())
@@ -91,26 +83,20 @@ impl Octree {
             depth: 0,
         }];
         while let Some(cell) = waiting.pop() {
-            tree.split(cell, few, bounds, copies, &mut waiting);
+            tree.split(cell, few, bounds, &mut waiting);
         }
-        if copies == Copies::One {
-            tree.fit(bounds);
-        }
+        tree.fit(bounds);
         tree
     }
 
-    fn split(&mut self, cell: Cell, few: usize, bounds: &[Aabb], copies: Copies, waiting: &mut Vec<Cell>) {
+    fn split(&mut self, cell: Cell, few: usize, bounds: &[Aabb], waiting: &mut Vec<Cell>) {
         let Cell {
             node,
             space,
             members,
             depth,
         } = cell;
-        let held = members
-            .iter()
-            .fold(Aabb::EMPTY, |sum, &i| sum.union(&bounds[i as usize]));
         let center = space.center();
-        self.nodes[node as usize].bounds = held.intersection(&space);
         self.nodes[node as usize].center = center;
         let leaf = members.len() <= few || depth == GREATEST_DEPTH;
         let half = 0.5 * space.longest_side();
@@ -125,15 +111,7 @@ impl Octree {
         }
         let mut children: [Vec<u32>; 8] = Default::default();
         for i in go {
-            let thing = match copies {
-                Copies::OnePerCell => bounds[i as usize],
-                Copies::One => Aabb::of([bounds[i as usize].center()]),
-            };
-            for (octant, members) in children.iter_mut().enumerate() {
-                if stands_in(&thing, center, octant) {
-                    members.push(i);
-                }
-            }
+            children[octant_of(bounds[i as usize].center(), center)].push(i);
         }
         self.nodes[node as usize].first_child = self.nodes.len() as u32;
         for (octant, members) in children.into_iter().enumerate() {
@@ -152,7 +130,7 @@ impl Octree {
         }
     }
 
-    /// Things that stand in one cell only may reach out of it: boxes grow until they hold what is in them.
+    /// Things may reach out of their cell: boxes are those of what they hold.
     fn fit(&mut self, bounds: &[Aabb]) {
         for node in (0..self.nodes.len()).rev() {
             let Node {
@@ -275,16 +253,11 @@ impl Node {
     }
 }
 
-/// Does a thing belong into this eighth? One that only touches the middle plane belongs to one side, else flat
-/// scenes would double at every level.
-fn stands_in(thing: &Aabb, center: [f32; 3], octant: usize) -> bool {
-    (0..3).all(|axis| {
-        if octant >> axis & 1 == 1 {
-            thing.max[axis] > center[axis]
-        } else {
-            thing.min[axis] < center[axis] || thing.max[axis] <= center[axis]
-        }
-    })
+/// The eighth of a cell that a point belongs into; what lies on a middle plane belongs below it.
+fn octant_of(point: [f32; 3], center: [f32; 3]) -> usize {
+    (0..3)
+        .map(|axis| usize::from(point[axis] > center[axis]) << axis)
+        .sum()
 }
 
 fn eighth(cell: &Aabb, center: [f32; 3], octant: usize) -> Aabb {

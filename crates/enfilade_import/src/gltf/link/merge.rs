@@ -1,5 +1,6 @@
 //! One document out of several: every list is appended, every number that names something in it is raised.
 
+use super::raise::{LIGHTS, Shift, raise};
 use crate::BrokenRule;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
@@ -28,7 +29,6 @@ const TAKEN: [&str; 6] = [
     "EXT_texture_avif",
     "MSFT_texture_dds",
 ];
-const LIGHTS: &str = "KHR_lights_punctual";
 
 /// A document that grows, and the bytes of its one buffer.
 #[derive(Debug, Default)]
@@ -43,40 +43,6 @@ pub(super) struct Merged {
 
 /// Gets the bytes of an address; the second text says what names it.
 type Fetch<'f> = dyn FnMut(&str, &str) -> Result<Vec<u8>, BrokenRule> + 'f;
-
-/// How far the numbers of one part are raised, list by list.
-struct Shift(Vec<(&'static str, usize)>, usize);
-
-impl Shift {
-    fn of(&self, list: &str) -> usize {
-        if list == LIGHTS {
-            return self.1;
-        }
-        let found = self.0.iter().find(|(name, _)| *name == list);
-        found.map_or(0, |(_, shift)| *shift)
-    }
-
-    /// Raises the number at `key`, if there is one.
-    fn raise(&self, thing: &mut Value, key: &str, list: &str) {
-        if let Some(value) = thing.get_mut(key) {
-            self.raise_number(value, list);
-        }
-    }
-
-    fn raise_number(&self, value: &mut Value, list: &str) {
-        if let Some(number) = value.as_u64() {
-            *value = json!(number.saturating_add(self.of(list) as u64));
-        }
-    }
-
-    fn raise_all(&self, thing: &mut Value, key: &str, list: &str) {
-        let values = thing.get_mut(key).and_then(Value::as_array_mut);
-        values
-            .into_iter()
-            .flatten()
-            .for_each(|value| self.raise_number(value, list));
-    }
-}
 
 impl Merged {
     pub(super) fn count(&self, list: &str) -> usize {
@@ -301,91 +267,6 @@ fn strip(value: &mut Value, left_out: &mut BTreeSet<String>) {
             others.for_each(|(_, value)| strip(value, left_out));
         }
         _ => {}
-    }
-}
-
-/// Raises every number of a thing that names another. Source: glTF 2.0 Specification, properties reference.
-fn raise(list: &str, thing: &mut Value, shift: &Shift) {
-    match list {
-        "accessors" => {
-            shift.raise(thing, "bufferView", "bufferViews");
-            for part in ["indices", "values"] {
-                if let Some(part) = thing.pointer_mut(&format!("/sparse/{part}")) {
-                    shift.raise(part, "bufferView", "bufferViews");
-                }
-            }
-        }
-        "textures" => {
-            shift.raise(thing, "source", "images");
-            shift.raise(thing, "sampler", "samplers");
-            let extensions = thing.get_mut("extensions").and_then(Value::as_object_mut);
-            for (_, extension) in extensions.into_iter().flatten() {
-                shift.raise(extension, "source", "images");
-            }
-        }
-        "materials" => raise_textures(thing, shift),
-        "meshes" => {
-            let primitives = thing.get_mut("primitives").and_then(Value::as_array_mut);
-            for primitive in primitives.into_iter().flatten() {
-                shift.raise(primitive, "indices", "accessors");
-                shift.raise(primitive, "material", "materials");
-                let targets = primitive.get_mut("targets").and_then(Value::as_array_mut);
-                targets
-                    .into_iter()
-                    .flatten()
-                    .for_each(|target| raise_each(target, shift));
-                primitive
-                    .get_mut("attributes")
-                    .into_iter()
-                    .for_each(|each| raise_each(each, shift));
-            }
-        }
-        "skins" => {
-            shift.raise(thing, "inverseBindMatrices", "accessors");
-            shift.raise(thing, "skeleton", "nodes");
-            shift.raise_all(thing, "joints", "nodes");
-        }
-        "nodes" => {
-            shift.raise(thing, "mesh", "meshes");
-            shift.raise(thing, "camera", "cameras");
-            shift.raise(thing, "skin", "skins");
-            shift.raise_all(thing, "children", "nodes");
-            if let Some(light) = thing.pointer_mut(&format!("/extensions/{LIGHTS}")) {
-                shift.raise(light, "light", LIGHTS);
-            }
-        }
-        "animations" => {
-            let samplers = thing.get_mut("samplers").and_then(Value::as_array_mut);
-            for sampler in samplers.into_iter().flatten() {
-                shift.raise(sampler, "input", "accessors");
-                shift.raise(sampler, "output", "accessors");
-            }
-            let channels = thing.get_mut("channels").and_then(Value::as_array_mut);
-            for channel in channels.into_iter().flatten() {
-                channel
-                    .get_mut("target")
-                    .into_iter()
-                    .for_each(|target| shift.raise(target, "node", "nodes"));
-            }
-        }
-        _ => {}
-    }
-}
-
-/// Raises the accessors of an object of attributes.
-fn raise_each(attributes: &mut Value, shift: &Shift) {
-    let attributes = attributes.as_object_mut().into_iter().flatten();
-    attributes.for_each(|(_, accessor)| shift.raise_number(accessor, "accessors"));
-}
-
-/// In a material, and in all its extensions, `…Texture: { "index": … }` names a texture.
-fn raise_textures(value: &mut Value, shift: &Shift) {
-    let entries = value.as_object_mut().into_iter().flatten();
-    for (key, value) in entries.filter(|(key, _)| *key != "extras") {
-        if key.ends_with("Texture") {
-            shift.raise(value, "index", "textures");
-        }
-        raise_textures(value, shift);
     }
 }
 

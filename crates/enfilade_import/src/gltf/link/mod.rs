@@ -5,6 +5,7 @@
 
 mod error;
 mod merge;
+mod raise;
 mod shape;
 
 pub use error::LinkError;

@@ -68,7 +68,7 @@ impl<'a> Faces<'a> {
     ) -> Faces<'a> {
         let mesh = content.mesh_of(item);
         let Cluster { faces, positions, .. } = &mesh.clusters()[number as usize];
-        let material = content.material_of(&mesh.clusters()[number as usize]);
+        let material = content.material_of(item, &mesh.clusters()[number as usize]);
         let (corners, starts) = mesh.runs(faces.clone());
         Faces {
             of: Of::Item(item, number),

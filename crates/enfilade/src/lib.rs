@@ -64,7 +64,7 @@ mod visible;
 pub use aperture::{Aperture, Rect, Rows};
 pub use canvas::{Canvas, CoverShape, CoverSpan, HiddenBy, Span};
 pub use content::{
-    Alpha, Content, ContentBuilder, ContentError, Item, ItemId, Material, MaterialId, MeshId, Opening,
+    Alpha, Content, ContentBuilder, ContentError, Item, ItemId, Material, MaterialId, MeshId, Moved, Opening,
     OpeningId, Owner,
 };
 pub use faces::{Faces, Of};
@@ -73,7 +73,7 @@ pub use geom::{Aabb, ConvexPolygon, Transform};
 pub use memory::Memory;
 pub use mesh::{Cluster, Mesh, MeshError, Part};
 pub use method::{
-    BspFront, BspPainter, Culled, HierarchicalS, HierarchicalZ, Masked, Method, Mobsp, PainterMean,
+    BspFront, BspPainter, Culled, Edited, HierarchicalS, HierarchicalZ, Masked, Method, Mobsp, PainterMean,
     PainterMin, Paired, SBuffer, Svbsp, TooLarge, ZBuffer,
 };
 pub use occluders::{Choice, Chosen, Measure, Occluder, OccluderRoom, OccluderSet, OccluderSummary};
@@ -81,7 +81,8 @@ pub use passage::{Passage, PassageId};
 pub use query::{Cast, Met, Near, Place, Presence, Reached, SightLine, Standpoint, Walked, survey};
 pub use region::{Region, Sight};
 pub use scene::{
-    End, FragmentId, Light, LightId, NestedId, Portal, PortalId, Scene, SceneBuilder, SceneError, Way,
+    Edit, EditError, End, FragmentId, Light, LightId, NestedId, Portal, PortalId, Scene, SceneBuilder,
+    SceneError, Way,
 };
 pub use seen::Seen;
 pub use simd::simd_level;

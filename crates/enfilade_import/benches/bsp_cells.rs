@@ -53,7 +53,7 @@ impl Visit for Pieces<'_> {
     fn faces(&mut self, faces: &Faces) {
         if let Of::Item(item, cluster) = faces.of {
             let cluster = &self.content.mesh_of(item).clusters()[cluster as usize];
-            self.count += u64::from(self.content.material_of(cluster).alpha == Alpha::Opaque);
+            self.count += u64::from(self.content.material(cluster).alpha == Alpha::Opaque);
         }
     }
 }

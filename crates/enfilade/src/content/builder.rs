@@ -12,7 +12,7 @@ use thiserror::Error;
 pub struct ContentBuilder {
     meshes: Vec<Arc<Mesh>>,
     materials: Arc<[Material]>,
-    items: Vec<(MeshId, Transform)>,
+    items: Vec<(MeshId, Transform, bool)>,
     names: Names,
     openings: Vec<Opening>,
 }
@@ -34,9 +34,17 @@ impl ContentBuilder {
 
     /// Places a mesh.
     pub fn item(&mut self, name: &str, mesh: MeshId, fragment_from_item: Transform) -> ItemId {
-        self.items.push((mesh, fragment_from_item));
+        self.items.push((mesh, fragment_from_item, true));
         self.names.push(name);
         ItemId(self.items.len() as u32 - 1)
+    }
+
+    /// Lets an item hide nothing, whatever it is made of: it is seen, and seen past. For what moves so fast, or stands so
+    /// roughly for something else, that nothing may be left out because of it. An item that is not there is left alone.
+    pub fn never_hides(&mut self, item: ItemId) {
+        if let Some((_, _, hides)) = self.items.get_mut(item.0 as usize) {
+            *hides = false;
+        }
     }
 
     /// Adds a hole to look through. Where it leads, the scene says.
@@ -82,7 +90,7 @@ impl ContentBuilder {
         let mut faces = 0_u64;
         let holes: Vec<Aabb> = openings.iter().map(|o| o.outline.bounds()).collect();
         let mut bounds = holes.iter().fold(Aabb::EMPTY, |sum, hole| sum.union(hole));
-        for (number, (mesh, transform)) in placed.into_iter().enumerate() {
+        for (number, (mesh, transform, hides)) in placed.into_iter().enumerate() {
             let name = || names.get(number).to_owned();
             let built = meshes
                 .get(mesh.0 as usize)
@@ -103,6 +111,7 @@ impl ContentBuilder {
                 mesh,
                 fragment_from_item,
                 bounds: held,
+                hides,
             });
             first_faces.push(faces as u32);
             faces += u64::from(built.face_count());
@@ -121,6 +130,7 @@ impl ContentBuilder {
             materials,
             items,
             names,
+            slots: None,
             openings,
             item_tree: OnceLock::new(),
             opening_tree: Octree::build(&holes, FEW_OPENINGS),
@@ -133,13 +143,13 @@ impl ContentBuilder {
     }
 }
 
-const MOST_OPENINGS: usize = 60_000;
+pub(super) const MOST_OPENINGS: usize = 60_000;
 
 /// Openings in a node of the tree over them, at most: as many are handed out by number, however they lie.
 const FEW_OPENINGS: usize = 16;
 
 /// The box around a placed mesh: a large mesh by its corners, a small one by its positions, which is tighter.
-fn placed_bounds(transform: &Transform, mesh: &Mesh) -> Aabb {
+pub(super) fn placed_bounds(transform: &Transform, mesh: &Mesh) -> Aabb {
     const FEW: usize = 64;
     let around = |points: &[[f32; 3]]| {
         points

@@ -1,13 +1,18 @@
 //! What a fragment is made of: items, materials, openings. Methods share it, whatever they build over it.
 
 mod builder;
+mod edit;
 mod names;
+mod slots;
 
 pub use builder::{ContentBuilder, ContentError};
+pub use edit::Moved;
+pub(crate) use edit::{Changes, Exchanged, FARTHEST, Placing, Unfit};
 
 use crate::geom::{Aabb, ConvexPolygon, Octree, Transform};
 use crate::mesh::{Cluster, Mesh};
 use names::Names;
+use slots::Slots;
 use std::any::Any;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 
@@ -79,6 +84,8 @@ pub struct Item {
     pub fragment_from_item: [[f32; 3]; 4],
     /// The smallest box around it that follows from the mesh's box, in the space of the fragment.
     pub bounds: Aabb,
+    /// Does it hide what is behind it? If not, its opaque faces are as those of a cut-out: seen, and seen past.
+    pub hides: bool,
 }
 
 impl Item {
@@ -104,6 +111,8 @@ pub struct Content {
     materials: Arc<[Material]>,
     items: Vec<Item>,
     names: Names,
+    /// What is free and what is used, once items were edited.
+    slots: Option<Slots>,
     openings: Vec<Opening>,
     /// Over the boxes of items, once it was asked for.
     item_tree: OnceLock<Octree>,
@@ -129,9 +138,21 @@ impl Content {
         &self.materials
     }
 
-    /// The items, by [`ItemId`].
+    /// The items, by [`ItemId`]. Those that an edit removed are there still, of an empty mesh, until an item that is added
+    /// takes their number.
     pub fn items(&self) -> &[Item] {
         &self.items
+    }
+
+    /// Is there an item of this number, and was it not removed?
+    pub fn holds(&self, item: ItemId) -> bool {
+        let is_free = |slots: &Slots| slots.free_items.contains(&item.0);
+        (item.0 as usize) < self.items.len() && !self.slots.as_ref().is_some_and(is_free)
+    }
+
+    /// How many items there are, without those that were removed.
+    pub fn item_count(&self) -> usize {
+        self.items.len() - self.slots.as_ref().map_or(0, |slots| slots.free_items.len())
     }
 
     /// One item.
@@ -185,8 +206,17 @@ impl Content {
         u64::from(self.first_faces[self.items.len()])
     }
 
-    /// What a cluster is made of.
-    pub fn material_of(&self, cluster: &Cluster) -> &Material {
+    /// What a cluster of an item is made of, which is no longer opaque where the item does not hide.
+    pub fn material_of(&self, item: ItemId, cluster: &Cluster) -> Material {
+        let mut material = self.materials[cluster.material.0 as usize];
+        if material.alpha == Alpha::Opaque && !self.item(item).hides {
+            material.alpha = Alpha::Mask;
+        }
+        material
+    }
+
+    /// What a cluster of a mesh is made of.
+    pub fn material(&self, cluster: &Cluster) -> &Material {
         &self.materials[cluster.material.0 as usize]
     }
 

@@ -198,7 +198,9 @@ impl Trees {
                 let Some((w, from_behind)) = local.meets(ray, used) else {
                     continue;
                 };
-                let material = self.content.material_of(&mesh.clusters()[mesh.cluster_of(face)]);
+                let material = self
+                    .content
+                    .material_of(item, &mesh.clusters()[mesh.cluster_of(face)]);
                 if material.double_sided || !from_behind {
                     let hides = material.alpha == Alpha::Opaque;
                     found.add(Meeting {

@@ -67,6 +67,11 @@ impl Mesh {
         Ok(build(parts, faces))
     }
 
+    /// The mesh of no faces.
+    pub(crate) fn nothing() -> Mesh {
+        build(&[], Vec::new())
+    }
+
     /// The mesh of one part whose faces are all triangles.
     ///
     /// # Errors

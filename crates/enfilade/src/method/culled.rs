@@ -8,9 +8,10 @@ use super::count::count_faces;
 use super::found::{Against, find};
 use super::gathered::draw_gathered;
 use super::in_cells::InParts;
+use super::ours::{Edited, Ours, edit_order};
 use super::{Method, TooLarge};
 use crate::canvas::Canvas;
-use crate::content::{Content, ItemId, Opening};
+use crate::content::{Changes, Content, ItemId, Opening};
 use crate::cover::{Coarse, Hides};
 use crate::faces::Faces;
 use crate::fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
@@ -171,6 +172,24 @@ where
     }
 }
 
+impl<O, C> Ours for Culled<O, C>
+where
+    O: Order,
+    C: Hides,
+    O::Gives: Gives<C::CullNeeds>,
+{
+    fn content(&self) -> &Arc<Content> {
+        &self.content
+    }
+
+    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, TooLarge> {
+        let (mut edited, done) = edit_order(&mut self.order, &mut self.content, changes, limit)
+            .map_err(|needs_bytes| TooLarge::new(self.method, needs_bytes, limit))?;
+        edited.nodes += Arc::make_mut(&mut self.occluders).follow(&self.content, &done);
+        Ok(edited)
+    }
+}
+
 impl<O, C> InParts for Culled<O, C>
 where
     O: Order,
@@ -182,9 +201,5 @@ where
 
     fn order(&self) -> &O {
         &self.order
-    }
-
-    fn content(&self) -> &Content {
-        &self.content
     }
 }

@@ -31,7 +31,7 @@ pub(super) fn draw_gathered(
     Faces::of_openings(content, passage, |faces| cover.add(faces, passage, stats, None));
     let hides = |&(item, cluster): &(ItemId, u32)| {
         let cluster = &content.mesh_of(item).clusters()[cluster as usize];
-        content.material_of(cluster).alpha == Alpha::Opaque
+        content.material_of(item, cluster).alpha == Alpha::Opaque
     };
     for opaque in [true, false] {
         for &(item, cluster) in gathered.0.iter().filter(|found| hides(found) == opaque) {

@@ -6,12 +6,14 @@
 //!     resolution than the screen, and another rasteriser draws.
 //! Conservative at the screen's samples, and at any place between them.
 
+use super::TooLarge;
 use super::enlarged::Enlarged;
 use super::found::{Against, find};
 use super::gathered::draw_gathered;
+use super::ours::{Edited, Ours};
 use crate::aperture::CellRoom;
 use crate::canvas::Canvas;
-use crate::content::{Content, ItemId, Opening};
+use crate::content::{Changes, Content, ItemId, Opening};
 use crate::cover::{Coarse, Cover, Surface};
 use crate::faces::Faces;
 use crate::fragment::{Built, Contract, Fragment, Hit, Ray, Surface as FaceSurface};
@@ -22,14 +24,14 @@ use crate::passage::Passage;
 use crate::region::{Region, Sight};
 use crate::seen::Seen;
 use crate::stats::Stats;
+use std::sync::Arc;
 
 /// An order and a cover that can do with cells.
-pub(super) trait InParts: Fragment {
+pub(super) trait InParts: Ours {
     type Order: Order;
     type Cover: Coarse;
 
     fn order(&self) -> &Self::Order;
-    fn content(&self) -> &Content;
 }
 
 /// A method that looks in cells where the viewer asks for them, and as it is where not.
@@ -150,5 +152,15 @@ impl<M: InParts> Fragment for InCells<M> {
 
     fn bytes(&self) -> u64 {
         self.0.bytes()
+    }
+}
+
+impl<M: InParts> Ours for InCells<M> {
+    fn content(&self) -> &Arc<Content> {
+        self.0.content()
+    }
+
+    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, TooLarge> {
+        self.0.edit(changes, limit)
     }
 }

@@ -6,9 +6,12 @@ mod enlarged;
 mod found;
 mod gathered;
 mod in_cells;
+mod ours;
 mod paired;
 
 pub use culled::Culled;
+pub use ours::Edited;
+pub(crate) use ours::Ours;
 pub use paired::Paired;
 
 use crate::canvas::CoverShape;
@@ -213,6 +216,14 @@ impl Method {
     /// # Errors
     /// [`TooLarge`] where more than `limit_bytes` would be needed.
     pub fn build(self, content: Arc<Content>, limit_bytes: u64) -> Result<Arc<dyn Fragment>, TooLarge> {
+        Ok(self.build_ours(content, limit_bytes)?)
+    }
+
+    pub(crate) fn build_ours(
+        self,
+        content: Arc<Content>,
+        limit_bytes: u64,
+    ) -> Result<Arc<dyn Ours>, TooLarge> {
         Ok(match self {
             Method::PainterMin => Arc::new(PainterMin::build(self, content, limit_bytes)?),
             Method::PainterMean => Arc::new(PainterMean::build(self, content, limit_bytes)?),

@@ -2,9 +2,10 @@
 
 use super::count::count_faces;
 use super::in_cells::InParts;
+use super::ours::{Edited, Ours, edit_order};
 use super::{Method, TooLarge};
 use crate::canvas::Canvas;
-use crate::content::{Alpha, Content, ItemId, Opening};
+use crate::content::{Alpha, Changes, Content, ItemId, Opening};
 use crate::cover::{Coarse, Paints};
 use crate::faces::{Faces, Of};
 use crate::fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
@@ -237,6 +238,23 @@ where
     }
 }
 
+impl<O, C> Ours for Paired<O, C>
+where
+    O: Order,
+    C: Paints,
+    O::Gives: Gives<C::CullNeeds> + Gives<C::DrawNeeds>,
+{
+    fn content(&self) -> &Arc<Content> {
+        &self.content
+    }
+
+    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, TooLarge> {
+        edit_order(&mut self.order, &mut self.content, changes, limit)
+            .map(|(edited, _)| edited)
+            .map_err(|needs_bytes| TooLarge::new(self.method, needs_bytes, limit))
+    }
+}
+
 impl<O, C> InParts for Paired<O, C>
 where
     O: Order,
@@ -248,9 +266,5 @@ where
 
     fn order(&self) -> &O {
         &self.order
-    }
-
-    fn content(&self) -> &Content {
-        &self.content
     }
 }

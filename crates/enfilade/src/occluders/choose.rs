@@ -169,7 +169,7 @@ impl OccluderSet {
         let chooser = Chooser::new(self, content, passage, measure);
         let mut corners = Vec::new();
         let mut all = Vec::new();
-        for (number, item) in content.items().iter().enumerate() {
+        for (number, item) in content.items().iter().enumerate().filter(|(_, item)| item.hides) {
             let item_id = ItemId(number as u32);
             let placed = Entered::of(item_id, content, passage);
             let [first, end] = self.meshes[item.mesh.0 as usize].polygons;

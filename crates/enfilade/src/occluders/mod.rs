@@ -29,7 +29,7 @@ pub use measure::Measure;
 pub use screen::{Occluder, OccluderRoom};
 pub use summary::OccluderSummary;
 
-use crate::content::Content;
+use crate::content::{Content, Exchanged};
 use crate::geom::{Aabb, Octree};
 use crate::mesh::Mesh;
 use glam::{DMat3, DVec3};
@@ -50,7 +50,7 @@ const LEAST_OF_ALL: f64 = 1.0 / 16_384.0;
 const FEW: usize = 8;
 
 /// The occluders of a content: of each mesh once, in the space of the mesh.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct OccluderSet {
     polygons: Vec<Polygon>,
     corners: Vec<DVec3>,
@@ -87,7 +87,7 @@ pub(crate) struct Polygon {
 }
 
 /// The occluders of a mesh.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct OfMesh {
     /// The first, among all, and the one after the last.
     polygons: [u32; 2],
@@ -117,11 +117,34 @@ impl OccluderSet {
         }
         set.polygons.shrink_to_fit();
         set.corners.shrink_to_fit();
+        set.place(content);
+        set
+    }
+
+    /// Follows items that were edited; gives the number of nodes touched.
+    pub(crate) fn follow(&mut self, content: &Content, done: &Exchanged) -> u64 {
+        for &mesh in &done.meshes {
+            let of_mesh = self.add_mesh(&content.meshes()[mesh.0 as usize], content);
+            let place = mesh.0 as usize;
+            if place >= self.meshes.len() {
+                self.meshes.resize_with(place + 1, OfMesh::default);
+            }
+            self.meshes[place] = of_mesh;
+        }
+        self.place(content);
+        0
+    }
+
+    /// The tree over the items.
+    fn place(&mut self, content: &Content) {
         let areas: Vec<f64> = content
             .items()
             .iter()
             .map(|item| {
-                let largest = set.meshes[item.mesh.0 as usize]
+                if !item.hides {
+                    return 0.0;
+                }
+                let largest = self.meshes[item.mesh.0 as usize]
                     .largest
                     .first()
                     .copied()
@@ -139,9 +162,8 @@ impl OccluderSet {
                 }
             })
             .collect();
-        set.tree = Octree::build(&bounds, FEW);
-        set.largest = largest_below(&set.tree, |item| areas[item as usize]);
-        set
+        self.tree = Octree::build(&bounds, FEW);
+        self.largest = largest_below(&self.tree, |item| areas[item as usize]);
     }
 
     fn add_mesh(&mut self, mesh: &Mesh, content: &Content) -> OfMesh {

@@ -30,10 +30,10 @@ pub(super) struct Soup {
 impl Soup {
     /// The opaque faces of a mesh that are no detail; `None` where it has none.
     pub(super) fn of(mesh: &Mesh, content: &Content) -> Option<Soup> {
-        let chosen = |cluster: &&crate::mesh::Cluster| content.material_of(cluster).may_be_chosen();
+        let chosen = |cluster: &&crate::mesh::Cluster| content.material(cluster).may_be_chosen();
         let (mut starts, mut corners, mut double_sided) = (vec![0], Vec::new(), Vec::new());
         for cluster in mesh.clusters().iter().filter(chosen) {
-            let both = content.material_of(cluster).double_sided;
+            let both = content.material(cluster).double_sided;
             for face in cluster.faces.clone() {
                 corners.extend_from_slice(mesh.face(face));
                 starts.push(corners.len() as u32);

@@ -41,7 +41,7 @@ impl OccluderSet {
             .iter()
             .map(|mesh| self.added(mesh.polygons, &DMat3::IDENTITY))
             .collect();
-        for item in content.items() {
+        for item in content.items().iter().filter(|item| item.hides) {
             let of_mesh = &self.meshes[item.mesh.0 as usize];
             summary.placed += u64::from(of_mesh.polygons[1] - of_mesh.polygons[0]);
             let areas = cofactor(&item.transform().0.matrix3);
@@ -84,7 +84,7 @@ fn opaque_area(content: &Content, item: &Item, areas: &DMat3) -> f64 {
     let opaque = mesh
         .clusters()
         .iter()
-        .filter(|cluster| content.material_of(cluster).alpha == Alpha::Opaque);
+        .filter(|cluster| content.material(cluster).alpha == Alpha::Opaque);
     let faces = opaque.flat_map(|cluster| cluster.faces.clone());
     faces
         .map(|face| {

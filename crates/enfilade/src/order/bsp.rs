@@ -107,7 +107,7 @@ impl Sorted {
             let mesh = content.mesh_of(item);
             let fragment_from_item = content.item(item).transform();
             for cluster in mesh.clusters() {
-                if content.material_of(cluster).alpha != Alpha::Opaque {
+                if content.material_of(item, cluster).alpha != Alpha::Opaque {
                     if see_through.last() != Some(&item) {
                         see_through.push(item);
                     }

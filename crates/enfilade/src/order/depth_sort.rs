@@ -9,7 +9,7 @@
 
 use super::items::{hand_out_see_through, may_be_seen, opening_faces};
 use super::{FarToNear, Order, Visit};
-use crate::content::{Alpha, Content, ItemId, OpeningId};
+use crate::content::{Alpha, Content, ItemId, Moved, OpeningId};
 use crate::faces::Faces;
 use crate::passage::Passage;
 use glam::DAffine3;
@@ -78,6 +78,11 @@ impl<K: SortKey> Order for DepthSort<K> {
         0
     }
 
+    fn follow(&mut self, _content: &Content, _moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
+        // Each look sorts anew.
+        true
+    }
+
     fn visit(&self, content: &Content, passage: &Passage, sorting: &mut Sorting, visit: &mut impl Visit) {
         sorting.items.clear();
         sorting.faces.clear();
@@ -119,7 +124,7 @@ impl Sorting {
         let mesh = content.mesh_of(item);
         let mut added = false;
         for cluster in mesh.clusters() {
-            let hides = content.material_of(cluster).alpha == Alpha::Opaque;
+            let hides = content.material_of(item, cluster).alpha == Alpha::Opaque;
             if !hides || !may_be_seen(passage, &screen_from_item, &cluster.bounds, visit) {
                 continue;
             }

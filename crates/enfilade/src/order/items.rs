@@ -68,7 +68,7 @@ pub(super) fn hand_out_see_through(
 ) {
     let screen_from_item = passage.screen_from(&content.item(item).transform());
     for (number, cluster) in content.mesh_of(item).clusters().iter().enumerate() {
-        if content.material_of(cluster).alpha != Alpha::Opaque
+        if content.material_of(item, cluster).alpha != Alpha::Opaque
             && may_be_seen(passage, &screen_from_item, &cluster.bounds, visit)
         {
             visit.faces(&Faces::of_cluster(

@@ -16,7 +16,7 @@ pub use kd_tree::KdTreeOrder;
 pub use octree::OctreeOrder;
 pub use unordered::Unordered;
 
-use crate::content::{Content, ItemId};
+use crate::content::{Content, ItemId, Moved};
 use crate::faces::Faces;
 use crate::fragment::Built;
 use crate::passage::Passage;
@@ -66,6 +66,12 @@ pub trait Order: Send + Sync + Sized + 'static {
             faces: content.face_count(),
             ..Built::default()
         }
+    }
+
+    /// Follows items of `content` that have moved, come or gone since, touching only what is concerned, and writes down the
+    /// nodes touched. `false` where it cannot, and must be built anew.
+    fn follow(&mut self, _content: &Content, _moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
+        false
     }
 
     /// Hands out all faces of the items and openings that may be seen through `passage`.

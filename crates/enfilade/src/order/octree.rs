@@ -8,7 +8,7 @@
 
 use super::queue::{Queue, Tree, walk};
 use super::{NodesNearToFar, Order, Visit};
-use crate::content::Content;
+use crate::content::{Content, Moved};
 use crate::geom::{Aabb, Octree};
 use crate::passage::Passage;
 use std::ops::Range;
@@ -33,6 +33,11 @@ impl Order for OctreeOrder {
     fn bytes(&self) -> u64 {
         // The content's.
         0
+    }
+
+    fn follow(&mut self, _content: &Content, _moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
+        // The tree is the content's, and has followed them already.
+        true
     }
 
     fn visit(&self, content: &Content, passage: &Passage, queue: &mut Queue, visit: &mut impl Visit) {

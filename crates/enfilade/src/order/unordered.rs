@@ -7,7 +7,7 @@
 
 use super::items::{hand_out, hand_out_openings};
 use super::{Order, Unsorted, Visit};
-use crate::content::{Content, ItemId};
+use crate::content::{Content, ItemId, Moved};
 use crate::passage::Passage;
 
 /// Items as they come, by their number.
@@ -27,6 +27,11 @@ impl Order for Unordered {
 
     fn bytes(&self) -> u64 {
         0
+    }
+
+    fn follow(&mut self, _content: &Content, _moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
+        // It goes by numbers alone.
+        true
     }
 
     fn visit(&self, content: &Content, passage: &Passage, _scratch: &mut (), visit: &mut impl Visit) {

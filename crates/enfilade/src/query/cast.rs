@@ -59,7 +59,7 @@ impl Content {
     /// How a face looks.
     pub fn surface(&self, item: ItemId, face: u32) -> Surface {
         let mesh = self.mesh_of(item);
-        let material = self.material_of(&mesh.clusters()[mesh.cluster_of(face)]);
+        let material = self.material_of(item, &mesh.clusters()[mesh.cluster_of(face)]);
         let transform = self.item(item).transform();
         let corners = mesh.face(face);
         let corner = |i: usize| {

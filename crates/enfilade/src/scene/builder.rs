@@ -202,18 +202,14 @@ fn place(waiting: Waiting, limit: u64) -> Result<Placed, SceneError> {
             builds: 0,
         },
         Waiting::Ours(name, content, method) => {
-            let built = method.build(Arc::clone(&content), limit);
+            let built = method.build_ours(content, limit);
             let fragment = built.map_err(|why| SceneError::TooLarge {
                 fragment: name.clone(),
                 why,
             })?;
             Placed {
                 name,
-                body: Body::Ours {
-                    content,
-                    method,
-                    fragment,
-                },
+                body: Body::Ours { method, fragment },
                 builds: 1,
             }
         }

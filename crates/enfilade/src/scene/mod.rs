@@ -5,12 +5,14 @@
 //! Source: Boreskov, Using portals to create aggregate scenes; RenderWare, Portal culling.
 
 mod builder;
+mod edit;
 mod error;
 mod light;
 mod locate;
 mod portal;
 
 pub use builder::{End, NestedId, SceneBuilder};
+pub use edit::{Edit, EditError};
 pub use error::{SceneError, Way};
 pub use light::{Light, LightId};
 pub use portal::{FragmentId, Portal, PortalId};
@@ -18,7 +20,7 @@ pub use portal::{FragmentId, Portal, PortalId};
 use crate::content::{Content, OpeningId};
 use crate::fragment::{Built, Fragment};
 use crate::geom::{Aabb, Transform};
-use crate::method::{Method, TooLarge};
+use crate::method::{Method, Ours, TooLarge};
 use crate::view::View;
 use locate::Boxes;
 #[cfg(feature = "rayon")]
@@ -54,11 +56,7 @@ struct Placed {
 #[derive(Clone)]
 enum Body {
     /// Content seen by a method of ours; the method can be exchanged.
-    Ours {
-        content: Arc<Content>,
-        method: Method,
-        fragment: Arc<dyn Fragment>,
-    },
+    Ours { method: Method, fragment: Arc<dyn Ours> },
     /// A fragment of the user's own.
     Own(Arc<dyn Fragment>),
 }
@@ -95,7 +93,7 @@ impl Scene {
     /// What a fragment is made of; `None` where it is one of the user's own.
     pub fn content(&self, id: FragmentId) -> Option<&Arc<Content>> {
         match &self.fragments[id.0 as usize].body {
-            Body::Ours { content, .. } => Some(content),
+            Body::Ours { fragment, .. } => Some(fragment.content()),
             Body::Own(_) => None,
         }
     }
@@ -164,7 +162,7 @@ impl Scene {
 
     fn ours(&self, id: FragmentId) -> Result<(&Arc<Content>, Method), SceneError> {
         match &self.fragments[id.0 as usize].body {
-            Body::Ours { content, method, .. } => Ok((content, *method)),
+            Body::Ours { fragment, method } => Ok((fragment.content(), *method)),
             Body::Own(_) => Err(SceneError::NotOurs(self.fragment_name(id).to_owned())),
         }
     }
@@ -207,7 +205,9 @@ impl Scene {
         #[cfg(not(feature = "rayon"))]
         let fragments = scene.fragments.iter_mut();
         let build = |placed: &mut Placed| match &placed.body {
-            Body::Ours { content, .. } => placed.rebuild(Arc::clone(content), method, limit_bytes),
+            Body::Ours { fragment, .. } => {
+                placed.rebuild(Arc::clone(fragment.content()), method, limit_bytes)
+            }
             Body::Own(_) => Ok(()),
         };
         fragments.map(build).collect::<Result<(), _>>()?;
@@ -253,7 +253,7 @@ impl Scene {
 
     /// Items of all fragments of ours; one that stands in two is counted twice.
     pub fn item_count(&self) -> usize {
-        self.contents().map(|content| content.items().len()).sum()
+        self.contents().map(|content| content.item_count()).sum()
     }
 
     /// Triangles of all fragments of ours, each copy counted.
@@ -287,18 +287,15 @@ impl Scene {
 impl Placed {
     fn fragment(&self) -> &dyn Fragment {
         match &self.body {
-            Body::Ours { fragment, .. } | Body::Own(fragment) => &**fragment,
+            Body::Ours { fragment, .. } => &**fragment,
+            Body::Own(fragment) => &**fragment,
         }
     }
 
     /// Has this content seen by this method, or stays as it was.
     fn rebuild(&mut self, content: Arc<Content>, method: Method, limit_bytes: u64) -> Result<(), TooLarge> {
-        let fragment = method.build(Arc::clone(&content), limit_bytes)?;
-        self.body = Body::Ours {
-            content,
-            method,
-            fragment,
-        };
+        let fragment = method.build_ours(content, limit_bytes)?;
+        self.body = Body::Ours { method, fragment };
         self.builds += 1;
         Ok(())
     }

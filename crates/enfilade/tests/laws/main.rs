@@ -1,6 +1,7 @@
 //! The laws: each is stated once, and holds for every method on every scene.
 
 mod doors;
+mod edits;
 mod mixed;
 mod subject;
 

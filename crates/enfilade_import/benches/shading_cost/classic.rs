@@ -51,7 +51,7 @@ impl Classic {
             return;
         }
         for cluster in mesh.clusters() {
-            let material = content.material_of(cluster);
+            let material = content.material(cluster);
             assert!(material.double_sided, "faces are not left out by their side here");
             if (material.alpha == Alpha::Opaque) != hides
                 || !lens.may_show(&screen_from_item, &cluster.bounds)

@@ -131,7 +131,7 @@ fn primitives_of_a_mesh_are_parts_of_one_item() {
     let colors: Vec<_> = content.meshes()[0]
         .clusters()
         .iter()
-        .map(|cluster| content.material_of(cluster).base_color)
+        .map(|cluster| content.material(cluster).base_color)
         .collect();
     assert_eq!(colors, [[0.5, 0.25, 0.0, 1.0], [1.0; 4]]);
 }
@@ -205,7 +205,7 @@ fn materials_say_what_hides_and_from_which_side() {
         let import = reads(&file);
         let content = &import.rooms[0].content;
         assert_eq!(
-            *content.material_of(&content.meshes()[0].clusters()[0]),
+            *content.material(&content.meshes()[0].clusters()[0]),
             expected,
             "{source}"
         );
@@ -238,7 +238,7 @@ fn a_primitive_without_a_material_is_white_and_one_sided() {
     let content = &import.rooms[0].content;
     let cluster = &content.meshes()[0].clusters()[0];
     assert_eq!(
-        (cluster.material, content.material_of(cluster)),
+        (cluster.material, content.material(cluster)),
         (MaterialId(0), &Material::opaque([1.0; 3]))
     );
 }

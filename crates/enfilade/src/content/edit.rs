@@ -1,0 +1,325 @@
+//! Items that come, go, move and change their mesh between looks.
+//!
+//! What an edit wants of a content is checked thing by thing and gathered; then all of it is exchanged with what is there,
+//! so that exchanging once more undoes it. Numbers of items stay; what is added takes the lowest that is free.
+//! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 3: a small change touches a few nodes.
+//! Cost: O(log items) for each change; where an item has more or fewer faces than before, O(items) additions in all.
+
+use super::builder::{MOST_OPENINGS, placed_bounds};
+use super::slots::Slots;
+use super::{Content, Item, ItemId, MeshId};
+use crate::geom::{Aabb, Transform};
+use crate::mesh::Mesh;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex, Weak};
+
+/// An item as it is to be, or as it was.
+#[derive(Clone, Debug)]
+pub(crate) struct Placing {
+    pub(crate) mesh: Arc<Mesh>,
+    pub(crate) place: Transform,
+    pub(crate) hides: bool,
+}
+
+/// What is to be exchanged, item by item.
+#[derive(Debug, Default)]
+pub(crate) struct Changes {
+    items: BTreeMap<ItemId, Change>,
+    /// The last number taken of those that are free, and how many were taken past the last item.
+    last_free: Option<u32>,
+    appended: u32,
+    /// How many faces more there will be.
+    more_faces: i64,
+}
+
+#[derive(Debug)]
+struct Change {
+    /// `None`: there is to be none.
+    placing: Option<Placing>,
+    bounds: Aabb,
+    /// Where it is to be another.
+    name: Option<String>,
+}
+
+/// An item that is another now, and the box that it had.
+#[derive(Clone, Copy, Debug)]
+pub struct Moved {
+    /// Which; its box is that of the content now, and empty if it is gone.
+    pub item: ItemId,
+    /// Its box before, in the space of the fragment; empty if it was not there.
+    pub was: Aabb,
+}
+
+/// What was exchanged.
+#[derive(Debug, Default)]
+pub(crate) struct Exchanged {
+    /// In order of items.
+    pub(crate) moved: Vec<Moved>,
+    /// The meshes that are others now, in order.
+    pub(crate) meshes: BTreeSet<MeshId>,
+    /// Nodes of the content's own tree that were touched.
+    pub(crate) nodes: u64,
+}
+
+/// Why an item cannot be as it is to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Unfit {
+    NotFinite,
+    TooFar,
+    NoFaces,
+    NoSuchMaterial(u32),
+    TooManyFaces,
+}
+
+/// How far out an item may reach, in scene units: squares of such lengths are still far from overflowing f32.
+pub(crate) const FARTHEST: f32 = 1e15;
+
+impl Placing {
+    /// As an item is now.
+    fn at(content: &Content, item: ItemId) -> Placing {
+        let placed = content.item(item);
+        Placing {
+            mesh: Arc::clone(&content.meshes[placed.mesh.0 as usize]),
+            place: placed.transform(),
+            hides: placed.hides,
+        }
+    }
+
+    /// The box around it, if it may stand there.
+    fn check(&self, content: &Content) -> Result<Aabb, Unfit> {
+        let materials = content.materials.len();
+        let clusters = self.mesh.clusters();
+        if let Some(cluster) = clusters.iter().find(|c| c.material.0 as usize >= materials) {
+            return Err(Unfit::NoSuchMaterial(cluster.material.0));
+        }
+        if clusters.is_empty() {
+            return Err(Unfit::NoFaces);
+        }
+        let place = self.place.columns();
+        let bounds = placed_bounds(&Transform::from_columns(place), &self.mesh);
+        let values = || bounds.min.iter().chain(&bounds.max).chain(place.iter().flatten());
+        if values().any(|value| value.is_nan()) {
+            return Err(Unfit::NotFinite);
+        }
+        if values().any(|value| value.abs() > FARTHEST) {
+            return Err(Unfit::TooFar);
+        }
+        Ok(bounds)
+    }
+}
+
+impl Changes {
+    /// An item as it will be; `None` where there will be none.
+    pub(crate) fn placing(&self, content: &Content, item: ItemId) -> Option<Placing> {
+        match self.items.get(&item) {
+            Some(change) => change.placing.clone(),
+            None => content.holds(item).then(|| Placing::at(content, item)),
+        }
+    }
+
+    /// An item's name, as it will be.
+    pub(crate) fn name<'a>(&'a self, content: &'a Content, item: ItemId) -> &'a str {
+        let change = self.items.get(&item).and_then(|change| change.name.as_deref());
+        change.unwrap_or_else(|| {
+            if content.holds(item) {
+                content.name(item)
+            } else {
+                ""
+            }
+        })
+    }
+
+    /// Has an item be as `placing` says.
+    pub(crate) fn set(
+        &mut self,
+        content: &Content,
+        item: ItemId,
+        placing: Option<Placing>,
+    ) -> Result<(), Unfit> {
+        let bounds = placing
+            .as_ref()
+            .map_or(Ok(Aabb::EMPTY), |placing| placing.check(content))?;
+        let faces =
+            |placing: &Option<Placing>| placing.as_ref().map_or(0, |p| i64::from(p.mesh.face_count()));
+        let more_faces = self.more_faces + faces(&placing) - faces(&self.placing(content, item));
+        if content.face_count() as i64 + more_faces > i64::from(u32::MAX) - MOST_OPENINGS as i64 {
+            return Err(Unfit::TooManyFaces);
+        }
+        self.more_faces = more_faces;
+        let change = self.items.entry(item).or_insert(Change {
+            placing: None,
+            bounds,
+            name: None,
+        });
+        change.bounds = bounds;
+        change.placing = placing;
+        Ok(())
+    }
+
+    /// Adds an item.
+    pub(crate) fn add(&mut self, content: &Content, name: &str, placing: Placing) -> Result<ItemId, Unfit> {
+        let next = self.last_free.map_or(0, |last| last + 1);
+        let free = content
+            .slots
+            .as_ref()
+            .and_then(|slots| slots.free_items.range(next..).next().copied());
+        let item = ItemId(free.unwrap_or(content.items.len() as u32 + self.appended));
+        self.set(content, item, Some(placing))?;
+        match free {
+            Some(number) => self.last_free = Some(number),
+            None => self.appended += 1,
+        }
+        if let Some(change) = self.items.get_mut(&item) {
+            change.name = Some(name.to_owned());
+        }
+        Ok(item)
+    }
+
+    /// Is nothing to be changed?
+    pub(crate) fn is_empty(&self) -> bool {
+        self.items.is_empty()
+    }
+}
+
+impl Content {
+    /// Exchanges items for those of `changes`, which then undo it.
+    pub(crate) fn exchange(&mut self, changes: &mut Changes) -> Exchanged {
+        let mut done = Exchanged::default();
+        let known = self.slots.take();
+        let mut slots = known.unwrap_or_else(|| {
+            let slots = Slots::new(&mut self.meshes, &self.items);
+            done.meshes.insert(slots.nothing);
+            slots
+        });
+        let mut left = Vec::new();
+        let mut renumbered = self.items.len();
+        for (&item, change) in &mut changes.items {
+            if item.0 as usize == self.items.len() {
+                self.push_nothing(&mut slots);
+            }
+            let (was, had) = (self.item(item).bounds, self.mesh_of(item).face_count());
+            left.extend(self.exchange_one(item, change, &mut slots, &mut done));
+            if self.mesh_of(item).face_count() != had {
+                renumbered = renumbered.min(item.0 as usize);
+            }
+            done.moved.push(Moved { item, was });
+        }
+        changes.more_faces = -changes.more_faces;
+        // Only now: of what one item leaves another may have become a copy.
+        let unused = left
+            .into_iter()
+            .filter(|&mesh| slots.drop_unused(mesh, &mut self.meshes));
+        done.meshes.extend(unused);
+        self.slots = Some(slots);
+        self.renumber(renumbered);
+        self.follow(&mut done);
+        self.shared = Mutex::new(Weak::<()>::new());
+        done
+    }
+
+    /// One more number, of no item yet.
+    fn push_nothing(&mut self, slots: &mut Slots) {
+        let number = self.items.len();
+        self.items.push(Item::nothing(slots.nothing));
+        self.names.push("");
+        self.first_faces.push(self.first_faces[number]);
+        slots.free_items.insert(number as u32);
+    }
+
+    /// Gives the mesh that one item fewer is a copy of.
+    fn exchange_one(
+        &mut self,
+        item: ItemId,
+        change: &mut Change,
+        slots: &mut Slots,
+        done: &mut Exchanged,
+    ) -> Option<MeshId> {
+        let number = item.0 as usize;
+        let before = (!slots.free_items.contains(&item.0)).then(|| Placing::at(self, item));
+        let after = change.placing.take();
+        let Item {
+            mesh: had, bounds, ..
+        } = self.items[number];
+        let bounds = std::mem::replace(&mut change.bounds, bounds);
+        if let Some(name) = &mut change.name {
+            let before = self.names.get(number).to_owned();
+            self.names.set(number, &std::mem::replace(name, before));
+        }
+        let stays = matches!((&before, &after), (Some(before), Some(after)) if Arc::ptr_eq(&before.mesh, &after.mesh));
+        let mesh = match &after {
+            Some(_) if stays => had,
+            Some(after) => {
+                let (mesh, is_new) = slots.take(&after.mesh, &mut self.meshes);
+                done.meshes.extend(is_new.then_some(mesh));
+                slots.free_items.remove(&item.0);
+                mesh
+            }
+            None => {
+                slots.free_items.insert(item.0);
+                slots.nothing
+            }
+        };
+        self.items[number] = after.map_or_else(
+            || Item::nothing(mesh),
+            |after| Item {
+                mesh,
+                fragment_from_item: after.place.columns(),
+                bounds,
+                hides: after.hides,
+            },
+        );
+        let left = (!stays && before.is_some()).then_some(had);
+        left.into_iter().for_each(|mesh| slots.give_back(mesh));
+        change.placing = before;
+        left
+    }
+
+    /// Numbers the faces anew, from an item on.
+    fn renumber(&mut self, from: usize) {
+        for item in from..self.items.len() {
+            let faces = self.meshes[self.items[item].mesh.0 as usize].face_count();
+            self.first_faces[item + 1] = self.first_faces[item] + faces;
+        }
+    }
+
+    /// Brings the tree over the items, if there is one, and the box around all up to date.
+    fn follow(&mut self, _done: &mut Exchanged) {
+        self.item_tree.take();
+        let holes = self.openings.iter().map(|opening| opening.outline.bounds());
+        let items = self.items.iter().map(|item| item.bounds);
+        self.bounds = holes.chain(items).fold(Aabb::EMPTY, |sum, held| sum.union(&held));
+    }
+}
+
+impl Item {
+    /// What stands at a number that no item has; `mesh` has no faces.
+    fn nothing(mesh: MeshId) -> Item {
+        Item {
+            mesh,
+            fragment_from_item: Transform::IDENTITY.columns(),
+            bounds: Aabb::EMPTY,
+            hides: true,
+        }
+    }
+}
+
+impl Clone for Content {
+    /// A copy of its own; meshes are shared.
+    fn clone(&self) -> Content {
+        Content {
+            meshes: self.meshes.clone(),
+            materials: Arc::clone(&self.materials),
+            items: self.items.clone(),
+            names: self.names.clone(),
+            slots: self.slots.clone(),
+            openings: self.openings.clone(),
+            item_tree: self.item_tree.clone(),
+            opening_tree: self.opening_tree.clone(),
+            outline_corners: self.outline_corners.clone(),
+            outline_ends: self.outline_ends.clone(),
+            first_faces: self.first_faces.clone(),
+            bounds: self.bounds,
+            shared: Mutex::new(Weak::<()>::new()),
+        }
+    }
+}

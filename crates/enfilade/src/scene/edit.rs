@@ -1,0 +1,275 @@
+//! Edits: items that come, go, move and change, between looks.
+//!
+//! Everything asked for is checked at once, and done at the end, all of it or nothing. Orders that can follow in place do;
+//! others are built anew. A viewer's memory stays right: what it saw last and is no more is not asked for again.
+
+use super::{Body, FragmentId, Scene, SceneError};
+use crate::content::{Changes, FARTHEST, ItemId, Placing, Unfit};
+use crate::geom::Transform;
+use crate::mesh::Mesh;
+use crate::method::{Edited, TooLarge};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use thiserror::Error;
+
+/// Changes of items that are not yet done: [`Edit::finish`] does them. Dropped before, it leaves the scene as it was.
+///
+/// An item that stands in several fragments is one in each.
+#[must_use = "nothing changes before `finish`"]
+pub struct Edit<'a> {
+    scene: &'a mut Scene,
+    changes: BTreeMap<FragmentId, Changes>,
+}
+
+/// Why an item cannot be changed so. It stays as it was, and the rest of the edit goes on.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum EditError {
+    /// The scene has no such fragment.
+    #[error("there is no fragment {fragment}: the scene has {fragments}")]
+    NoSuchFragment {
+        /// Which was asked for.
+        fragment: u32,
+        /// How many there are.
+        fragments: usize,
+    },
+    /// The fragment is one of the user's own.
+    #[error("fragment `{0}` is one of your own: its items are its own affair")]
+    NotOurs(String),
+    /// There is no such item, or not any more.
+    #[error("fragment `{fragment}` has no item {item}: it was removed, or never there")]
+    NoSuchItem {
+        /// The fragment's name.
+        fragment: String,
+        /// Which was asked for.
+        item: u32,
+    },
+    /// A place is NaN.
+    #[error("item `{0}` would stand at a place that is no number")]
+    NotFinite(String),
+    /// A place is too far out for its squares to be computed with.
+    #[error("item `{0}` would reach farther out than {FARTHEST:e}")]
+    TooFar(String),
+    /// A mesh has no faces.
+    #[error("item `{0}` would have no faces; remove it instead")]
+    NoFaces(String),
+    /// A mesh is made of a material that the fragment does not have.
+    #[error("item `{item}` is made of material {material}, but its fragment has only {materials}")]
+    NoSuchMaterial {
+        /// The item's name.
+        item: String,
+        /// The material that its mesh names.
+        material: u32,
+        /// How many there are.
+        materials: usize,
+    },
+    /// Faces are numbered with 32 bits.
+    #[error("with item `{0}` there would be 4 billion faces in one fragment")]
+    TooManyFaces(String),
+}
+
+impl Scene {
+    /// Begins to change items, between looks.
+    ///
+    /// ```
+    /// # use enfilade::*;
+    /// # let mut scene = enfilade_scenes::scene("two-rooms").expect("a scene").scene;
+    /// # let hall = FragmentId(0);
+    /// let mut edit = scene.edit();
+    /// edit.place(hall, ItemId(0), Transform::translation([0.0, 1.0, 0.0]))?;
+    /// let edited = edit.finish()?;
+    /// assert_eq!((edited.items, edited.rebuilt), (1, 0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// Cost: O(log items) for each change where the fragment's order can follow in place, which is all but
+    /// [`Method::Bsp`](crate::Method::Bsp) and [`Method::BspFront`](crate::Method::BspFront): those are built anew at the
+    /// end. What the scene shares with a copy of it, or a content that somebody else holds too, becomes its own first, once.
+    pub fn edit(&mut self) -> Edit<'_> {
+        Edit {
+            scene: self,
+            changes: BTreeMap::new(),
+        }
+    }
+}
+
+impl Edit<'_> {
+    /// Adds an item to a fragment. Its number is the lowest that is free: that of one removed in an earlier edit, if any.
+    /// The mesh is known by its address, so that copies share it; one that no item is a copy of any more is let go.
+    ///
+    /// # Errors
+    /// [`EditError`], and then nothing is added.
+    pub fn add(
+        &mut self,
+        fragment: FragmentId,
+        name: &str,
+        mesh: impl Into<Arc<Mesh>>,
+        fragment_from_item: Transform,
+    ) -> Result<ItemId, EditError> {
+        let placing = Placing {
+            mesh: mesh.into(),
+            place: fragment_from_item,
+            hides: true,
+        };
+        let (scene, changes) = self.of(fragment)?;
+        let content = scene.content(fragment).ok_or_else(|| not_ours(scene, fragment))?;
+        let added = changes.add(content, name, placing);
+        added.map_err(|unfit| told(unfit, name.to_owned(), content.materials().len()))
+    }
+
+    /// Removes an item.
+    ///
+    /// # Errors
+    /// [`EditError`], and then nothing is removed.
+    pub fn remove(&mut self, fragment: FragmentId, item: ItemId) -> Result<(), EditError> {
+        self.change(fragment, item, |_| None)
+    }
+
+    /// Moves an item.
+    ///
+    /// # Errors
+    /// [`EditError`], and then it stays where it was.
+    pub fn place(
+        &mut self,
+        fragment: FragmentId,
+        item: ItemId,
+        fragment_from_item: Transform,
+    ) -> Result<(), EditError> {
+        self.change(fragment, item, |was| {
+            Some(Placing {
+                place: fragment_from_item,
+                ..was
+            })
+        })
+    }
+
+    /// Gives an item another mesh, at the same place.
+    ///
+    /// # Errors
+    /// [`EditError`], and then it keeps the one that it had.
+    pub fn set_mesh(
+        &mut self,
+        fragment: FragmentId,
+        item: ItemId,
+        mesh: impl Into<Arc<Mesh>>,
+    ) -> Result<(), EditError> {
+        let mesh = mesh.into();
+        self.change(fragment, item, |was| Some(Placing { mesh, ..was }))
+    }
+
+    /// May an item hide what is behind it? All may unless told: moving ones are culled, and hide others. One that does not
+    /// is seen past, in every method, as a cut-out is.
+    ///
+    /// # Errors
+    /// [`EditError`], and then it stays as it was.
+    pub fn set_hides(&mut self, fragment: FragmentId, item: ItemId, hides: bool) -> Result<(), EditError> {
+        self.change(fragment, item, |was| Some(Placing { hides, ..was }))
+    }
+
+    /// Does everything that was asked for.
+    ///
+    /// # Errors
+    /// [`SceneError::TooLarge`] where a fragment would need too much memory, and then the scene is as it was.
+    pub fn finish(self) -> Result<Edited, SceneError> {
+        let Edit { scene, mut changes } = self;
+        changes.retain(|_, changes| !changes.is_empty());
+        let limit = scene.limit_bytes;
+        let mut edited = Edited::default();
+        let mut refused = None;
+        for (&fragment, changes) in &mut changes {
+            match scene.exchange(fragment, changes, limit) {
+                Ok(done) => edited.add(&done),
+                Err(why) => {
+                    refused = Some((fragment, why));
+                    break;
+                }
+            }
+        }
+        let Some((fragment, why)) = refused else {
+            return Ok(edited);
+        };
+        for (&done, changes) in changes.range_mut(..fragment) {
+            // What was there before needs no more than it did then.
+            let _ = scene.exchange(done, changes, u64::MAX);
+        }
+        Err(SceneError::TooLarge {
+            fragment: scene.fragment_name(fragment).to_owned(),
+            why,
+        })
+    }
+
+    fn change(
+        &mut self,
+        fragment: FragmentId,
+        item: ItemId,
+        change: impl FnOnce(Placing) -> Option<Placing>,
+    ) -> Result<(), EditError> {
+        let (scene, changes) = self.of(fragment)?;
+        let content = scene.content(fragment).ok_or_else(|| not_ours(scene, fragment))?;
+        let was = changes
+            .placing(content, item)
+            .ok_or_else(|| EditError::NoSuchItem {
+                fragment: scene.fragment_name(fragment).to_owned(),
+                item: item.0,
+            })?;
+        let set = changes.set(content, item, change(was));
+        set.map_err(|unfit| {
+            told(
+                unfit,
+                changes.name(content, item).to_owned(),
+                content.materials().len(),
+            )
+        })
+    }
+
+    fn of(&mut self, fragment: FragmentId) -> Result<(&Scene, &mut Changes), EditError> {
+        let fragments = self.scene.fragment_count();
+        if fragment.0 as usize >= fragments {
+            return Err(EditError::NoSuchFragment {
+                fragment: fragment.0,
+                fragments,
+            });
+        }
+        Ok((self.scene, self.changes.entry(fragment).or_default()))
+    }
+}
+
+impl Scene {
+    fn exchange(&mut self, id: FragmentId, changes: &mut Changes, limit: u64) -> Result<Edited, TooLarge> {
+        let placed = &mut self.fragments[id.0 as usize];
+        let Body::Ours { method, fragment } = &mut placed.body else {
+            return Ok(Edited::default());
+        };
+        if Arc::get_mut(fragment).is_none() {
+            // A copy of the scene goes on with the one that both had.
+            *fragment = method.build_ours(Arc::clone(fragment.content()), limit)?;
+            placed.builds += 1;
+        }
+        let Some(own) = Arc::get_mut(fragment) else {
+            unreachable!("it was just made");
+        };
+        let edited = own.edit(changes, limit)?;
+        placed.builds += edited.rebuilt;
+        let bounds = own.bounds();
+        self.boxes.change(id, bounds);
+        Ok(edited)
+    }
+}
+
+fn not_ours(scene: &Scene, fragment: FragmentId) -> EditError {
+    EditError::NotOurs(scene.fragment_name(fragment).to_owned())
+}
+
+fn told(unfit: Unfit, item: String, materials: usize) -> EditError {
+    match unfit {
+        Unfit::NotFinite => EditError::NotFinite(item),
+        Unfit::TooFar => EditError::TooFar(item),
+        Unfit::NoFaces => EditError::NoFaces(item),
+        Unfit::NoSuchMaterial(material) => EditError::NoSuchMaterial {
+            item,
+            material,
+            materials,
+        },
+        Unfit::TooManyFaces => EditError::TooManyFaces(item),
+    }
+}

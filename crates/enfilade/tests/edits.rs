@@ -1,0 +1,233 @@
+//! Edits: what comes of them, and what is refused.
+
+use enfilade::{
+    Aabb, ContentBuilder, Contract, EditError, FragmentId, ItemId, Material, MaterialId, Mesh, Method, Scene,
+    SceneBuilder, SceneError, Transform, View, Viewer,
+};
+use std::sync::Arc;
+
+const HALL: FragmentId = FragmentId(0);
+const VIEW: [u32; 2] = [96, 72];
+
+fn leaf() -> Arc<Mesh> {
+    let corners = [[-0.3, 0.0, 0.0], [0.3, 0.0, 0.0], [0.0, 0.6, 0.0]];
+    Arc::new(Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)).expect("a leaf"))
+}
+
+/// A wall with three leaves before it.
+fn hall(method: Method) -> Scene {
+    let mut hall = ContentBuilder::new([Material {
+        double_sided: true,
+        ..Material::opaque([0.5; 3])
+    }]);
+    let corners = [[-9.0, -9.0, -9.0], [9.0, -9.0, -9.0], [0.0, 9.0, -9.0]];
+    let wall = hall.mesh(Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)).expect("a wall"));
+    hall.item("wall", wall, Transform::IDENTITY);
+    let leaf = hall.mesh(leaf());
+    for (name, x) in [("left", -1.0), ("middle", 0.0), ("right", 1.0)] {
+        hall.item(name, leaf, Transform::translation([x, 0.0, -4.0]));
+    }
+    let mut scene = SceneBuilder::new();
+    scene.add("hall", hall.build().expect("sound"), method);
+    scene.build().expect("a hall")
+}
+
+fn seen(viewer: &mut Viewer, scene: &Scene) -> Vec<String> {
+    let view = View::new([0.0, 0.3, 0.0], [0.0, 0.3, -4.0], VIEW);
+    let content = scene.content(HALL).expect("ours");
+    let items = viewer.look(scene, &view).items().iter();
+    items.map(|item| content.name(item.item).to_owned()).collect()
+}
+
+#[test]
+fn what_is_removed_is_not_seen_and_its_number_goes_to_the_next_that_comes() {
+    for method in Method::ALL {
+        let (mut scene, mut viewer) = (hall(method), Viewer::new());
+        assert_eq!(seen(&mut viewer, &scene), ["wall", "left", "middle", "right"]);
+        let mut edit = scene.edit();
+        edit.remove(HALL, ItemId(1)).expect("it is there");
+        edit.remove(HALL, ItemId(2)).expect("it is there");
+        assert_eq!(edit.finish().expect("little").items, 2);
+        assert_eq!(seen(&mut viewer, &scene), ["wall", "right"], "{method}");
+        assert_eq!(scene.item_count(), 2);
+        let there = Transform::translation([0.0, 0.0, -3.0]);
+        let mut edit = scene.edit();
+        let [first, second, third] =
+            ["a", "b", "c"].map(|name| edit.add(HALL, name, leaf(), there).expect("it fits"));
+        edit.finish().expect("little");
+        assert_eq!([first, second, third], [ItemId(1), ItemId(2), ItemId(4)]);
+        assert!(seen(&mut viewer, &scene).contains(&"a".to_owned()), "{method}");
+        assert_eq!(scene.item_count(), 5);
+    }
+}
+
+#[test]
+fn an_edit_that_is_dropped_changes_nothing() {
+    let mut scene = hall(Method::HierarchicalZ);
+    let before = scene.content(HALL).expect("ours").items().to_vec();
+    let mut edit = scene.edit();
+    edit.remove(HALL, ItemId(1)).expect("it is there");
+    edit.add(HALL, "new", leaf(), Transform::IDENTITY)
+        .expect("it fits");
+    drop(edit);
+    assert_eq!(scene.content(HALL).expect("ours").items(), before);
+}
+
+#[test]
+fn a_copy_of_a_scene_stays_as_it_was() {
+    for method in Method::ALL {
+        let mut scene = hall(method);
+        let (copy, content) = (scene.clone(), scene.content(HALL).expect("ours").clone());
+        let mut edit = scene.edit();
+        edit.remove(HALL, ItemId(1)).expect("it is there");
+        edit.place(HALL, ItemId(2), Transform::translation([0.0, 50.0, 0.0]))
+            .expect("it may");
+        edit.finish().expect("little");
+        assert_eq!(seen(&mut Viewer::new(), &scene), ["wall", "right"], "{method}");
+        assert_eq!(
+            seen(&mut Viewer::new(), &copy),
+            ["wall", "left", "middle", "right"],
+            "{method}"
+        );
+        assert_eq!(content.item_count(), 4);
+    }
+}
+
+#[test]
+fn a_leaf_that_is_seen_past_hides_nothing() {
+    for method in Method::ALL {
+        let (mut scene, mut viewer) = (hall(method), Viewer::new());
+        let mut edit = scene.edit();
+        // Before the eye stands a leaf that hides everything, then one that does not.
+        let near = Transform::from_columns([
+            [20.0, 0.0, 0.0],
+            [0.0, 20.0, 0.0],
+            [0.0, 0.0, 20.0],
+            [0.0, -4.0, -1.0],
+        ]);
+        let leaf = edit.add(HALL, "near", leaf(), near).expect("it fits");
+        edit.finish().expect("little");
+        let hidden = seen(&mut viewer, &scene);
+        if method.contract() > Contract::Approximate {
+            assert_eq!(hidden, ["near"], "{method}");
+        }
+        let mut edit = scene.edit();
+        edit.set_hides(HALL, leaf, false).expect("it is there");
+        edit.finish().expect("little");
+        let names = ["wall", "left", "middle", "right", "near"];
+        assert_eq!(seen(&mut viewer, &scene), names, "{method}");
+    }
+}
+
+#[test]
+fn meshes_live_as_long_as_an_item_is_a_copy_of_them() {
+    let mut scene = hall(Method::Masked);
+    let first = scene.content(HALL).expect("ours").bytes();
+    for round in 0..100 {
+        let mut edit = scene.edit();
+        let there = Transform::translation([0.0, round as f32 * 0.01, -3.0]);
+        for item in 1..4 {
+            edit.set_mesh(HALL, ItemId(item), leaf()).expect("it fits");
+            edit.place(HALL, ItemId(item), there).expect("it may");
+        }
+        edit.finish().expect("little");
+    }
+    let content = scene.content(HALL).expect("ours");
+    assert!(content.meshes().len() < 10, "{}", content.meshes().len());
+    assert!(content.bytes() < 3 * first + 1000);
+    assert_eq!(seen(&mut Viewer::new(), &scene).len(), 4);
+}
+
+#[test]
+fn what_cannot_be_is_refused_and_the_item_stays_as_it_was() {
+    let mut scene = hall(Method::HierarchicalZ);
+    let before = scene.content(HALL).expect("ours").items().to_vec();
+    let mut edit = scene.edit();
+    let item = ItemId(2);
+    let at = |x: f32| Transform::translation([x, 0.0, 0.0]);
+    let says = |refused: Result<(), EditError>, message: &str| {
+        assert_eq!(refused.expect_err(message).to_string(), message);
+    };
+    says(
+        edit.place(HALL, item, at(f32::NAN)),
+        "item `middle` would stand at a place that is no number",
+    );
+    for far in [1e30, -1e30, f32::INFINITY] {
+        says(
+            edit.place(HALL, item, at(far)),
+            "item `middle` would reach farther out than 1e15",
+        );
+    }
+    says(
+        edit.set_mesh(HALL, item, Mesh::new(&[]).expect("nothing")),
+        "item `middle` would have no faces; remove it instead",
+    );
+    let of_gold = Mesh::triangles(
+        &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        &[0, 1, 2],
+        MaterialId(7),
+    )
+    .expect("a triangle");
+    says(
+        edit.add(HALL, "coin", of_gold, at(0.0)).map(|_| ()),
+        "item `coin` is made of material 7, but its fragment has only 1",
+    );
+    says(
+        edit.add(HALL, "ghost", leaf(), at(f32::NAN)).map(|_| ()),
+        "item `ghost` would stand at a place that is no number",
+    );
+    says(
+        edit.remove(HALL, ItemId(9)),
+        "fragment `hall` has no item 9: it was removed, or never there",
+    );
+    says(
+        edit.remove(FragmentId(3), item),
+        "there is no fragment 3: the scene has 1",
+    );
+    edit.finish().expect("nothing to do");
+    assert_eq!(scene.content(HALL).expect("ours").items(), before);
+
+    let mut edit = scene.edit();
+    edit.remove(HALL, item).expect("once");
+    let twice = "fragment `hall` has no item 2: it was removed, or never there";
+    says(edit.remove(HALL, item), twice);
+    edit.finish().expect("little");
+    let mut edit = scene.edit();
+    says(edit.remove(HALL, item), twice);
+    says(edit.place(HALL, item, at(0.0)), twice);
+    edit.finish().expect("nothing to do");
+}
+
+#[test]
+fn an_edit_that_needs_too_much_memory_is_undone_in_every_fragment() {
+    let room = |scene: &Scene| (**scene.content(HALL).expect("ours")).clone();
+    let source = hall(Method::ZBuffer);
+    let mut builder = SceneBuilder::new();
+    builder.limit_bytes(40_000);
+    let open = builder.add("open", room(&source), Method::HierarchicalZ);
+    let tree = builder.add("tree", room(&source), Method::Bsp);
+    let mut scene = builder.build().expect("small enough");
+    let before = [open, tree].map(|id| scene.content(id).expect("ours").items().to_vec());
+    let mut edit = scene.edit();
+    edit.remove(open, ItemId(1)).expect("it is there");
+    for i in 0..2000_u16 {
+        let there = Transform::translation([f32::from(i), 0.0, 0.0]);
+        edit.add(tree, "more", leaf(), there)
+            .expect("one by one they fit");
+    }
+    let refused = edit.finish().expect_err("a BSP tree of two thousand leaves");
+    assert!(
+        matches!(&refused, SceneError::TooLarge { fragment, .. } if fragment == "tree"),
+        "{refused}"
+    );
+    let after = [open, tree].map(|id| scene.content(id).expect("ours"));
+    assert_eq!(after[0].items(), before[0]);
+    assert_eq!(after[1].item_count(), before[1].len());
+    assert_eq!(after[1].items()[..4], before[1]);
+    assert!(
+        after[1].items()[4..]
+            .iter()
+            .all(|item| item.bounds == Aabb::EMPTY)
+    );
+    assert_eq!(seen(&mut Viewer::new(), &scene).len(), 4);
+}

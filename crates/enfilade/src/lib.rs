@@ -42,6 +42,7 @@ pub mod order;
 mod aperture;
 mod canvas;
 mod content;
+mod detail;
 mod faces;
 mod fragment;
 #[cfg(feature = "laws")]
@@ -67,6 +68,7 @@ pub use content::{
     Alpha, Content, ContentBuilder, ContentError, Item, ItemId, Material, MaterialId, MeshId, Moved, Opening,
     OpeningId, Owner,
 };
+pub use detail::{BezierPatch, BezierSurface, DetailError, DetailOptions, DetailSource, Details, Refined};
 pub use faces::{Faces, Of};
 pub use fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
 pub use geom::{Aabb, ConvexPolygon, Transform};

@@ -216,6 +216,32 @@ impl Passage {
         Region::of(self, &self.screen_from_fragment, bounds).is_some()
     }
 
+    /// By how many pixels a point of an item moves on the screen, at most, where it is moved by one unit of the item's space
+    /// somewhere within `bounds`, a box of that space; 0 where none of the box may be seen.
+    pub fn pixels_per_unit(&self, fragment_from_item: &Transform, bounds: &Aabb) -> f64 {
+        let screen_from_item = self.screen_from(fragment_from_item);
+        let Some(Region { rect, nearest, .. }) = Region::of(self, &screen_from_item, bounds) else {
+            return 0.0;
+        };
+        let rows = screen_from_item.matrix3.transpose();
+        // The screen place (X, Y) / W moves by (dX − x dW, dY − y dW) / W: most at a corner, for it is convex in x and y.
+        let stretch = [
+            [rect.x0, rect.y0],
+            [rect.x1, rect.y0],
+            [rect.x0, rect.y1],
+            [rect.x1, rect.y1],
+        ]
+        .map(|corner| {
+            let [x, y] = corner.map(f64::from);
+            let [a, b] = [rows.x_axis - x * rows.z_axis, rows.y_axis - y * rows.z_axis];
+            let [aa, bb, ab] = [a.dot(a), b.dot(b), a.dot(b)];
+            (0.5 * (aa + bb) + (0.25 * (aa - bb).powi(2) + ab * ab).sqrt()).sqrt()
+        })
+        .into_iter()
+        .fold(0.0, f64::max);
+        stretch * f64::from(nearest).min(1.0 / f64::from(self.near))
+    }
+
     /// Where the eye stands in the space of the fragment, and the direction in which it sees the place (x, y) of the
     /// screen, in pixels: of a length of 1 along the line of sight, in units at the eye.
     pub fn ray(&self, [x, y]: [f64; 2]) -> [[f64; 3]; 2] {

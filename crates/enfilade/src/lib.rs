@@ -40,6 +40,7 @@ pub mod geom;
 pub mod order;
 
 mod aperture;
+mod blend;
 mod canvas;
 mod content;
 mod detail;

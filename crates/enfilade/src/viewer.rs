@@ -1,12 +1,13 @@
 //! The working memory of one camera, and how it follows openings from fragment to fragment.
 
 use crate::canvas::{Canvas, Span};
-use crate::content::Owner;
+use crate::content::{Alpha, Content, Owner};
 use crate::memory::Memory;
+use crate::mesh::Cluster;
 use crate::passage::{Passage, PassageId};
 use crate::region::Region;
 use crate::scene::{PortalId, Scene};
-use crate::seen::{Seen, SeenOpening};
+use crate::seen::{Seen, SeenItem, SeenOpening};
 use crate::stats::Stats;
 use crate::view::View;
 use crate::visible::{VisibleItem, VisibleSet};
@@ -282,6 +283,14 @@ impl Look<'_> {
         let content = self.scene.content(passage.fragment);
         let shift = self.set.clusters.len() as u32;
         self.set.clusters.extend(&seen.clusters);
+        let blends = |content: &Content, item: &SeenItem| {
+            let clusters = content.mesh_of(item.item).clusters();
+            let is_glass = |cluster: &Cluster| content.material(cluster).alpha == Alpha::Blend;
+            match &seen.clusters[item.clusters[0] as usize..item.clusters[1] as usize] {
+                [] => clusters.iter().any(is_glass),
+                known => known.iter().any(|&number| is_glass(&clusters[number as usize])),
+            }
+        };
         self.set.items.extend(seen.items.iter().map(|seen| {
             let region = content.and_then(|content| {
                 let screen_from_item = passage.screen_from(&content.item(seen.item).transform());
@@ -294,6 +303,7 @@ impl Look<'_> {
                 passage: id,
                 item: seen.item,
                 size_px,
+                blends: content.is_some_and(|content| blends(content, seen)),
                 clusters: seen.clusters.map(|at| at + shift),
             }
         }));

@@ -24,6 +24,9 @@ pub struct VisibleItem {
     pub item: ItemId,
     /// The longer side of its box on the screen, in pixels, within the aperture.
     pub size_px: u16,
+    /// Is any of what may be seen of it glass? Then it is to be blended over what is opaque: see
+    /// [`VisibleSet::blend_order`].
+    pub blends: bool,
     pub(crate) clusters: [u32; 2],
 }
 

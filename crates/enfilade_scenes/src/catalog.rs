@@ -69,7 +69,7 @@ impl Named {
 }
 
 /// All scenes: the default, those of the laws, and the figures of the thesis.
-pub const SCENES: [Named; 40] = [
+pub const SCENES: [Named; 41] = [
     Named {
         name: "enfilade",
         about: "a palace: twelve rooms in line, a gallery, a court, cabinets, a doll's house, a fountain that can move",
@@ -149,6 +149,12 @@ pub const SCENES: [Named; 40] = [
         "panes and leaves before and behind things",
         &[Group::Glass, Group::Doors, Group::Intersections],
         laws::glass,
+    ),
+    law(
+        "bottles",
+        "glass upon glass: crossing, nested, through a statue, in a mirror",
+        &[Group::Glass, Group::Doors, Group::Mirrors, Group::Intersections],
+        laws::bottles,
     ),
     law(
         "one-sided",

@@ -7,6 +7,7 @@
 
 mod bundle;
 mod hits;
+mod layers;
 mod lens;
 mod owners;
 mod reference;
@@ -14,6 +15,7 @@ mod straight;
 mod tree;
 mod truth;
 
+pub use layers::{LayerPicture, LayerVerdict, Layers};
 pub use owners::OwnerPicture;
 pub use reference::Reference;
 pub use straight::{Lamplight, chains, goes_straight};

@@ -3,6 +3,7 @@
 use super::EPSILON;
 use super::bundle::Bundle;
 use super::hits::Hits;
+use super::layers::{Layers, Pane};
 use super::lens::{Chance, Lens, PLACES, RAYS};
 use super::tree::{Built, Meeting, Trees};
 use super::truth::{Chain, Possible, Told, Truth};
@@ -34,9 +35,15 @@ impl Reference {
     /// viewers that will be held against it.
     pub fn see(&self, scene: &Scene, view: &View, limits: &Limits) -> Truth {
         let lens = Lens::new(view);
-        let rows = self.rows(scene, view, limits, |look, pixel, told| {
-            told.sample(look.along(lens.about_centre(pixel), RAYS));
-        });
+        let rows = self.rows(
+            scene,
+            view,
+            limits,
+            |look, pixel, told: &mut Told| {
+                told.sample(look.along(lens.about_centre(pixel), RAYS));
+            },
+            Told::settle,
+        );
         Truth::new(view.size, rows)
     }
 
@@ -44,28 +51,50 @@ impl Reference {
     /// a strict method must hold. It says nothing of pictures.
     pub fn see_anywhere(&self, scene: &Scene, view: &View, limits: &Limits, places: u32, seed: u64) -> Truth {
         let lens = Lens::new(view);
-        let rows = self.rows(scene, view, limits, |look, pixel, told| {
-            let mut chance = Chance::new(seed, pixel);
-            let mut left = places as usize;
-            while left > 0 {
-                // Rays through one pixel go through the same boxes: together they are followed faster.
-                let used = left.min(PLACES);
-                let seen = look.along(lens.anywhere(pixel, used, &mut chance), used);
-                seen.chunks(1).for_each(|ray| told.place(ray));
-                left -= used;
-            }
-        });
+        let rows = self.rows(
+            scene,
+            view,
+            limits,
+            |look, pixel, told: &mut Told| {
+                let mut chance = Chance::new(seed, pixel);
+                let mut left = places as usize;
+                while left > 0 {
+                    // Rays through one pixel go through the same boxes: together they are followed faster.
+                    let used = left.min(PLACES);
+                    let seen = look.along(lens.anywhere(pixel, used, &mut chance), used);
+                    seen.chunks(1).for_each(|ray| told.place(ray));
+                    left -= used;
+                }
+            },
+            Told::settle,
+        );
         Truth::new(view.size, rows)
     }
 
+    /// The glass, and the cut-outs, that lie over what hides at each sample of a view, in order.
+    pub fn layers(&self, scene: &Scene, view: &View, limits: &Limits) -> Layers {
+        let lens = Lens::new(view);
+        let rows = self.rows(
+            scene,
+            view,
+            limits,
+            |look, pixel, layers: &mut Layers| {
+                layers.sample(look.along(lens.about_centre(pixel), RAYS));
+            },
+            |_| {},
+        );
+        Layers::of_rows(view.size, rows)
+    }
+
     /// What is told of each row, where `pixel` looks through one pixel.
-    fn rows<const N: usize>(
+    fn rows<const N: usize, T: Default + Send>(
         &self,
         scene: &Scene,
         view: &View,
         limits: &Limits,
-        pixel: impl Fn(&mut Look<'_, N>, [u32; 2], &mut Told) + Sync,
-    ) -> Vec<Told> {
+        pixel: impl Fn(&mut Look<'_, N>, [u32; 2], &mut T) + Sync,
+        settle: impl Fn(&mut T) + Sync,
+    ) -> Vec<T> {
         let Some(fragment) = scene.fragment_of(view) else {
             return Vec::new();
         };
@@ -78,9 +107,9 @@ impl Reference {
                 fragment,
                 rays: std::array::from_fn(|_| RaySees::default()),
             };
-            let mut told = Told::default();
+            let mut told = T::default();
             (0..view.size[0]).for_each(|x| pixel(&mut look, [x, y], &mut told));
-            told.settle();
+            settle(&mut told);
             told
         };
         (0..view.size[1]).into_par_iter().map(row).collect()
@@ -91,8 +120,8 @@ impl Reference {
 #[derive(Clone, Default)]
 pub(super) struct RaySees {
     pub(super) possible: Vec<Possible>,
-    /// Glass in front, and whether it certainly is.
-    pub(super) glass: Vec<(Chain, ItemId, bool)>,
+    /// Glass and cut-outs in front.
+    pub(super) glass: Vec<Pane>,
 }
 
 /// Follows one bundle after the other.
@@ -184,10 +213,16 @@ impl<const N: usize> Look<'_, N> {
                     ahead[known].active[ray] = true;
                     ahead[known].entry[ray] = w;
                 }
-                Owner::Face(item, _) if !hides => {
+                Owner::Face(item, face) if !hides => {
                     let in_front = w < hits.nearest(ray) * (1.0 - EPSILON);
                     let sure = certain[ray] && in_front && hits.certainly_beyond(ray, w);
-                    self.rays[ray].glass.push((chain, item, sure));
+                    self.rays[ray].glass.push(Pane {
+                        chain,
+                        item,
+                        face,
+                        place: (way.depth, w),
+                        sure,
+                    });
                 }
                 owner => {
                     ends[ray] = true;

@@ -75,12 +75,16 @@ impl Told {
         }
         self.glass.clear();
         let glass = rays.iter().flat_map(|ray| &ray.glass);
-        self.glass.extend(glass.map(|&(chain, item, _)| (chain, item)));
+        self.glass.extend(glass.map(|pane| (pane.chain, pane.item)));
         self.glass.sort_unstable();
         self.glass.dedup();
         for &seen in &self.glass {
             let mut all = rays.iter();
-            if all.all(|ray| ray.glass.iter().any(|&(c, i, sure)| sure && (c, i) == seen)) {
+            if all.all(|ray| {
+                ray.glass
+                    .iter()
+                    .any(|pane| pane.sure && (pane.chain, pane.item) == seen)
+            }) {
                 push_new(&mut self.certain, seen);
             }
             push_new(&mut self.imaginable, seen);

@@ -2,6 +2,7 @@
 
 mod doors;
 mod edits;
+mod glass;
 mod mixed;
 mod subject;
 

@@ -1,5 +1,6 @@
 //! Small worlds that the laws hold every method against. Each tells a story that a picture of it can be checked by.
 
+mod bottles;
 mod impossible;
 mod neighbours;
 mod openings;
@@ -9,6 +10,7 @@ pub(crate) mod stage;
 mod surfaces;
 mod teleports;
 
+pub(crate) use bottles::bottles;
 pub(crate) use impossible::impossible;
 pub(crate) use neighbours::{seams, wings};
 pub(crate) use openings::{free_doorway, mirror, mirrors, nested};

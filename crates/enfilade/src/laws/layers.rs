@@ -1,0 +1,148 @@
+//! Glass and cut-outs along rays: what lies over what, and how a picture is held against it.
+//!
+//! A sample's five rays must agree on what they meet, in which order, and that it is in front, or it says nothing: there
+//! two panes cross, or one ends.
+
+use super::EPSILON;
+use super::reference::RaySees;
+use super::truth::Chain;
+use crate::canvas::{Canvas, Span};
+use crate::content::{ItemId, Owner};
+use crate::passage::{Passage, PassageId};
+
+/// A face of glass, or of a cut-out, that a ray meets.
+#[derive(Clone, Copy)]
+pub(super) struct Pane {
+    pub(super) chain: Chain,
+    pub(super) item: ItemId,
+    pub(super) face: u32,
+    /// How many portals lie before it, and how far it is.
+    pub(super) place: (u16, f64),
+    /// Is it in front for certain?
+    pub(super) sure: bool,
+}
+
+/// A face through a chain of portals.
+type Layer = (u64, Owner);
+
+/// The glass over each sample of a view, from the farthest to the nearest.
+#[derive(Default)]
+pub struct Layers {
+    width: usize,
+    /// Of each sample; `None` where its rays do not agree.
+    samples: Vec<Option<Vec<Layer>>>,
+}
+
+/// A canvas that keeps the glass that is painted over each sample, in order.
+pub struct LayerPicture {
+    width: usize,
+    chain: u64,
+    samples: Vec<Vec<Layer>>,
+}
+
+/// How a picture's glass compares with the truth.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct LayerVerdict {
+    /// Samples with glass on which all rays agree.
+    pub compared: usize,
+    /// Those of them that have two layers or more.
+    pub stacked: usize,
+    /// The most layers of any.
+    pub deepest: usize,
+    /// Samples with other glass, or in another order: x, y.
+    pub different: Vec<[u32; 2]>,
+}
+
+impl Layers {
+    pub(super) fn of_rows(size: [u32; 2], rows: Vec<Layers>) -> Layers {
+        Layers {
+            width: size[0] as usize,
+            samples: rows.into_iter().flat_map(|row| row.samples).collect(),
+        }
+    }
+
+    pub(super) fn sample(&mut self, rays: &[RaySees]) {
+        let all: Option<Vec<Vec<Layer>>> = rays.iter().map(along).collect();
+        let agreed = all.and_then(|mut all| {
+            let first = all.swap_remove(0);
+            all.iter().all(|other| *other == first).then_some(first)
+        });
+        self.samples.push(agreed);
+    }
+
+    /// Holds a picture against it, wherever the rays of a sample agree.
+    pub fn check(&self, picture: &LayerPicture) -> LayerVerdict {
+        let mut verdict = LayerVerdict::default();
+        for (sample, (truth, painted)) in self.samples.iter().zip(&picture.samples).enumerate() {
+            let Some(truth) = truth else { continue };
+            verdict.compared += usize::from(!truth.is_empty());
+            verdict.stacked += usize::from(truth.len() > 1);
+            verdict.deepest = verdict.deepest.max(truth.len());
+            if truth != painted {
+                let at = [sample % self.width, sample / self.width];
+                verdict.different.push(at.map(|value| value as u32));
+            }
+        }
+        verdict
+    }
+
+    /// What lies over a sample, and what a picture has there, as text: for the message of a law that fails.
+    pub fn describe(&self, picture: &LayerPicture, [x, y]: [u32; 2]) -> String {
+        let sample = y as usize * self.width + x as usize;
+        format!("{:?}, not {:?}", picture.samples[sample], self.samples[sample])
+    }
+}
+
+/// The glass along a ray, the farthest first; `None` where it is not certain.
+fn along(ray: &RaySees) -> Option<Vec<Layer>> {
+    let one_way = ray
+        .possible
+        .iter()
+        .all(|possible| possible.chain == ray.possible[0].chain);
+    if !one_way || ray.glass.iter().any(|pane| !pane.sure) {
+        return None;
+    }
+    let mut panes = ray.glass.clone();
+    panes.sort_by(|a, b| b.place.0.cmp(&a.place.0).then(b.place.1.total_cmp(&a.place.1)));
+    let touch = |pair: &[Pane]| {
+        pair[0].place.0 == pair[1].place.0 && pair[0].place.1 <= pair[1].place.1 * (1.0 + EPSILON)
+    };
+    if panes.windows(2).any(touch) {
+        return None;
+    }
+    let layer = |pane: &Pane| (pane.chain.hash, Owner::Face(pane.item, pane.face));
+    Some(panes.iter().map(layer).collect())
+}
+
+impl LayerPicture {
+    /// An empty picture.
+    pub fn new(size: [u32; 2]) -> LayerPicture {
+        LayerPicture {
+            width: size[0] as usize,
+            chain: 0,
+            samples: vec![Vec::new(); size[0] as usize * size[1] as usize],
+        }
+    }
+}
+
+impl Canvas for LayerPicture {
+    fn enter(&mut self, _id: PassageId, passage: &Passage) {
+        self.chain = passage.chain;
+    }
+
+    fn row(&mut self, y: u16, spans: &[Span]) {
+        for span in spans {
+            let start = usize::from(y) * self.width;
+            let run = start + usize::from(span.x0)..start + usize::from(span.x1);
+            for sample in &mut self.samples[run] {
+                if span.see_through {
+                    sample.push((self.chain, span.owner));
+                } else {
+                    // What hides covers what was painted before.
+                    sample.clear();
+                }
+            }
+        }
+    }
+}

@@ -2,11 +2,14 @@
 
 mod aabb;
 mod bsp;
+#[cfg(test)]
+mod changes;
 mod cross;
 mod kd_tree;
 mod octree;
 mod pierce;
 mod polygon;
+mod runs;
 mod transform;
 
 pub use aabb::Aabb;

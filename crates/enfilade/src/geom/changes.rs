@@ -1,0 +1,347 @@
+//! Random worlds of boxes that change, and what holds of every tree over them however it was changed.
+//!
+//! A tree is held against brute force, and against one that is built anew over the same boxes.
+
+use crate::geom::Aabb;
+
+/// A tree over numbered boxes that can be changed.
+pub(super) trait Changes: Sized {
+    /// May a thing stand in several nodes?
+    const COPIES: bool;
+
+    fn over(bounds: &[Aabb]) -> Self;
+    fn insert(&mut self, thing: u32, bounds: &[Aabb], touched: &mut Vec<u32>);
+    fn remove(&mut self, thing: u32, was: &Aabb, bounds: &[Aabb], touched: &mut Vec<u32>);
+    fn shift(&mut self, thing: u32, was: &Aabb, bounds: &[Aabb], touched: &mut Vec<u32>);
+    fn tidy(&mut self, bounds: &[Aabb]) -> bool;
+    fn root(&self) -> Option<u32>;
+    fn bounds(&self, node: u32) -> Aabb;
+    fn children(&self, node: u32) -> Vec<u32>;
+    fn things(&self, node: u32) -> &[u32];
+    fn node_count(&self) -> usize;
+    fn bytes(&self) -> u64;
+    /// What else holds of its structure.
+    fn check(&self, bounds: &[Aabb]);
+}
+
+/// Boxes, the tree over them, and what changed last.
+pub(super) struct World<T> {
+    pub(super) bounds: Vec<Aabb>,
+    pub(super) tree: T,
+    /// Nodes that the last change touched.
+    pub(super) touched: Vec<u32>,
+    /// For each node how many things are in it and below it, brought up to date by what was touched.
+    held: Vec<usize>,
+    chance: Chance,
+}
+
+/// Pseudo-random numbers, the same every time.
+#[derive(Clone)]
+pub(super) struct Chance(pub(super) u64);
+
+impl Chance {
+    /// From 0 to 1.
+    pub(super) fn part(&mut self) -> f32 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 40) as f32 / (1 << 24) as f32
+    }
+
+    pub(super) fn below(&mut self, count: usize) -> usize {
+        ((self.part() * count as f32) as usize).min(count - 1)
+    }
+
+    fn point(&mut self, side: f32) -> [f32; 3] {
+        [0; 3].map(|_| side * self.part())
+    }
+
+    /// A box of a town: most are small.
+    fn thing(&mut self) -> Aabb {
+        let size = if self.below(50) == 0 { 12.0 } else { 1.0 };
+        placed(self.point(100.0), self.point(size))
+    }
+
+    /// A box of any kind.
+    fn anything(&mut self) -> Aabb {
+        match self.below(20) {
+            0 => Aabb::EMPTY,
+            1 => placed([50.0; 3], [1.0; 3]),
+            2 => placed([50.0; 3], [0.0; 3]),
+            3 => placed(self.point(3000.0).map(|x| x - 1500.0), self.point(1.0)),
+            4 => placed(self.point(100.0).map(|x| x - 50.0), self.point(300.0)),
+            5 => placed(self.point(100.0), self.point(1e-6)),
+            6 => placed([-2e38, 1e38, 0.0], self.point(1e38)),
+            7 => placed([7.0, self.part(), 7.0], [0.0, 20.0, 3.0]),
+            _ => self.thing(),
+        }
+    }
+
+    /// A box a short way off.
+    fn step_from(&mut self, was: &Aabb) -> Aabb {
+        let by = self.point(0.4).map(|x| x - 0.2);
+        let moved = |at: [f32; 3]| [0, 1, 2].map(|axis| at[axis] + by[axis]);
+        Aabb {
+            min: moved(was.min),
+            max: moved(was.max),
+        }
+    }
+}
+
+fn placed(at: [f32; 3], size: [f32; 3]) -> Aabb {
+    Aabb {
+        min: at,
+        max: [0, 1, 2].map(|axis| at[axis] + size[axis]),
+    }
+}
+
+impl<T: Changes> World<T> {
+    pub(super) fn new(bounds: Vec<Aabb>) -> World<T> {
+        let mut world = World {
+            tree: T::over(&bounds),
+            bounds,
+            touched: Vec::new(),
+            held: Vec::new(),
+            chance: Chance(11),
+        };
+        world.count_held();
+        world
+    }
+
+    /// Things all over a town.
+    pub(super) fn town(count: usize) -> World<T> {
+        let mut chance = Chance(5);
+        World::new((0..count).map(|_| chance.thing()).collect())
+    }
+
+    /// Changes boxes, all at once as far as `boxes` can tell.
+    pub(super) fn change(&mut self, changes: &[(u32, Aabb)]) {
+        let was: Vec<Aabb> = changes
+            .iter()
+            .map(|&(thing, now)| std::mem::replace(&mut self.bounds[thing as usize], now))
+            .collect();
+        self.touched.clear();
+        for (&(thing, now), was) in changes.iter().zip(was) {
+            let World {
+                tree,
+                bounds,
+                touched,
+                ..
+            } = self;
+            if was.is_empty() {
+                tree.insert(thing, bounds, touched);
+            } else if now.is_empty() {
+                tree.remove(thing, &was, bounds, touched);
+            } else {
+                tree.shift(thing, &was, bounds, touched);
+            }
+        }
+        self.held.resize(self.tree.node_count(), 0);
+        for &node in &self.touched {
+            self.held[node as usize] = self.held_in(node);
+        }
+    }
+
+    fn held_in(&self, node: u32) -> usize {
+        let below = self.tree.children(node).into_iter();
+        let below: usize = below.map(|child| self.held[child as usize]).sum();
+        self.tree.things(node).len() + below
+    }
+
+    fn count_held(&mut self) {
+        self.held.clear();
+        self.held.resize(self.tree.node_count(), 0);
+        for node in self.nodes().into_iter().rev() {
+            self.held[node as usize] = self.held_in(node);
+        }
+    }
+
+    pub(super) fn tidy(&mut self) -> bool {
+        let anew = self.tree.tidy(&self.bounds);
+        if anew {
+            self.count_held();
+        }
+        anew
+    }
+
+    /// All nodes that hold something, parents before children.
+    fn nodes(&self) -> Vec<u32> {
+        let mut nodes: Vec<u32> = self.tree.root().into_iter().collect();
+        let mut next = 0;
+        while next < nodes.len() {
+            nodes.extend(self.tree.children(nodes[next]));
+            next += 1;
+        }
+        nodes
+    }
+
+    /// What meets a box, by going into the nodes that do; and how many boxes were asked.
+    fn met(tree: &T, bounds: &[Aabb], query: &Aabb) -> (Vec<u32>, usize) {
+        let mut met = Vec::new();
+        let mut asked = 0;
+        let mut waiting: Vec<u32> = tree.root().into_iter().collect();
+        while let Some(node) = waiting.pop() {
+            asked += 1;
+            if tree.bounds(node).meets(query) {
+                waiting.extend(tree.children(node));
+                asked += tree.things(node).len();
+                let things = tree.things(node).iter().copied();
+                met.extend(things.filter(|&thing| bounds[thing as usize].meets(query)));
+            }
+        }
+        met.sort();
+        if T::COPIES {
+            met.dedup();
+        }
+        (met, asked)
+    }
+
+    /// Everything is in the tree, once, in boxes that are no larger than what is in them, and is found again.
+    pub(super) fn check(&mut self) {
+        self.tree.check(&self.bounds);
+        let mut times = vec![0; self.bounds.len()];
+        for node in self.nodes() {
+            let outer = self.tree.bounds(node);
+            assert_eq!(
+                self.held[node as usize],
+                self.held_in(node),
+                "node {node} was touched"
+            );
+            assert!(self.held[node as usize] > 0, "node {node} is empty");
+            let mut inner = Aabb::EMPTY;
+            for &thing in self.tree.things(node) {
+                times[thing as usize] += 1;
+                inner = inner.union(&self.bounds[thing as usize]);
+            }
+            for child in self.tree.children(node) {
+                inner = inner.union(&self.tree.bounds(child));
+            }
+            assert!(T::COPIES || inner == outer, "node {node}: {inner:?} in {outer:?}");
+        }
+        for (times, bounds) in times.into_iter().zip(&self.bounds) {
+            assert_eq!(times > 0, !bounds.is_empty());
+            assert!(T::COPIES || times <= 1);
+        }
+        for _ in 0..10 {
+            let query = self.chance.anything();
+            let (met, _) = World::met(&self.tree, &self.bounds, &query);
+            let all = 0..self.bounds.len() as u32;
+            let meets = |&thing: &u32| {
+                let thing = &self.bounds[thing as usize];
+                !thing.is_empty() && thing.meets(&query)
+            };
+            assert_eq!(met, all.filter(meets).collect::<Vec<u32>>());
+        }
+    }
+
+    /// How much dearer the tree is than one built now: by the boxes asked for random questions, and by the areas of
+    /// boxes, each as often as there are things in it, and once for itself.
+    pub(super) fn dearer(&self) -> [f64; 2] {
+        let fresh = T::over(&self.bounds);
+        let mut chance = Chance(3);
+        let mut asked = [0, 0];
+        for i in 0..400 {
+            let size = [2.0, 10.0, 30.0][i % 3];
+            let query = placed(chance.point(100.0), chance.point(size));
+            for (asked, tree) in asked.iter_mut().zip([&self.tree, &fresh]) {
+                *asked += World::met(tree, &self.bounds, &query).1;
+            }
+        }
+        let areas = [&self.tree, &fresh].map(|tree| {
+            let mut waiting: Vec<u32> = tree.root().into_iter().collect();
+            let mut sum = 0.0;
+            while let Some(node) = waiting.pop() {
+                let [x, y, z] = tree.bounds(node).size().map(f64::from);
+                sum += (x * y + y * z + z * x) * (1 + tree.things(node).len()) as f64;
+                waiting.extend(tree.children(node));
+            }
+            sum
+        });
+        [asked[0] as f64 / asked[1] as f64, areas[0] / areas[1]]
+    }
+
+    /// Many changes one after the other, of all kinds: steps, leaps, coming and going.
+    pub(super) fn live(&mut self, changes: usize) {
+        let mut chance = Chance(changes as u64);
+        for _ in 0..changes {
+            let thing = chance.below(self.bounds.len());
+            let was = self.bounds[thing];
+            let now = match chance.below(10) {
+                0 => Aabb::EMPTY,
+                1 => chance.thing(),
+                _ if was.is_empty() => chance.thing(),
+                _ => chance.step_from(&was),
+            };
+            self.change(&[(thing as u32, now)]);
+            self.tidy();
+        }
+    }
+}
+
+/// Through thousands of changes, one by one and many at once, everything is found as if the tree were built anew.
+pub(super) fn whatever_changes_is_found<T: Changes>() {
+    for count in [1, 3, 40, 700] {
+        let mut chance = Chance(count as u64);
+        let first = (0..count).map(|_| chance.anything()).collect();
+        let mut world = World::<T>::new(first);
+        world.check();
+        for round in 0..60 {
+            let many = if round % 2 == 0 { 1 } else { 1 + count / 3 };
+            for _ in 0..1 + 20 / many {
+                let mut changes: Vec<(u32, Aabb)> = (0..many)
+                    .map(|_| (chance.below(count) as u32, chance.anything()))
+                    .collect();
+                changes.sort_by_key(|&(thing, _)| thing);
+                changes.dedup_by_key(|&mut (thing, _)| thing);
+                for (thing, now) in &mut changes {
+                    if round % 3 == 0 {
+                        *now = chance.step_from(&world.bounds[*thing as usize]);
+                    }
+                }
+                world.change(&changes);
+            }
+            world.check();
+            if round % 10 == 9 {
+                world.tidy();
+                world.check();
+            }
+        }
+    }
+}
+
+/// A tree whose things are all taken out is empty, and can be filled again.
+pub(super) fn what_was_emptied_can_be_filled_again<T: Changes>() {
+    let mut world = World::<T>::town(300);
+    let full = world.bounds.clone();
+    for _ in 0..3 {
+        for thing in 0..300 {
+            world.change(&[(thing, Aabb::EMPTY)]);
+        }
+        assert_eq!(world.tree.root(), None);
+        world.check();
+        for (thing, &bounds) in full.iter().enumerate() {
+            world.change(&[(thing as u32, bounds)]);
+            world.tidy();
+        }
+        world.check();
+    }
+    let mut new = World::<T>::new(vec![Aabb::EMPTY; 300]);
+    for (thing, &bounds) in full.iter().enumerate() {
+        new.change(&[(thing as u32, bounds)]);
+        new.tidy();
+    }
+    new.check();
+    assert!(new.dearer().into_iter().all(|by| by < 1.3), "{:?}", new.dearer());
+}
+
+/// After a hundred thousand changes a tree is about as good, and as small, as one built anew.
+pub(super) fn a_long_life_leaves_it_as_good_as_new<T: Changes>() {
+    let mut world = World::<T>::town(10_000);
+    world.live(100_000);
+    world.check();
+    let dearer = world.dearer();
+    assert!(dearer.into_iter().all(|by| by < 1.3), "{dearer:?}");
+    let [old, new] = [&world.tree, &T::over(&world.bounds)].map(|tree| tree.bytes());
+    assert!(2 * old < 5 * new, "{old} bytes, not {new}");
+}

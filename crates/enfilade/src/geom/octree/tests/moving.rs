@@ -1,0 +1,144 @@
+//! Octrees that things come into, go from and move in.
+
+use super::*;
+use crate::geom::changes::{
+    Chance, Changes, World, a_long_life_leaves_it_as_good_as_new, what_was_emptied_can_be_filled_again,
+    whatever_changes_is_found,
+};
+
+const FEW: usize = 6;
+
+impl Changes for Octree {
+    const COPIES: bool = false;
+
+    fn over(bounds: &[Aabb]) -> Octree {
+        Octree::build(bounds, FEW)
+    }
+
+    fn insert(&mut self, thing: u32, bounds: &[Aabb], touched: &mut Vec<u32>) {
+        self.insert(thing, &|thing| bounds[thing as usize], touched);
+    }
+
+    fn remove(&mut self, thing: u32, was: &Aabb, bounds: &[Aabb], touched: &mut Vec<u32>) {
+        self.remove(thing, was, &|thing| bounds[thing as usize], touched);
+    }
+
+    fn shift(&mut self, thing: u32, was: &Aabb, bounds: &[Aabb], touched: &mut Vec<u32>) {
+        self.shift(thing, was, &|thing| bounds[thing as usize], touched);
+    }
+
+    fn tidy(&mut self, bounds: &[Aabb]) -> bool {
+        self.tidy(bounds.len(), &|thing| bounds[thing as usize])
+    }
+
+    fn root(&self) -> Option<u32> {
+        self.root()
+    }
+
+    fn bounds(&self, node: u32) -> Aabb {
+        *self.bounds(node)
+    }
+
+    fn children(&self, node: u32) -> Vec<u32> {
+        self.children(node).collect()
+    }
+
+    fn things(&self, node: u32) -> &[u32] {
+        self.things(node)
+    }
+
+    fn node_count(&self) -> usize {
+        self.node_count()
+    }
+
+    fn bytes(&self) -> u64 {
+        self.bytes()
+    }
+
+    fn check(&self, bounds: &[Aabb]) {
+        let count = bounds.iter().filter(|bounds| !bounds.is_empty()).count();
+        assert_eq!(self.count, count);
+        // A walk, which has a stack of its own, meets the same.
+        let mut met = super::met(self, [0.0; 3]);
+        met.sort();
+        met.dedup();
+        assert_eq!(met.len(), count);
+        // Each node is in use once, or spare.
+        let mut used: usize = usize::from(!self.nodes.is_empty());
+        let mut waiting: Vec<u32> = self.root().into_iter().collect();
+        while let Some(node) = waiting.pop() {
+            used += usize::from(self.nodes[node as usize].room);
+            assert!(self.children(node).len() <= usize::from(self.nodes[node as usize].room));
+            waiting.extend(self.children(node));
+        }
+        assert_eq!(used + self.spare.len(), self.nodes.len());
+    }
+}
+
+#[test]
+fn whatever_changes_is_found_in_eighths() {
+    whatever_changes_is_found::<Octree>();
+}
+
+#[test]
+fn eighths_that_were_emptied_can_be_filled_again() {
+    what_was_emptied_can_be_filled_again::<Octree>();
+}
+
+#[test]
+fn a_long_life_leaves_eighths_as_good_as_new() {
+    a_long_life_leaves_it_as_good_as_new::<Octree>();
+}
+
+#[test]
+fn a_move_touches_at_most_64_nodes() {
+    let mut world = World::<Octree>::town(10_000);
+    let mut chance = Chance(2);
+    let mut most = 0;
+    for step in 0..20_000_u32 {
+        let thing = chance.below(10_000) as u32;
+        let to = if step % 2 == 0 {
+            thing
+        } else {
+            chance.below(10_000) as u32
+        };
+        // A step, a leap to where another is, or into a crowd.
+        let by = 0.2 * chance.part();
+        let corner = if step % 5 == 0 {
+            [50.0; 3]
+        } else {
+            world.bounds[to as usize].min
+        };
+        let [low, high] = [corner, corner.map(|at| at + 0.5)].map(|at| at.map(|at| at + by));
+        world.change(&[(thing, Aabb { min: low, max: high })]);
+        most = most.max(world.touched.len());
+        assert!(world.touched.len() <= 64, "{}", world.touched.len());
+    }
+    assert!(most > 10, "{most}");
+    world.check();
+}
+
+#[test]
+fn a_world_that_moves_away_or_grows_is_built_anew_and_one_that_mills_about_is_not() {
+    let mut world = World::<Octree>::town(1000);
+    let mut chance = Chance(9);
+    for _ in 0..20 {
+        let changes: Vec<(u32, Aabb)> = (0..1000)
+            .map(|thing| (thing, world.bounds[chance.below(1000)]))
+            .collect();
+        world.change(&changes);
+        assert!(!world.tidy());
+    }
+    let away = |by: f32, bounds: &[Aabb]| -> Vec<(u32, Aabb)> {
+        let moved = |at: [f32; 3]| at.map(|at| at + by);
+        let moved = |held: &Aabb| Aabb {
+            min: moved(held.min),
+            max: moved(held.max),
+        };
+        (0..).zip(bounds.iter().map(moved)).collect()
+    };
+    world.change(&away(1000.0, &world.bounds.clone()));
+    assert!(world.tidy() && !world.tidy());
+    world.check();
+    assert!(world.dearer().into_iter().all(|by| by < 1.01));
+}

@@ -1,0 +1,163 @@
+//! Many short lists of numbers in one array, each with room to grow; what a list leaves behind others take up.
+//!
+//! Cost: O(1) to add, O(length) to take out; a list moves when its room is full.
+
+/// Lists of numbers, in stretches of one array.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Runs {
+    all: Vec<u32>,
+    spare: Spare,
+}
+
+/// One list of [`Runs`].
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Run {
+    start: u32,
+    len: u32,
+    room: u32,
+}
+
+impl Run {
+    pub(super) fn len(&self) -> usize {
+        self.len as usize
+    }
+}
+
+impl Runs {
+    /// The numbers of a list.
+    pub(super) fn get(&self, run: Run) -> &[u32] {
+        &self.all[run.start as usize..(run.start + run.len) as usize]
+    }
+
+    /// A new list. It has no more room than it needs where it goes to the end: most lists never grow.
+    pub(super) fn put(&mut self, numbers: &[u32]) -> Run {
+        let len = numbers.len() as u32;
+        if len == 0 {
+            return Run::default();
+        }
+        let mut room = len.next_power_of_two();
+        let start = self.spare.take(room).unwrap_or_else(|| {
+            room = len;
+            self.all.resize(self.all.len() + numbers.len(), 0);
+            self.all.len() as u32 - len
+        });
+        self.all[start as usize..start as usize + numbers.len()].copy_from_slice(numbers);
+        Run { start, len, room }
+    }
+
+    /// Adds a number at the end of a list.
+    pub(super) fn push(&mut self, run: &mut Run, number: u32) {
+        if run.len == run.room {
+            let room = (run.len + 1).next_power_of_two();
+            let start = self.spare.take(room).unwrap_or_else(|| {
+                self.all.resize(self.all.len() + room as usize, 0);
+                self.all.len() as u32 - room
+            });
+            let old = run.start as usize..(run.start + run.len) as usize;
+            self.all.copy_within(old, start as usize);
+            self.spare.give(run.start, run.room);
+            [run.start, run.room] = [start, room];
+        }
+        self.all[(run.start + run.len) as usize] = number;
+        run.len += 1;
+    }
+
+    /// Takes a number out of a list, whose last then stands in its place; says whether it was there.
+    pub(super) fn remove(&mut self, run: &mut Run, number: u32) -> bool {
+        let Some(place) = self.get(*run).iter().position(|&other| other == number) else {
+            return false;
+        };
+        run.len -= 1;
+        self.all[run.start as usize + place] = self.all[(run.start + run.len) as usize];
+        if run.len == 0 {
+            self.clear(run);
+        }
+        true
+    }
+
+    /// Empties a list, and gives its room to others.
+    pub(super) fn clear(&mut self, run: &mut Run) {
+        self.spare.give(run.start, run.room);
+        *run = Run::default();
+    }
+
+    /// Memory in bytes.
+    pub(super) fn bytes(&self) -> usize {
+        self.all.len() * size_of::<u32>() + self.spare.bytes()
+    }
+}
+
+/// Stretches of an array that nothing stands in, by their sizes, which are powers of two.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Spare {
+    starts: Vec<Vec<u32>>,
+    len: usize,
+}
+
+impl Spare {
+    /// Where a stretch of so much `room`, a power of two, is to be had.
+    pub(super) fn take(&mut self, room: u32) -> Option<u32> {
+        let least = room.ilog2() as usize;
+        let size = (least..self.starts.len()).find(|&size| !self.starts[size].is_empty())?;
+        let start = self.starts[size].pop()?;
+        self.len -= 1 << size;
+        self.give(start + room, (1 << size) - room);
+        Some(start)
+    }
+
+    /// Nothing stands there any more.
+    pub(super) fn give(&mut self, mut start: u32, mut room: u32) {
+        self.len += room as usize;
+        while room > 0 {
+            let size = room.ilog2();
+            if self.starts.len() <= size as usize {
+                self.starts.resize(size as usize + 1, Vec::new());
+            }
+            self.starts[size as usize].push(start);
+            start += 1 << size;
+            room -= 1 << size;
+        }
+    }
+
+    /// How much of the array it is.
+    pub(super) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Memory in bytes.
+    pub(super) fn bytes(&self) -> usize {
+        let starts: usize = self.starts.iter().map(Vec::len).sum();
+        starts * size_of::<u32>() + self.starts.len() * size_of::<Vec<u32>>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_that_grow_and_shrink_hold_what_they_were_given() {
+        let mut runs = Runs::default();
+        let mut lists: Vec<Vec<u32>> = (0..50).map(|i| (0..i % 7).collect()).collect();
+        let mut kept: Vec<Run> = lists.iter().map(|list| runs.put(list)).collect();
+        for step in 0..100_000_u32 {
+            let which = (step.wrapping_mul(2_654_435_761) >> 16) as usize % lists.len();
+            let (list, run) = (&mut lists[which], &mut kept[which]);
+            // Every list goes through times of growing and of shrinking.
+            if (step >> 12 ^ which as u32) & 1 == 0 && list.len() < 100 {
+                list.push(step);
+                runs.push(run, step);
+            } else if let Some(&number) = list.get(step as usize % list.len().max(1)) {
+                list.retain(|&other| other != number);
+                assert!(runs.remove(run, number) && !runs.remove(run, number));
+            }
+        }
+        for (list, run) in lists.iter_mut().zip(kept) {
+            let mut held = runs.get(run).to_vec();
+            list.sort();
+            held.sort();
+            assert_eq!(*list, held);
+        }
+        assert!(runs.bytes() < 50 * 400 * size_of::<u32>(), "{}", runs.bytes());
+    }
+}

@@ -283,11 +283,27 @@ impl Content {
     }
 
     /// Brings the tree over the items, if there is one, and the box around all up to date.
-    fn follow(&mut self, _done: &mut Exchanged) {
-        self.item_tree.take();
-        let holes = self.openings.iter().map(|opening| opening.outline.bounds());
-        let items = self.items.iter().map(|item| item.bounds);
-        self.bounds = holes.chain(items).fold(Aabb::EMPTY, |sum, held| sum.union(&held));
+    fn follow(&mut self, done: &mut Exchanged) {
+        let items = &self.items;
+        let boxes = |item: u32| items[item as usize].bounds;
+        let all = if let Some(tree) = self.item_tree.get_mut() {
+            let mut touched = Vec::new();
+            for Moved { item, was } in &done.moved {
+                tree.shift(item.0, was, &boxes, &mut touched);
+            }
+            done.nodes = touched.len() as u64;
+            tree.tidy(items.len(), &boxes);
+            tree.root().map_or(Aabb::EMPTY, |root| *tree.bounds(root))
+        } else {
+            items
+                .iter()
+                .fold(Aabb::EMPTY, |sum, item| sum.union(&item.bounds))
+        };
+        let holes = self
+            .opening_tree
+            .root()
+            .map(|root| self.opening_tree.bounds(root));
+        self.bounds = holes.map_or(all, |holes| all.union(holes));
     }
 }
 

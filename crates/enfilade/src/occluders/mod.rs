@@ -29,7 +29,7 @@ pub use measure::Measure;
 pub use screen::{Occluder, OccluderRoom};
 pub use summary::OccluderSummary;
 
-use crate::content::{Content, Exchanged};
+use crate::content::{Content, Exchanged, ItemId, Moved};
 use crate::geom::{Aabb, Octree};
 use crate::mesh::Mesh;
 use glam::{DMat3, DVec3};
@@ -56,6 +56,8 @@ pub struct OccluderSet {
     corners: Vec<DVec3>,
     /// By mesh.
     meshes: Vec<OfMesh>,
+    /// Polygons of meshes that are gone.
+    waste: usize,
     /// Over the items that have any.
     tree: Octree,
     /// For each node of the tree, the area of the largest below it, in the space of the fragment, or more.
@@ -129,41 +131,72 @@ impl OccluderSet {
             if place >= self.meshes.len() {
                 self.meshes.resize_with(place + 1, OfMesh::default);
             }
-            self.meshes[place] = of_mesh;
+            let gone = std::mem::replace(&mut self.meshes[place], of_mesh);
+            self.waste += (gone.polygons[1] - gone.polygons[0]) as usize;
         }
-        self.place(content);
-        0
+        if 2 * self.waste > self.polygons.len() {
+            *self = OccluderSet::build(content);
+            return self.tree.node_count() as u64;
+        }
+        let mut tree = std::mem::take(&mut self.tree);
+        let mut touched = Vec::new();
+        let boxes = |item: u32| self.bounds_of(content, item);
+        for Moved { item, was } in &done.moved {
+            tree.shift(item.0, was, &boxes, &mut touched);
+        }
+        let rebuilt = tree.tidy(content.items().len(), &boxes);
+        self.tree = tree;
+        if rebuilt {
+            self.largest = largest_below(&self.tree, |item| self.area_of(content, item));
+        } else {
+            self.largest.resize(self.tree.node_count(), 0.0);
+            // Of one that is there twice the last counts: then its children come before it.
+            for &node in &touched {
+                self.largest[node as usize] = self.largest_in(content, node);
+            }
+        }
+        touched.len() as u64
     }
 
     /// The tree over the items.
     fn place(&mut self, content: &Content) {
-        let areas: Vec<f64> = content
-            .items()
-            .iter()
-            .map(|item| {
-                if !item.hides {
-                    return 0.0;
-                }
-                let largest = self.meshes[item.mesh.0 as usize]
-                    .largest
-                    .first()
-                    .copied()
-                    .unwrap_or(0.0);
-                largest * greatest_stretch(cofactor(&item.transform().0.matrix3)) * (1.0 + EXACT)
-            })
-            .collect();
-        // An item that its place flattens hides nothing, and its areas are nothing.
-        let bounds: Vec<Aabb> = (content.items().iter().zip(&areas))
-            .map(|(item, &area)| {
-                if area > 0.0 && item.transform().inverse().is_some() {
-                    item.bounds
-                } else {
-                    Aabb::EMPTY
-                }
-            })
-            .collect();
+        let items = 0..content.items().len() as u32;
+        let bounds: Vec<Aabb> = items.map(|item| self.bounds_of(content, item)).collect();
         self.tree = Octree::build(&bounds, FEW);
-        self.largest = largest_below(&self.tree, |item| areas[item as usize]);
+        self.largest = largest_below(&self.tree, |item| self.area_of(content, item));
+    }
+
+    /// The area of an item's largest occluder, in the space of the fragment, or more; 0 where it hides nothing.
+    fn area_of(&self, content: &Content, item: u32) -> f64 {
+        let placed = content.item(ItemId(item));
+        let largest = &self.meshes[placed.mesh.0 as usize].largest;
+        match largest.first() {
+            Some(largest) if placed.hides => {
+                largest * greatest_stretch(cofactor(&placed.transform().0.matrix3)) * (1.0 + EXACT)
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// The box of an item that hides something. One that its place flattens does not, and its areas are nothing.
+    fn bounds_of(&self, content: &Content, item: u32) -> Aabb {
+        let placed = content.item(ItemId(item));
+        if self.area_of(content, item) > 0.0 && placed.transform().inverse().is_some() {
+            placed.bounds
+        } else {
+            Aabb::EMPTY
+        }
+    }
+
+    /// The greatest area in a node, where those of the nodes below it are known.
+    fn largest_in(&self, content: &Content, node: u32) -> f64 {
+        let own = self
+            .tree
+            .things(node)
+            .iter()
+            .map(|&item| self.area_of(content, item));
+        let below = self.tree.children(node).map(|child| self.largest[child as usize]);
+        own.chain(below).fold(0.0, f64::max)
     }
 
     fn add_mesh(&mut self, mesh: &Mesh, content: &Content) -> OfMesh {

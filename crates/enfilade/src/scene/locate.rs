@@ -1,8 +1,8 @@
 //! Which fragment a point stands in.
 //!
 //! The boxes of all fragments stand in an octree, so that only those near the point are asked.
-//! Cost: O(log fragments + boxes that hold the point), and O(1) for each fragment whose box has changed since.
-//! Exact: the answer is that of asking every box; boxes that have changed are asked apart.
+//! Cost: O(log fragments + boxes that hold the point); O(log fragments) where a box changes.
+//! Exact: the answer is that of asking every box.
 
 use super::FragmentId;
 use crate::geom::{Aabb, Octree, Step};
@@ -13,8 +13,17 @@ pub(super) struct Boxes {
     tree: Octree,
     /// Of each fragment, as it is now.
     boxes: Vec<Aabb>,
-    /// Those that the tree does not hold as they are now, in order.
+    /// Those that the tree does not hold, in order.
     apart: Vec<u32>,
+}
+
+/// A box as the tree holds it: not at all where it reaches to infinity.
+fn in_the_tree(held: &Aabb) -> Aabb {
+    if held.min.iter().chain(&held.max).all(|value| value.is_finite()) {
+        *held
+    } else {
+        Aabb::EMPTY
+    }
 }
 
 /// Boxes in a node of the tree, at most.
@@ -22,30 +31,34 @@ const FEW: usize = 8;
 
 impl Boxes {
     pub(super) fn new(boxes: Vec<Aabb>) -> Boxes {
-        let is_finite = |held: &Aabb| held.min.iter().chain(&held.max).all(|value| value.is_finite());
-        let numbered = (0..).zip(&boxes);
-        let apart = numbered.filter(|(_, held)| !is_finite(held) && !held.is_empty());
-        let apart: Vec<u32> = apart.map(|(number, _)| number).collect();
-        let mut sorted = boxes.clone();
-        apart
-            .iter()
-            .for_each(|&number| sorted[number as usize] = Aabb::EMPTY);
+        let sorted: Vec<Aabb> = boxes.iter().map(in_the_tree).collect();
+        let numbered = (0..).zip(boxes.iter().zip(&sorted));
+        let apart = numbered.filter(|(_, (held, sorted))| held != sorted);
         Boxes {
+            apart: apart.map(|(number, _)| number).collect(),
             tree: Octree::build(&sorted, FEW),
             boxes,
-            apart,
         }
     }
 
-    /// A fragment's box is another now. The tree stays as it is: what moves, moves again in the next frame.
+    /// A fragment's box is another now.
     pub(super) fn change(&mut self, fragment: FragmentId, bounds: Aabb) {
-        let held = &mut self.boxes[fragment.0 as usize];
-        if *held != bounds {
-            *held = bounds;
-            if let Err(place) = self.apart.binary_search(&fragment.0) {
-                self.apart.insert(place, fragment.0);
-            }
+        let was = std::mem::replace(&mut self.boxes[fragment.0 as usize], bounds);
+        if was == bounds {
+            return;
         }
+        let boxes = |number: u32| in_the_tree(&self.boxes[number as usize]);
+        let is_apart = boxes(fragment.0) != bounds;
+        match self.apart.binary_search(&fragment.0) {
+            Ok(place) if !is_apart => {
+                self.apart.remove(place);
+            }
+            Err(place) if is_apart => self.apart.insert(place, fragment.0),
+            _ => {}
+        }
+        self.tree
+            .shift(fragment.0, &in_the_tree(&was), &boxes, &mut Vec::new());
+        self.tree.tidy(self.boxes.len(), &boxes);
     }
 
     /// See [`Scene::locate`](super::Scene::locate).

@@ -233,7 +233,7 @@ impl Scene {
     /// Boxes that end in a doorway both hold an eye that stands in it: then the one whose middle is nearer to where
     /// the eye looks (`toward`) is taken, so that the doorway is behind the eye.
     ///
-    /// Cost: O(log fragments) where few boxes overlap, and O(fragments given other content since the scene was built).
+    /// Cost: O(log fragments) where few boxes overlap.
     pub fn locate(&self, point: [f32; 3], toward: [f32; 3]) -> Option<FragmentId> {
         self.boxes.locate(point, toward)
     }

@@ -12,7 +12,6 @@ use smallvec::SmallVec;
 /// From the root down.
 type Path = SmallVec<[Place; 8]>;
 
-#[cfg_attr(not(test), expect(dead_code, reason = "Scene::edit comes next"))]
 impl Octree {
     /// Puts in a thing that did not stand in it. `boxes` tells the boxes as they are now, of all things; one that is
     /// empty stands nowhere. Other things whose boxes have changed may still wait to be shifted.

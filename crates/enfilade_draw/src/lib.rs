@@ -22,6 +22,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod clip;
 mod cover;
 mod lamps;
 mod light;
@@ -29,6 +30,7 @@ mod painter;
 mod palette;
 mod show;
 
+pub use clip::Clip;
 pub use painter::Painter;
 pub use show::Show;
 

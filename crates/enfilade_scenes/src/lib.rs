@@ -23,5 +23,5 @@ mod thesis;
 
 pub use camera::Camera;
 pub use catalog::{BuiltIn, Group, NAMES, Named, SCENES, built_in, figures, law_scenes};
-pub use palace::{FOUNTAIN_SECONDS, fountain};
+pub use palace::{FOUNTAIN_SECONDS, fountain, person};
 pub use random_scene::random_scene;

@@ -17,6 +17,7 @@ mod living_picture;
 mod ornament;
 mod palette;
 mod panel;
+mod person;
 mod picture;
 mod plan;
 mod room;
@@ -29,6 +30,7 @@ mod trim;
 mod workshop;
 
 pub use fountain::{FOUNTAIN_SECONDS, fountain};
+pub use person::person;
 
 use crate::BuiltIn;
 use crate::random::Random;

@@ -73,6 +73,13 @@ pub(crate) fn figure(shop: &mut Workshop, pose: Pose, stone: MaterialId, gilt: M
     })
 }
 
+/// A robe with arms, one hand before the breast, and where its head belongs.
+pub(super) fn walking(cloth: MaterialId, skin: MaterialId) -> (Shape, Vec3) {
+    let mut shape = robe(cloth, 0.0);
+    arms(&mut shape, Pose::Jug, skin);
+    (shape, vec3(sway(1.7), 1.715, 0.015))
+}
+
 /// The body leans over one leg: how far aside at a height.
 fn sway(height: f32) -> f32 {
     0.045 * (PI * (height / 1.5).min(1.2)).sin() - 0.02 * height

@@ -1,0 +1,34 @@
+//! People who walk about in the palace.
+
+use super::head::{Hair, head};
+use super::palette::{
+    BLUE_SILK, DARK_RED, GREEN_SILK, MAHOGANY, NIGHT_BLUE, PALE_BLUE, ROSE, TERRACOTTA, YELLOW_SILK,
+};
+use super::room::shift;
+use super::statue::walking;
+use enfilade::{MaterialId, Mesh};
+use std::sync::Arc;
+
+const CLOTHS: [MaterialId; 7] = [
+    BLUE_SILK,
+    DARK_RED,
+    GREEN_SILK,
+    NIGHT_BLUE,
+    PALE_BLUE,
+    ROSE,
+    YELLOW_SILK,
+];
+
+/// Somebody in a long robe, 1.9 m tall, who stands at the origin and looks to +z; of materials that every fragment of
+/// `@enfilade` has. Seven kinds of people, by `number`.
+pub fn person(number: usize) -> Arc<Mesh> {
+    let cloth = CLOTHS[number % CLOTHS.len()];
+    let (skin, hair) = if number.is_multiple_of(2) {
+        (TERRACOTTA, Hair::Knot)
+    } else {
+        (MAHOGANY, Hair::Beard)
+    };
+    let (mut shape, neck) = walking(cloth, skin);
+    shape.add(&head(skin, 0.27, hair), shift(neck.x, neck.y, neck.z));
+    shape.mesh()
+}

@@ -1,0 +1,220 @@
+//! What moving costs: a town of 10,000 things of which 1,000 walk about, edited and looked at frame after frame; and what is
+//! left of the quality of trees after 100,000 edits.
+//!
+//! Nodes touched and boxes asked about are counted and held to a limit; more of them is an error, not a time. Run by
+//! `cargo test` the town is a tenth as large, and nothing is timed.
+#![allow(clippy::print_stdout, reason = "a bench prints its table")]
+
+use enfilade::{
+    ContentBuilder, FragmentId, ItemId, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, Transform,
+    View, Viewer,
+};
+use std::hint::black_box;
+use std::time::Instant;
+
+const TOWN: FragmentId = FragmentId(0);
+const SIZE: [u32; 2] = [1280, 720];
+
+/// Those whose orders follow in place.
+const METHODS: [Method; 7] = [
+    Method::ZBuffer,
+    Method::SBuffer,
+    Method::HierarchicalZ,
+    Method::HierarchicalS,
+    Method::Masked,
+    Method::Svbsp,
+    Method::Mobsp,
+];
+
+/// Nodes of all trees that one move may touch: an octree's path down twice, and as much again where there are more trees.
+const MOST_NODES: u64 = 64;
+
+/// A look after many edits may ask about this many times the boxes that one at a scene built afresh does.
+const MOST_WORSE: f64 = 1.3;
+
+/// From house to house.
+const BLOCK: f32 = 14.0;
+
+fn cuboid([width, height, depth]: [f32; 3]) -> Mesh {
+    let corner = |i: u32| {
+        let side = |bit: u32| if i >> bit & 1 == 1 { 1.0 } else { 0.0 };
+        [width * (side(0) - 0.5), height * side(1), depth * (side(2) - 0.5)]
+    };
+    let corners: Vec<[f32; 3]> = (0..8).map(corner).collect();
+    let sides = [
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+    ];
+    let triangles: Vec<u32> = sides
+        .iter()
+        .flat_map(|&[a, b, c, d]| [a, b, c, a, c, d])
+        .collect();
+    Mesh::triangles(&corners, &triangles, MaterialId(0)).expect("a box")
+}
+
+/// Streets with houses between them, and people on the streets: their numbers come first.
+struct Town {
+    scene: Scene,
+    people: u32,
+    /// Houses along each side.
+    side: usize,
+}
+
+impl Town {
+    fn new(things: u32, method: Method) -> Town {
+        let people = things / 10;
+        let side = (f64::from(things - people)).sqrt() as usize;
+        let mut town = ContentBuilder::new([Material {
+            double_sided: true,
+            ..Material::opaque([0.6; 3])
+        }]);
+        let person = town.mesh(cuboid([0.5, 1.8, 0.4]));
+        for number in 0..people {
+            town.item("person", person, walker(number, 0, side));
+        }
+        let houses: Vec<_> = (0..8_u8)
+            .map(|kind| {
+                let [wide, high] = [8.0 + f32::from(kind % 3), 6.0 + 2.0 * f32::from(kind)];
+                town.mesh(cuboid([wide, high, 9.5]))
+            })
+            .collect();
+        for number in 0..side * side {
+            let at = [number % side, number / side].map(|step| (step as f32 + 0.5) * BLOCK);
+            let place = Transform::translation([at[0], 0.0, at[1]]);
+            town.item("house", houses[(number * 7 + number / side) % 8], place);
+        }
+        let mut scene = SceneBuilder::new();
+        scene.add("town", town.build().expect("a town"), method);
+        Town {
+            scene: scene.build().expect("a town"),
+            people,
+            side,
+        }
+    }
+
+    /// Everybody takes a step; gives the nodes touched.
+    fn step(&mut self, moment: u32) -> u64 {
+        let mut edit = self.scene.edit();
+        for number in 0..self.people {
+            let there = walker(number, moment, self.side);
+            edit.place(TOWN, ItemId(number), there)
+                .expect("a place in the town");
+        }
+        let edited = edit.finish().expect("a small town");
+        assert_eq!((edited.items, edited.rebuilt), (u64::from(self.people), 0));
+        edited.nodes
+    }
+
+    /// From the middle of a street, down it.
+    fn view(&self) -> View {
+        let middle = (self.side / 2) as f32 * BLOCK;
+        View::new(
+            [middle, 1.7, middle + 3.0],
+            [middle + 4.0, 2.0, middle + 90.0],
+            SIZE,
+        )
+    }
+}
+
+/// Where somebody is at a moment: up and down a street, at a tenth of a metre each.
+fn walker(number: u32, moment: u32, side: usize) -> Transform {
+    let along = BLOCK * side as f32;
+    let street = (number.wrapping_mul(2_654_435_761) >> 8) as usize % (side + 1);
+    let way =
+        (number as f32 * 7.31 + moment as f32 * 0.1 * (1.0 + (number % 3) as f32 * 0.2)) % (2.0 * along);
+    let way = if way > along { 2.0 * along - way } else { way };
+    let aside = street as f32 * BLOCK + (number % 5) as f32 - 2.0;
+    let at = if number.is_multiple_of(2) {
+        [way, 0.0, aside]
+    } else {
+        [aside, 0.0, way]
+    };
+    Transform::translation(at)
+}
+
+fn ms(mut work: impl FnMut()) -> f64 {
+    let start = Instant::now();
+    work();
+    start.elapsed().as_secs_f64() * 1e3
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+/// A frame: everybody moves, and one camera looks.
+fn moving(things: u32, times: bool) {
+    const FRAMES: u32 = 61;
+    println!("{things} things, a tenth of them walking, {SIZE:?}");
+    println!("method             edit ms   look ms  together       p99  nodes/move   seen");
+    for method in METHODS {
+        let mut town = Town::new(things, method);
+        let (view, mut viewer) = (town.view(), Viewer::new());
+        let (mut edits, mut looks, mut nodes) = (Vec::new(), Vec::new(), 0);
+        for moment in 1..=FRAMES {
+            edits.push(ms(|| nodes += town.step(moment)));
+            looks.push(ms(|| {
+                black_box(viewer.look(&town.scene, &view));
+            }));
+        }
+        let per_move = nodes / u64::from(FRAMES * town.people);
+        assert!(per_move <= MOST_NODES, "{method}: {per_move} nodes for a move");
+        let seen = viewer.visible().items().len();
+        assert!(seen > 10, "{method} sees {seen} items");
+        if times {
+            let mut both: Vec<f64> = edits.iter().zip(&looks).map(|(edit, look)| edit + look).collect();
+            both.sort_by(f64::total_cmp);
+            let (together, worst) = (median(both.clone()), both[both.len() * 99 / 100]);
+            println!(
+                "{:16}{:10.3}{:10.3}{together:10.3}{worst:10.3}{per_move:12}{seen:7}",
+                method.name(),
+                median(edits),
+                median(looks)
+            );
+        }
+    }
+}
+
+/// After so many edits, boxes asked about by looks, as a multiple of those at a scene built afresh.
+fn quality(things: u32, edits: u32) {
+    println!("\nboxes asked about after {edits} edits / built afresh");
+    for method in METHODS {
+        let mut town = Town::new(things, method);
+        let steps = edits / town.people;
+        for moment in 1..=steps {
+            town.step(moment * 10);
+        }
+        let fresh = town.scene.with_method(method, u64::MAX).expect("a small town");
+        let mut asked = [0; 2];
+        let base = town.view();
+        for turn in 0..16_u8 {
+            let (sin, cos) = (f32::from(turn) * 0.39).sin_cos();
+            let mut view = base;
+            view.toward = [base.eye[0] + 50.0 * cos, 2.0, base.eye[2] + 50.0 * sin];
+            for (scene, asked) in [&town.scene, &fresh].into_iter().zip(&mut asked) {
+                let mut viewer = Viewer::new();
+                viewer.look(scene, &view);
+                *asked += viewer.stats().boxes_tested;
+            }
+        }
+        let worse = asked[0] as f64 / asked[1].max(1) as f64;
+        println!("{:16}{worse:10.3}", method.name());
+        assert!(worse <= MOST_WORSE, "{method}: {worse} times the boxes");
+    }
+}
+
+fn main() {
+    let times = std::env::args().any(|argument| argument == "--bench");
+    if times {
+        moving(10_000, true);
+        quality(10_000, 100_000);
+    } else {
+        moving(1000, false);
+        quality(1000, 10_000);
+    }
+}

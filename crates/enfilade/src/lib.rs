@@ -78,7 +78,7 @@ pub use method::{
 };
 pub use occluders::{Choice, Chosen, Measure, Occluder, OccluderRoom, OccluderSet, OccluderSummary};
 pub use passage::{Passage, PassageId};
-pub use query::{Cast, Met, Near, Place, Presence, Reached, SightLine, Standpoint, Walked, survey};
+pub use query::{Cast, Met, Near, Nearest, Place, Presence, Reached, SightLine, Standpoint, Walked, survey};
 pub use region::{Region, Sight};
 pub use scene::{
     End, FragmentId, Light, LightId, NestedId, Portal, PortalId, Scene, SceneBuilder, SceneError, Way,

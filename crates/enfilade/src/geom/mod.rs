@@ -7,6 +7,7 @@ mod kd_tree;
 mod octree;
 mod pierce;
 mod polygon;
+mod slabs;
 mod transform;
 
 pub use aabb::Aabb;
@@ -16,4 +17,5 @@ pub use kd_tree::KdTree;
 pub use octree::{Enter, Octree, Step};
 pub(crate) use pierce::{Pierced, nearest_in, pierced};
 pub use polygon::{ConvexPolygon, PolygonError};
+pub(crate) use slabs::Line;
 pub use transform::Transform;

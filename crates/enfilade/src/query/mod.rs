@@ -2,7 +2,9 @@
 
 mod beam;
 mod cast;
+mod items;
 mod near;
+mod nearest;
 mod place;
 mod ray;
 mod sees;
@@ -10,6 +12,7 @@ mod survey;
 
 pub use beam::Reached;
 pub use near::Near;
+pub use nearest::Nearest;
 pub use place::{Place, Presence, Walked};
 pub use ray::{Cast, Met};
 pub use sees::SightLine;

@@ -78,7 +78,10 @@ pub use method::{
 };
 pub use occluders::{Choice, Chosen, Measure, Occluder, OccluderRoom, OccluderSet, OccluderSummary};
 pub use passage::{Passage, PassageId};
-pub use query::{Cast, Met, Near, Nearest, Place, Presence, Reached, SightLine, Standpoint, Walked, survey};
+pub use query::{
+    BoxError, Cast, Met, Near, Nearest, PairChanges, Pairs, Place, Presence, Reached, SightLine, Standpoint,
+    Walked, survey,
+};
 pub use region::{Region, Sight};
 pub use scene::{
     End, FragmentId, Light, LightId, NestedId, Portal, PortalId, Scene, SceneBuilder, SceneError, Way,

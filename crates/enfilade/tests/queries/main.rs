@@ -2,6 +2,7 @@
 
 mod chance;
 mod items;
+mod pairs;
 mod rays;
 
 use chance::Chance;

@@ -1,6 +1,7 @@
 //! Questions other than drawing.
 
 mod beam;
+mod between;
 mod cast;
 mod items;
 mod near;
@@ -12,6 +13,7 @@ mod sees;
 mod survey;
 
 pub use beam::Reached;
+pub use between::Between;
 pub use near::Near;
 pub use nearest::Nearest;
 pub use pairs::{BoxError, PairChanges, Pairs};

@@ -79,8 +79,8 @@ pub use method::{
 pub use occluders::{Choice, Chosen, Measure, Occluder, OccluderRoom, OccluderSet, OccluderSummary};
 pub use passage::{Passage, PassageId};
 pub use query::{
-    Between, BoxError, Cast, Met, Near, Nearest, PairChanges, Pairs, Place, Presence, Reached, SightLine,
-    Standpoint, Walked, survey,
+    Between, BoxError, Capsule, Cast, Met, Near, Nearest, PairChanges, Pairs, Place, Presence, Reached,
+    SightLine, Slid, Standpoint, Walked, survey,
 };
 pub use region::{Region, Sight};
 pub use scene::{

@@ -1,6 +1,7 @@
 //! Boxes, transforms, convex polygons, and trees over them: plain geometry that knows nothing else of Enfilade.
 
 mod aabb;
+mod apart;
 mod bsp;
 mod cross;
 mod kd_tree;
@@ -11,6 +12,7 @@ mod slabs;
 mod transform;
 
 pub use aabb::Aabb;
+pub(crate) use apart::nearest_points;
 pub use bsp::{BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
 pub(crate) use cross::cross;
 pub use kd_tree::KdTree;

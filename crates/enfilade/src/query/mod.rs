@@ -2,6 +2,7 @@
 
 mod beam;
 mod between;
+mod capsule;
 mod cast;
 mod items;
 mod near;
@@ -14,6 +15,7 @@ mod survey;
 
 pub use beam::Reached;
 pub use between::Between;
+pub use capsule::{Capsule, Slid};
 pub use near::Near;
 pub use nearest::Nearest;
 pub use pairs::{BoxError, PairChanges, Pairs};

@@ -1,6 +1,7 @@
 //! Questions other than looking, each held against going through everything, on random questions to several scenes.
 
 mod between;
+mod capsule;
 mod chance;
 mod items;
 mod pairs;

@@ -2,8 +2,8 @@
 
 use crate::{Chance, affine, triangles};
 use enfilade::{
-    Aabb, Capsule, Content, ContentBuilder, FragmentId, Material, MaterialId, Mesh, Method, Place, Scene,
-    SceneBuilder, Transform,
+    Aabb, Capsule, Content, ContentBuilder, ConvexPolygon, FragmentId, Material, MaterialId, Mesh, Method,
+    OpeningId, Place, PortalId, Scene, SceneBuilder, Transform,
 };
 use enfilade_scenes::built_in;
 use glam::DVec3;
@@ -314,4 +314,67 @@ fn what_is_no_step_or_no_capsule_goes_nowhere() {
     // Farther than it can go at once: it says so, or is stopped by a wall.
     let far = scene.slide(from, sound, [3e30, 0.0, 0.0]);
     assert!(far.place.position[0] < 9.8);
+}
+
+/// Two rooms and a door between them at z = 0, from x = -1 to 1: the room on this side, with `here` in it, and the one beyond.
+fn two_rooms(here: [f32; 3], there: [f32; 3]) -> Scene {
+    let door = ConvexPolygon::rectangle([-1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.5, 0.0]).expect("a door");
+    let room = |thing: [f32; 3], outline: ConvexPolygon| {
+        let mut builder = ContentBuilder::new([Material::opaque([0.5; 3])]);
+        let mesh = builder.mesh(block());
+        let mut add = |at: [f32; 3], sides: [f32; 3]| {
+            builder.item(
+                "block",
+                mesh,
+                Transform::translation(at) * Transform::scaling(sides),
+            );
+        };
+        add([-6.0, 0.0, 0.0], [5.0, 3.0, 0.0]);
+        add([1.0, 0.0, 0.0], [5.0, 3.0, 0.0]);
+        add([-6.0, -1.0, -6.0], [12.0, 1.0, 12.0]);
+        add(thing, [0.5; 3]);
+        builder.opening("door", outline);
+        builder.build().expect("sound")
+    };
+    let mut scene = SceneBuilder::new();
+    let here = scene.add("here", room(here, door.clone()), Method::ZBuffer);
+    let there = scene.add("there", room(there, door.flipped()), Method::ZBuffer);
+    scene.door((here, OpeningId(0)), (there, OpeningId(0)));
+    scene.build().expect("two rooms")
+}
+
+#[test]
+fn in_a_doorway_it_is_stopped_by_what_stands_beyond_and_not_by_what_lies_there_in_its_own_room() {
+    const AWAY: [f32; 3] = [4.0, 0.0, 5.0];
+    let from = Place {
+        fragment: FragmentId(0),
+        position: [0.0, 0.95, 1.0],
+    };
+    let capsule = Capsule::new(0.3, 1.8);
+    // What a room holds behind its own door is not where the door leads.
+    for behind in [[-0.2, 0.0, -1.0], [-0.2, 0.0, -0.6]] {
+        let slid = two_rooms(behind, AWAY).slide(from, capsule, [0.0, 0.0, -3.0]);
+        assert_eq!((slid.place.fragment, slid.crossed.len()), (FragmentId(1), 1));
+        assert!(
+            (slid.place.position[2] + 2.0).abs() < 1e-3 && slid.touched.is_empty(),
+            "{slid:?}"
+        );
+        // But what the other room has there is, before its middle is through and after.
+        let slid = two_rooms(AWAY, behind).slide(from, capsule, [0.0, 0.0, -3.0]);
+        let stopped = behind[2] + 0.5 + 0.3;
+        assert!((slid.place.position[2] - stopped).abs() < 1e-3, "{slid:?}");
+        assert_eq!(slid.place.fragment.0, u32::from(stopped < 0.0));
+    }
+    // The posts of the door are there from both sides.
+    for (x, through) in [(0.6, true), (0.8, false)] {
+        let scene = two_rooms(AWAY, AWAY);
+        let position = [x, 0.95, 1.0];
+        let course = [0.0, 0.0, -1.0];
+        let slid = scene.slide(Place { position, ..from }, capsule, course);
+        assert_eq!(slid.touched.is_empty(), through, "{slid:?}");
+    }
+    let mut scene = two_rooms(AWAY, AWAY);
+    scene.set_open(PortalId(0), false);
+    let slid = scene.slide(from, capsule, [0.0, 0.0, -3.0]);
+    assert!((slid.place.position[2] - 0.3).abs() < 1e-3 && slid.crossed.is_empty());
 }

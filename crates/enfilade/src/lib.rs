@@ -81,7 +81,10 @@ pub use method::{
 };
 pub use occluders::{Choice, Chosen, Measure, Occluder, OccluderRoom, OccluderSet, OccluderSummary};
 pub use passage::{Passage, PassageId};
-pub use query::{Cast, Met, Near, Place, Presence, Reached, SightLine, Standpoint, Walked, survey};
+pub use query::{
+    Between, BoxError, Capsule, Cast, Met, Near, Nearest, PairChanges, Pairs, Place, Presence, Reached,
+    SightLine, Slid, Standpoint, Walked, survey,
+};
 pub use region::{Region, Sight};
 pub use scene::{
     Edit, EditError, End, FragmentId, Light, LightId, NestedId, Portal, PortalId, Scene, SceneBuilder,

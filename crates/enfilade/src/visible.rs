@@ -1,7 +1,6 @@
 //! The answer to a look.
 
-use crate::content::{Content, ItemId};
-use crate::geom::Aabb;
+use crate::content::ItemId;
 use crate::passage::{Passage, PassageId};
 use crate::scene::Scene;
 use std::collections::BTreeSet;
@@ -84,18 +83,12 @@ impl VisibleSet {
             let Some(content) = scene.content(passage.fragment) else {
                 continue;
             };
-            for item in (0..content.items().len() as u32).map(ItemId) {
-                if in_frustum(passage, content, item) && met.insert((passage.fragment, item)) {
+            content.items_in_passage(passage, |item| {
+                if met.insert((passage.fragment, item)) {
                     triangles += content.mesh_of(item).triangle_count();
                 }
-            }
+            });
         }
         (met.len(), triangles)
     }
-}
-
-fn in_frustum(passage: &Passage, content: &Content, item: ItemId) -> bool {
-    let bounds: Aabb = content.mesh_of(item).bounds();
-    let screen_from_item = passage.screen_from(&content.item(item).transform());
-    passage.frustum_meets(&screen_from_item, &bounds)
 }

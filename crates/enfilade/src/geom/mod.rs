@@ -1,6 +1,7 @@
 //! Boxes, transforms, convex polygons, and trees over them: plain geometry that knows nothing else of Enfilade.
 
 mod aabb;
+mod apart;
 mod bsp;
 #[cfg(test)]
 mod changes;
@@ -10,13 +11,16 @@ mod octree;
 mod pierce;
 mod polygon;
 mod runs;
+mod slabs;
 mod transform;
 
 pub use aabb::Aabb;
+pub(crate) use apart::nearest_points;
 pub use bsp::{BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
 pub(crate) use cross::cross;
 pub use kd_tree::KdTree;
 pub use octree::{Enter, Octree, Step};
 pub(crate) use pierce::{Pierced, nearest_in, pierced};
 pub use polygon::{ConvexPolygon, PolygonError};
+pub(crate) use slabs::Line;
 pub use transform::Transform;

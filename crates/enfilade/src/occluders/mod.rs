@@ -29,8 +29,8 @@ pub use measure::Measure;
 pub use screen::{Occluder, OccluderRoom};
 pub use summary::OccluderSummary;
 
-use crate::content::{Content, Exchanged, ItemId, Moved};
-use crate::geom::{Aabb, Octree};
+use crate::content::{Content, Exchanged, ItemId, MeshId, Moved};
+use crate::geom::{Aabb, Line, Octree, Step};
 use crate::mesh::Mesh;
 use glam::{DMat3, DVec3};
 use outline::{EXACT, Outline};
@@ -86,6 +86,19 @@ pub(crate) struct Polygon {
     /// Around its corners.
     bounds: Aabb,
     double_sided: bool,
+}
+
+/// An occluder as plain geometry, in the space of its mesh.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wall<'a> {
+    /// Counter-clockwise seen from where `normal` points to.
+    pub(crate) corners: &'a [DVec3],
+    /// Of unit length.
+    pub(crate) normal: DVec3,
+    /// Of its plane from the origin, along the normal.
+    pub(crate) distance: f64,
+    /// How far off the plane its faces stand, at most.
+    pub(crate) slack: f64,
 }
 
 /// The occluders of a mesh.
@@ -232,6 +245,27 @@ impl OccluderSet {
             tree,
             opaque_area: (0..soup.face_count() as u32).map(|face| soup.area(face)).sum(),
         }
+    }
+
+    /// Meets the occluders of a mesh whose boxes a line meets up to its end at 1, all in the space of the mesh.
+    pub(crate) fn along(&self, mesh: MeshId, line: &Line, mut visit: impl FnMut(Wall)) {
+        let Some(of_mesh) = self.meshes.get(mesh.0 as usize) else {
+            return;
+        };
+        let polygons = &self.polygons[of_mesh.polygons[0] as usize..of_mesh.polygons[1] as usize];
+        of_mesh.tree.walk(line.origin.into(), |step| match step {
+            Step::Node(bounds) => line.meets(bounds, line.margin(bounds), 1.0).is_some(),
+            Step::Thing(polygon) => {
+                let polygon = &polygons[polygon as usize];
+                visit(Wall {
+                    corners: self.corners_of(polygon),
+                    normal: polygon.normal,
+                    distance: polygon.distance,
+                    slack: polygon.slack,
+                });
+                true
+            }
+        });
     }
 
     fn corners_of(&self, polygon: &Polygon) -> &[DVec3] {

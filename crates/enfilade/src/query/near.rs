@@ -2,7 +2,7 @@
 //!
 //! Source: a shortest path through given convex outlines bends only at their edges; found by moving one bend at a time to
 //!     its best place, which goes down to the least, for the length is convex.
-//! Cost: O(items) boxes for each chain of portals within the radius.
+//! Cost: what is within the radius, for each chain of portals within it.
 
 use super::place::{Place, corners};
 use crate::content::ItemId;
@@ -70,16 +70,13 @@ impl Scene {
     }
 
     fn take_items(&self, chain: &Chain, radius: f64, found: &mut BTreeMap<(FragmentId, ItemId), Near>) {
-        let items = self
-            .content(chain.fragment)
-            .map_or(&[][..], |content| content.items());
-        for (item, placed) in (0..).map(ItemId).zip(items) {
-            let bounds = &placed.bounds;
-            let straight = nearest_in_box(bounds, chain.origin).distance(chain.origin) / chain.scale;
-            // Unfolded, the way is no shorter than the straight line.
-            if bounds.is_empty() || straight > radius {
-                continue;
-            }
+        let Some(content) = self.content(chain.fragment) else {
+            return;
+        };
+        // Unfolded, the way is no shorter than the straight line.
+        let reach = radius * chain.scale * (1.0 + 1e-12);
+        content.items_within(chain.origin, reach, |item| {
+            let bounds = &content.item(item).bounds;
             let distance = way(chain, |from| nearest_in_box(bounds, from)) / chain.scale;
             let known = found.get(&(chain.fragment, item));
             if distance <= radius && known.is_none_or(|known| distance < known.distance) {
@@ -91,7 +88,7 @@ impl Scene {
                 };
                 found.insert((chain.fragment, item), near);
             }
-        }
+        });
     }
 
     /// The chain that goes on through a portal, if that is within the radius.

@@ -1,0 +1,274 @@
+//! What stands about a capsule: the faces of every fragment that it reaches into, carried to the space of its middle.
+//!
+//! A face is there for the parts of the capsule that are in its fragment: the way from the capsule's middle, along its axis
+//! and from there straight to the face, goes through the openings that lead there, and through no other.
+//! Source: RenderWare, Portal culling: bodies in doorways collide in each section that they stand in.
+//! Cost: the clusters near by, and for each question a distance to each of their triangles.
+//! Faces beyond an opening are cut at its plane; what stands before it there is not.
+
+use super::body::Body;
+use crate::content::{Content, ItemId, OpeningId};
+use crate::geom::{Aabb, ConvexPolygon, Step, Transform, nearest_points};
+use crate::query::place::{Place, corners, slack};
+use crate::scene::{FragmentId, Scene};
+use glam::{DAffine3, DVec3};
+
+/// Triangles about a capsule, in the space of the fragment that its middle is in.
+pub(super) struct Obstacles {
+    triangles: Vec<Triangle>,
+    sides: Vec<Side>,
+}
+
+struct Triangle {
+    corners: [DVec3; 3],
+    side: usize,
+}
+
+/// A fragment that the capsule stands in, in the space of its middle.
+struct Side {
+    /// What one goes through to get there, in order, and what leads on from there.
+    entered: Vec<Hole>,
+    left: Vec<Hole>,
+}
+
+/// An opening that one may go through.
+struct Hole {
+    corners: Vec<DVec3>,
+    /// To the front.
+    normal: DVec3,
+    slack: f64,
+}
+
+/// How a capsule's axis and a triangle are nearest.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Contact {
+    pub(super) distance: f64,
+    /// From the triangle to the axis, of unit length.
+    pub(super) normal: DVec3,
+    /// Where on the triangle.
+    pub(super) on: DVec3,
+    /// The triangle's own normal, on that side.
+    pub(super) of_face: DVec3,
+}
+
+impl Obstacles {
+    /// All that is within `reach` of a body.
+    pub(super) fn about(scene: &Scene, place: Place, body: &Body, reach: f64) -> Obstacles {
+        let middle = DVec3::from(place.position.map(f64::from));
+        let around = body.radius + reach;
+        let axis = body.axis(middle);
+        let near = [axis[0].min(axis[1]) - around, axis[0].max(axis[1]) + around];
+        let mut obstacles = Obstacles {
+            triangles: Vec::new(),
+            sides: Vec::new(),
+        };
+        for present in scene.stands_in(place, (body.half + around) as f32) {
+            let Some(here_from_there) = present.there_from_here.inverse() else {
+                continue;
+            };
+            let entered = holes_on_the_way(scene, place.fragment, &present.crossed);
+            let came = present.crossed.last();
+            let fragment = present.place.fragment;
+            let left = scene
+                .ways_out(fragment)
+                .filter(|&(portal, _)| !came.is_some_and(|&came| scene.leads_back(came, portal)))
+                .map(|(_, outline)| Hole::of(outline, &here_from_there));
+            obstacles.sides.push(Side {
+                left: left.collect(),
+                entered,
+            });
+            if let Some(content) = scene.content(fragment) {
+                obstacles.add_faces(content, &here_from_there.0, &near);
+            }
+            if scene.is_flat() {
+                continue;
+            }
+            for (opening, number) in scene.fragment(fragment).openings().iter().zip(0..) {
+                let portal = scene.portal_of(fragment, OpeningId(number));
+                if !portal.is_some_and(|id| scene.portals()[id.0 as usize].open) {
+                    let corners = corners(&opening.outline);
+                    obstacles.add(
+                        corners.into_iter().map(|c| here_from_there.0.transform_point3(c)),
+                        &near,
+                    );
+                }
+            }
+        }
+        obstacles
+    }
+
+    /// The faces of the last side that has come.
+    fn add_faces(&mut self, content: &Content, here_from_there: &DAffine3, near: &[DVec3; 2]) {
+        let [min, max] = near.map(|corner| corner.as_vec3().to_array());
+        let here = Aabb {
+            min: min.map(f32::next_down),
+            max: max.map(f32::next_up),
+        };
+        let there = placed(&here, &here_from_there.inverse());
+        content.items_in_box(&there, |item: ItemId| {
+            let here_from_item = *here_from_there * content.item(item).transform().0;
+            let mesh = content.mesh_of(item);
+            mesh.walk([0.0; 3], |step| match step {
+                Step::Node(bounds) => placed(bounds, &here_from_item).meets(&here),
+                Step::Thing(cluster) => {
+                    let cluster = &mesh.clusters()[cluster as usize];
+                    if placed(&cluster.bounds, &here_from_item).meets(&here) {
+                        for face in cluster.faces.clone() {
+                            let corner = |&index: &u32| {
+                                let position = mesh.positions()[index as usize].map(f64::from);
+                                here_from_item.transform_point3(DVec3::from(position))
+                            };
+                            self.add(mesh.face(face).iter().map(corner), near);
+                        }
+                    }
+                    true
+                }
+            });
+        });
+    }
+
+    /// A face of the last side that has come, or what of it lies beyond the opening that leads there.
+    fn add(&mut self, corners: impl Iterator<Item = DVec3>, near: &[DVec3; 2]) {
+        let side = self.sides.len() - 1;
+        let mut outline: Vec<DVec3> = corners.collect();
+        if let Some(hole) = self.sides[side].entered.last() {
+            outline = hole.beyond(&outline);
+        }
+        for last in 2..outline.len() {
+            let corners = [outline[0], outline[last - 1], outline[last]];
+            let [a, b, c] = corners;
+            let [min, max] = [a.min(b).min(c), a.max(b).max(c)];
+            if min.cmple(near[1]).all() && max.cmpge(near[0]).all() {
+                self.triangles.push(Triangle { corners, side });
+            }
+        }
+    }
+
+    /// May a body move from one fragment to another here, or touch what is there?
+    pub(super) fn has_ways_out(&self) -> bool {
+        self.sides.len() > 1
+    }
+
+    /// What is nearer to a body's axis than `within`.
+    pub(super) fn contacts(&self, middle: DVec3, body: &Body, within: f64, found: &mut Vec<Contact>) {
+        found.clear();
+        let axis = body.axis(middle);
+        for triangle in &self.triangles {
+            let [near, on] = nearest_points(axis, triangle.corners);
+            let off = near - on;
+            let distance = off.length();
+            if distance >= within || !self.sides[triangle.side].is_reached([middle, near, on]) {
+                continue;
+            }
+            let [a, b, c] = triangle.corners;
+            let of_face = (b - a).cross(c - a).normalize_or(body.up);
+            // Where the axis goes through it, to the side that the middle is on.
+            let of_face = if of_face.dot(middle - a) < 0.0 {
+                -of_face
+            } else {
+                of_face
+            };
+            let normal = off.try_normalize().unwrap_or(of_face);
+            found.push(Contact {
+                distance,
+                normal,
+                on,
+                of_face,
+            });
+        }
+    }
+}
+
+impl Side {
+    fn is_reached(&self, way: [DVec3; 3]) -> bool {
+        let goes_through = |hole: &Hole| hole.is_on(way[0], way[1]) || hole.is_on(way[1], way[2]);
+        self.entered.iter().all(goes_through) && !self.left.iter().any(goes_through)
+    }
+}
+
+impl Hole {
+    fn of(outline: &ConvexPolygon, here_from_there: &Transform) -> Hole {
+        let place = |corner: DVec3| here_from_there.0.transform_point3(corner);
+        let corners: Vec<DVec3> = corners(outline).into_iter().map(place).collect();
+        let normal = here_from_there
+            .0
+            .transform_vector3(DVec3::from(outline.normal().map(f64::from)));
+        Hole {
+            corners,
+            normal: normal.normalize_or_zero(),
+            slack: slack(outline) * here_from_there.scale(),
+        }
+    }
+
+    fn height(&self, point: DVec3) -> f64 {
+        self.normal.dot(point - self.corners[0])
+    }
+
+    /// Is it on the way from its front to what is behind it?
+    fn is_on(&self, from: DVec3, to: DVec3) -> bool {
+        let [before, behind] = [from, to].map(|point| self.height(point));
+        if before < -self.slack || behind >= -self.slack {
+            return false;
+        }
+        let at = from.lerp(to, (before / (before - behind)).clamp(0.0, 1.0));
+        let turns = (0..self.corners.len()).map(|i| {
+            let [start, end] = [self.corners[i], self.corners[(i + 1) % self.corners.len()]];
+            (end - start).cross(at - start).dot(self.normal)
+        });
+        let [least, most] = turns.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], turn| {
+            [least.min(turn), most.max(turn)]
+        });
+        // Either way round: a reflection turns outlines over.
+        least >= 0.0 || most <= 0.0
+    }
+
+    /// What of a face lies behind its plane, or in it.
+    fn beyond(&self, outline: &[DVec3]) -> Vec<DVec3> {
+        let mut kept = Vec::with_capacity(outline.len() + 1);
+        for (i, &corner) in outline.iter().enumerate() {
+            let next = outline[(i + 1) % outline.len()];
+            let [here, there] = [corner, next].map(|point| self.height(point) - self.slack);
+            if here <= 0.0 {
+                kept.push(corner);
+            }
+            if (here < 0.0 && there > 0.0) || (here > 0.0 && there < 0.0) {
+                kept.push(corner.lerp(next, here / (here - there)));
+            }
+        }
+        kept
+    }
+}
+
+/// The openings that portals lead through, in the space of the first.
+fn holes_on_the_way(scene: &Scene, from: FragmentId, crossed: &[crate::scene::PortalId]) -> Vec<Hole> {
+    debug_assert!(
+        crossed
+            .first()
+            .is_none_or(|id| scene.portals()[id.0 as usize].from == from)
+    );
+    let mut here_from_there = Transform::IDENTITY;
+    let mut holes = Vec::with_capacity(crossed.len());
+    for id in crossed {
+        let portal = &scene.portals()[id.0 as usize];
+        let opening = &scene.fragment(portal.from).openings()[usize::from(portal.opening.0)];
+        holes.push(Hole::of(&opening.outline, &here_from_there));
+        if let Some(back) = portal.there_from_here.inverse() {
+            here_from_there = here_from_there * back;
+        }
+    }
+    holes
+}
+
+/// A box around what a map makes of a box.
+fn placed(bounds: &Aabb, map: &DAffine3) -> Aabb {
+    let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
+    let [middle, half] = [0.5 * (min + max), 0.5 * (max - min)];
+    let matrix = map.matrix3;
+    let reach = matrix.x_axis.abs() * half.x + matrix.y_axis.abs() * half.y + matrix.z_axis.abs() * half.z;
+    let at = map.transform_point3(middle);
+    // What f64 rounds is less than a step of f32.
+    Aabb {
+        min: (at - reach).as_vec3().to_array().map(f32::next_down),
+        max: (at + reach).as_vec3().to_array().map(f32::next_up),
+    }
+}

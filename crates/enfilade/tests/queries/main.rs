@@ -1,0 +1,90 @@
+//! Questions other than looking, each held against going through everything, on random questions to several scenes.
+
+mod between;
+mod capsule;
+mod chance;
+mod items;
+mod pairs;
+mod rays;
+
+use chance::Chance;
+use enfilade::{Aabb, Content, ContentBuilder, Material, MaterialId, Mesh, Transform};
+use enfilade_scenes::built_in;
+use glam::{DAffine3, DMat3, DVec3};
+use std::sync::Arc;
+
+/// Questions of each kind asked of each scene.
+const QUESTIONS: usize = 10_000;
+
+/// A palace, things by chance, thousands of things, large meshes, things scaled flat, and numbers large and small.
+const SCENES: [&str; 7] = [
+    "enfilade",
+    "random",
+    "crowd",
+    "big-mesh",
+    "degenerate",
+    "far-away",
+    "tiny",
+];
+
+/// The content with the most items of each scene, by name.
+fn contents() -> impl Iterator<Item = (&'static str, Arc<Content>)> {
+    SCENES.into_iter().map(|name| {
+        let scene = built_in(name).expect("it is built in").scene;
+        let contents = scene.fragments().filter_map(|id| scene.content(id));
+        let largest = contents.max_by_key(|content| content.items().len());
+        (name, Arc::clone(largest.expect("it has rooms")))
+    })
+}
+
+/// Blocks of several sizes, one in each square of streets: walls to be hidden by.
+fn city() -> Option<(&'static str, Arc<Content>)> {
+    let unit = Aabb {
+        min: [0.0; 3],
+        max: [1.0; 3],
+    };
+    const SIDES: [[u32; 4]; 6] = [
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+    ];
+    let faces = SIDES.map(|[a, b, c, d]| [a, b, c, a, c, d]);
+    let block = Mesh::triangles(&unit.corners(), faces.as_flattened(), MaterialId(0)).expect("a cube");
+    let mut builder = ContentBuilder::new([Material::opaque([0.5; 3])]);
+    let block = builder.mesh(block);
+    let mut chance = Chance(11);
+    for place in 0..400_u16 {
+        let [x, z] = [place % 20, place / 20].map(|street| 10.0 * f32::from(street));
+        let [width, height, depth] = [(); 3].map(|()| 1.0 + 8.0 * chance.part());
+        let at = Transform::translation([x, 0.0, z]) * Transform::rotation([0.0, 1.0, 0.0], f64::from(place));
+        builder.item(
+            "block",
+            block,
+            at * Transform::scaling([width, 4.0 * height, depth]),
+        );
+    }
+    Some(("city", Arc::new(builder.build().expect("sound"))))
+}
+
+/// What a test needs to know of an item's place, without the library's own arithmetic.
+fn affine(transform: &Transform) -> DAffine3 {
+    let [x, y, z, at] = transform
+        .columns()
+        .map(|column| DVec3::from(column.map(f64::from)));
+    DAffine3 {
+        matrix3: DMat3::from_cols(x, y, z),
+        translation: at,
+    }
+}
+
+/// The triangles of a mesh, each with its face.
+fn triangles(mesh: &Mesh) -> impl Iterator<Item = (u32, [DVec3; 3])> {
+    (0..mesh.face_count()).flat_map(move |face| {
+        let corners = mesh.face(face);
+        let corner = |i: usize| DVec3::from(mesh.positions()[corners[i] as usize].map(f64::from));
+        (2..corners.len()).map(move |last| (face, [corner(0), corner(last - 1), corner(last)]))
+    })
+}

@@ -1,0 +1,238 @@
+//! Rays: the first hit and all hits.
+
+use crate::{Chance, QUESTIONS, affine, contents, triangles};
+use enfilade::{Content, Hit, ItemId, Ray};
+use glam::{DAffine3, DVec3};
+
+/// A triangle in its item's space, and what it belongs to.
+struct Face {
+    item: ItemId,
+    face: u32,
+    corners: [DVec3; 3],
+}
+
+/// Everything that rays can meet, and for each item the map into its space.
+struct All {
+    faces: Vec<Face>,
+    item_from_fragment: Vec<Option<DAffine3>>,
+}
+
+impl All {
+    fn of(content: &Content) -> All {
+        let items = || (0..content.items().len() as u32).map(ItemId);
+        let back = |item: ItemId| {
+            let placed = affine(&content.item(item).transform());
+            (placed.matrix3.determinant() != 0.0).then(|| placed.inverse())
+        };
+        let of_item = |item: ItemId| {
+            triangles(content.mesh_of(item)).map(move |(face, corners)| Face { item, face, corners })
+        };
+        All {
+            faces: items()
+                .filter(|&item| back(item).is_some())
+                .flat_map(of_item)
+                .collect(),
+            item_from_fragment: items().map(back).collect(),
+        }
+    }
+
+    /// All that a ray meets: how far it is, how near an edge, and by what.
+    fn hits(&self, ray: &Ray) -> Vec<(f64, f64, ItemId, u32)> {
+        let [origin, direction] = [ray.origin, ray.direction].map(|v| DVec3::from(v.map(f64::from)));
+        let mut local = (ItemId(u32::MAX), origin, direction);
+        let mut hits = Vec::new();
+        for Face {
+            item,
+            face,
+            corners: [a, b, c],
+        } in &self.faces
+        {
+            if local.0 != *item {
+                let back = self.item_from_fragment[item.0 as usize].expect("it is met");
+                local = (
+                    *item,
+                    back.transform_point3(origin),
+                    back.transform_vector3(direction),
+                );
+            }
+            let (_, origin, direction) = local;
+            // By volumes: another sum than the library's.
+            let [a, b, c] = [a, b, c].map(|&corner| corner - origin);
+            let parts = [(b, c), (c, a), (a, b)].map(|(p, q)| direction.dot(p.cross(q)));
+            let whole: f64 = parts.iter().sum();
+            let size = parts.iter().map(|part| part.abs()).sum::<f64>();
+            if whole.abs() <= 1e-9 * size || size == 0.0 {
+                continue;
+            }
+            let parts = parts.map(|part| part / whole);
+            let least = parts.into_iter().fold(f64::INFINITY, f64::min);
+            let at = a * parts[0] + b * parts[1] + c * parts[2];
+            let distance = at.dot(direction) / direction.length_squared();
+            if least > -1e-6 && distance > -1e-9 {
+                hits.push((distance, least, *item, *face));
+            }
+        }
+        hits.sort_by(|a, b| a.0.total_cmp(&b.0));
+        hits
+    }
+}
+
+fn ray(chance: &mut Chance, content: &Content) -> Ray {
+    let whole = content.bounds();
+    let mut direction = chance.vector();
+    match chance.below(6) {
+        0 => direction[chance.below(3)] = 0.0,
+        1 => {
+            let axis = chance.below(3);
+            direction = [0.0; 3];
+            direction[axis] = 1.0;
+        }
+        _ => {}
+    }
+    Ray {
+        origin: chance.about(&whole),
+        direction,
+    }
+}
+
+#[test]
+fn a_ray_meets_first_what_is_nearest_of_all_faces() {
+    let [mut met, mut missed] = [0; 2];
+    for (name, content) in contents() {
+        let all = All::of(&content);
+        let far = f64::from(content.bounds().longest_side())
+            + content
+                .bounds()
+                .max
+                .map(|v| f64::from(v.abs()))
+                .iter()
+                .sum::<f64>();
+        let mut chance = Chance(5);
+        // Everything is gone through for each: the larger the scene, the fewer.
+        let questions = QUESTIONS.min(40_000_000 / all.faces.len());
+        for _ in 0..questions {
+            let ray = ray(&mut chance, &content);
+            let length = DVec3::from(ray.direction.map(f64::from)).length();
+            let slack = 1e-7 * far / length;
+            let hits = all.hits(&ray);
+            let sure = hits.iter().find(|hit| hit.1 > 1e-6 && hit.0 > slack);
+            match content.cast(&ray) {
+                Some(hit) => {
+                    let known = hits
+                        .iter()
+                        .find(|known| (known.2, known.3) == (hit.item, hit.face));
+                    let known = known.unwrap_or_else(|| panic!("@{name}: {ray:?} does not meet {hit:?}"));
+                    assert!(
+                        (known.0 - hit.distance).abs() <= slack,
+                        "@{name}: {ray:?}, {hit:?}, {known:?}"
+                    );
+                    assert!(
+                        sure.is_none_or(|sure| hit.distance <= sure.0 + slack),
+                        "@{name}: {ray:?}, {hit:?}, {sure:?}"
+                    );
+                    met += 1;
+                }
+                None => {
+                    assert_eq!(sure, None, "@{name}: {ray:?}");
+                    missed += 1;
+                }
+            }
+        }
+    }
+    assert!(
+        met > QUESTIONS && missed > QUESTIONS / 10,
+        "{met} met something, {missed} nothing"
+    );
+}
+
+#[test]
+fn all_hits_of_a_ray_begin_with_the_first_and_are_in_order() {
+    let mut many = 0;
+    for (name, content) in contents() {
+        let mut chance = Chance(6);
+        let mut hits: Vec<Hit> = Vec::new();
+        let mut shorter: Vec<Hit> = Vec::new();
+        for _ in 0..QUESTIONS {
+            let ray = ray(&mut chance, &content);
+            content.cast_all(&ray, f64::INFINITY, &mut hits);
+            assert_eq!(hits.first().copied(), content.cast(&ray), "@{name}: {ray:?}");
+            let place = |hit: &Hit| (hit.distance, hit.item, hit.face);
+            assert!(
+                hits.windows(2).all(|pair| place(&pair[0]) < place(&pair[1])),
+                "@{name}: {ray:?}"
+            );
+            if let Some(middle) = hits.get(hits.len() / 2) {
+                content.cast_all(&ray, middle.distance, &mut shorter);
+                let within = hits.iter().take_while(|hit| hit.distance <= middle.distance);
+                assert!(shorter.iter().eq(within), "@{name}: {ray:?}");
+            }
+            many += usize::from(hits.len() > 4);
+        }
+    }
+    assert!(many > QUESTIONS / 10, "only {many} rays met more than four faces");
+}
+
+#[test]
+fn all_hits_are_all_that_any_face_meets() {
+    let mut sum = 0;
+    for (name, content) in contents() {
+        let all = All::of(&content);
+        let far = f64::from(content.bounds().longest_side())
+            + content
+                .bounds()
+                .max
+                .map(|v| f64::from(v.abs()))
+                .iter()
+                .sum::<f64>();
+        let mut chance = Chance(7);
+        let mut found = Vec::new();
+        for _ in 0..QUESTIONS.min(10_000_000 / all.faces.len()) {
+            let ray = ray(&mut chance, &content);
+            let slack = 1e-7 * far / DVec3::from(ray.direction.map(f64::from)).length();
+            content.cast_all(&ray, f64::INFINITY, &mut found);
+            let hits = all.hits(&ray);
+            for hit in hits.iter().filter(|hit| hit.1 > 1e-6 && hit.0 > slack) {
+                assert!(
+                    found
+                        .iter()
+                        .any(|known| (known.item, known.face) == (hit.2, hit.3)),
+                    "@{name}: {ray:?} misses {hit:?}"
+                );
+            }
+            for known in &found {
+                assert!(
+                    hits.iter().any(|hit| (known.item, known.face) == (hit.2, hit.3)),
+                    "@{name}: {ray:?} meets {known:?}"
+                );
+            }
+            sum += found.len();
+        }
+    }
+    assert!(sum > QUESTIONS, "only {sum} hits");
+}
+
+#[test]
+fn rays_that_go_nowhere_meet_nothing() {
+    let content = contents().next().expect("a palace").1;
+    let at = content.bounds().center();
+    let mut hits = Vec::new();
+    for (origin, direction) in [
+        (at, [0.0; 3]),
+        (at, [f32::NAN, 1.0, 0.0]),
+        (at, [f32::INFINITY, 0.0, 0.0]),
+        ([f32::NAN; 3], [1.0, 0.0, 0.0]),
+    ] {
+        let ray = Ray { origin, direction };
+        assert_eq!(content.cast(&ray), None);
+        content.cast_all(&ray, f64::INFINITY, &mut hits);
+        assert_eq!(hits, []);
+    }
+    let down = Ray {
+        origin: at,
+        direction: [0.0, -1.0, 0.0],
+    };
+    for (limit, some) in [(f64::NAN, false), (-1.0, false), (f64::INFINITY, true)] {
+        content.cast_all(&down, limit, &mut hits);
+        assert_eq!(!hits.is_empty(), some);
+    }
+}

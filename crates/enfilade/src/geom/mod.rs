@@ -2,6 +2,7 @@
 
 mod aabb;
 mod bsp;
+mod bvh;
 #[cfg(test)]
 mod changes;
 mod cross;
@@ -14,6 +15,7 @@ mod transform;
 
 pub use aabb::Aabb;
 pub use bsp::{BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
+pub use bvh::Bvh;
 pub(crate) use cross::cross;
 pub use kd_tree::KdTree;
 pub use octree::{Enter, Octree, Step};

@@ -236,7 +236,7 @@ impl<T: Changes> World<T> {
     }
 
     /// How much dearer the tree is than one built now: by the boxes asked for random questions, and by the areas of
-    /// boxes, each as often as there are things in it, and once for itself.
+    /// boxes, each as often as something is asked when it is entered: its children and its things.
     pub(super) fn dearer(&self) -> [f64; 2] {
         let fresh = T::over(&self.bounds);
         let mut chance = Chance(3);
@@ -253,8 +253,9 @@ impl<T: Changes> World<T> {
             let mut sum = 0.0;
             while let Some(node) = waiting.pop() {
                 let [x, y, z] = tree.bounds(node).size().map(f64::from);
-                sum += (x * y + y * z + z * x) * (1 + tree.things(node).len()) as f64;
-                waiting.extend(tree.children(node));
+                let children = tree.children(node);
+                sum += (x * y + y * z + z * x) * (children.len() + tree.things(node).len()) as f64;
+                waiting.extend(children);
             }
             sum
         });

@@ -3,6 +3,7 @@
 mod aabb;
 mod apart;
 mod bsp;
+mod bvh;
 #[cfg(test)]
 mod changes;
 mod cross;
@@ -17,6 +18,7 @@ mod transform;
 pub use aabb::Aabb;
 pub(crate) use apart::nearest_points;
 pub use bsp::{BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
+pub use bvh::Bvh;
 pub(crate) use cross::cross;
 pub use kd_tree::KdTree;
 pub use octree::{Enter, Octree, Step};

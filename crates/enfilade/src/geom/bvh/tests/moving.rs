@@ -1,0 +1,115 @@
+//! Nested boxes that things come into, go from and move in.
+
+use super::*;
+use crate::geom::changes::{
+    Changes, a_long_life_leaves_it_as_good_as_new, what_was_emptied_can_be_filled_again,
+    whatever_changes_is_found,
+};
+
+impl Changes for Bvh {
+    const COPIES: bool = false;
+
+    fn over(bounds: &[Aabb]) -> Bvh {
+        Bvh::build(bounds, FEW)
+    }
+
+    fn insert(&mut self, thing: u32, bounds: &[Aabb], touched: &mut Vec<u32>) {
+        self.insert(thing, &|thing| bounds[thing as usize], touched);
+    }
+
+    fn remove(&mut self, thing: u32, was: &Aabb, bounds: &[Aabb], touched: &mut Vec<u32>) {
+        self.remove(thing, was, &|thing| bounds[thing as usize], touched);
+    }
+
+    fn shift(&mut self, thing: u32, was: &Aabb, bounds: &[Aabb], touched: &mut Vec<u32>) {
+        self.shift(thing, was, &|thing| bounds[thing as usize], touched);
+    }
+
+    fn tidy(&mut self, bounds: &[Aabb]) -> bool {
+        self.tidy(bounds.len(), &|thing| bounds[thing as usize])
+    }
+
+    fn root(&self) -> Option<u32> {
+        self.root()
+    }
+
+    fn bounds(&self, node: u32) -> Aabb {
+        *self.bounds(node)
+    }
+
+    fn children(&self, node: u32) -> Vec<u32> {
+        self.children(node).collect()
+    }
+
+    fn things(&self, node: u32) -> &[u32] {
+        self.things(node)
+    }
+
+    fn node_count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    fn bytes(&self) -> u64 {
+        self.bytes()
+    }
+
+    fn check(&self, _bounds: &[Aabb]) {
+        let mut nodes = 0;
+        let mut leaves = 0;
+        let mut waiting: Vec<u32> = self.root().into_iter().collect();
+        while let Some(node) = waiting.pop() {
+            nodes += 1;
+            leaves += usize::from(!self.things(node).is_empty());
+            for &thing in self.things(node) {
+                assert_eq!(self.leaves[thing as usize], node);
+            }
+            for child in self.children(node) {
+                assert_eq!(self.parents[pair_of(child)], node);
+                waiting.push(child);
+            }
+        }
+        if nodes > 0 {
+            assert_eq!(nodes + 2 * self.spare_pairs.len(), self.nodes.len());
+        }
+        assert_eq!(
+            (leaves + self.spare_places.len()) * self.few as usize,
+            self.things.len()
+        );
+    }
+}
+
+#[test]
+fn whatever_changes_is_found_in_nested_boxes() {
+    whatever_changes_is_found::<Bvh>();
+}
+
+#[test]
+fn nested_boxes_that_were_emptied_can_be_filled_again() {
+    what_was_emptied_can_be_filled_again::<Bvh>();
+}
+
+#[test]
+fn a_long_life_leaves_nested_boxes_as_good_as_new() {
+    a_long_life_leaves_it_as_good_as_new::<Bvh>();
+}
+
+#[test]
+fn things_that_come_one_after_the_other_along_a_row_or_to_one_place_make_no_list() {
+    for step in [0.0, 1.0] {
+        let place = |thing: u32| Aabb {
+            min: [step * thing as f32; 3],
+            max: [step * thing as f32 + 0.5; 3],
+        };
+        let mut tree = Bvh::build(&[], FEW);
+        for thing in 0..5000 {
+            tree.insert(thing, &place, &mut Vec::new());
+        }
+        let mut deepest = 0;
+        let mut waiting = vec![(0, 1)];
+        while let Some((node, depth)) = waiting.pop() {
+            deepest = deepest.max(depth);
+            waiting.extend(tree.children(node).map(|child| (child, depth + 1)));
+        }
+        assert!((10..60).contains(&deepest), "{deepest}");
+    }
+}

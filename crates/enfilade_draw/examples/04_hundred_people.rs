@@ -1,0 +1,105 @@
+//! A hundred people walk through a palace whose doors open before them; two cameras look. Makes `people.png`, a clip.
+#![expect(clippy::print_stdout, reason = "examples print")]
+
+use enfilade::*;
+use enfilade_draw::{Clip, Painter, RgbImage, Show};
+use enfilade_scenes::{built_in, person};
+use glam::{Vec3, vec3};
+use image::imageops::replace;
+
+const SIZE: [u32; 2] = [320, 240];
+const FRAMES: u32 = 48;
+const UP_TO_MIDDLE: Vec3 = vec3(0.0, 0.95, 0.0);
+
+struct Person {
+    place: Place,
+    goal: Vec3,
+    /// It is an item of each fragment that it stands in.
+    items: Vec<(FragmentId, ItemId)>,
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let palace = built_in("enfilade").ok_or("the palace is built in")?;
+    let mut scene = palace.scene;
+    let mut doors: Vec<(PortalId, FragmentId, Vec3)> = Vec::new();
+    for (id, portal) in (0..).map(PortalId).zip(scene.portals()) {
+        let opening = &scene.fragment(portal.from).openings()[usize::from(portal.opening.0)];
+        if opening.name.ends_with("door") || opening.name.ends_with("arch") {
+            doors.push((id, portal.from, opening.outline.bounds().center().into()));
+        }
+    }
+    // What stops them: the palace without people, for nobody is in their own way.
+    let mut walls = scene.clone();
+    let start = |number: usize| {
+        let (_, fragment, goal) = doors[number * 7 % doors.len()];
+        let middle = Vec3::from(scene.bounds(fragment).center()) * vec3(1.0, 0.0, 1.0);
+        let at = goal.with_y(0.0).lerp(middle, 0.2 + 0.006 * number as f32) + UP_TO_MIDDLE;
+        let (position, items) = (at.into(), Vec::new());
+        let place = Place { fragment, position };
+        Person { place, goal, items }
+    };
+    let mut people: Vec<Person> = (0..100).map(start).collect();
+    let kinds: Vec<_> = (0..7).map(person).collect();
+    let named = |name: &str| palace.cameras.iter().find(|camera| camera.name == name);
+    let mut viewers = Vec::new();
+    for camera in [named("rotunda"), named("red salon")] {
+        viewers.push((camera.ok_or("no such camera")?.view(SIZE), Viewer::new()));
+    }
+    let file = std::fs::File::create("people.png")?;
+    let mut clip = Clip::new(file, [2 * SIZE[0], SIZE[1]], FRAMES, 12)?;
+    for frame in 0..FRAMES {
+        for (number, person) in people.iter_mut().enumerate() {
+            let from = person.place;
+            let step = 0.12
+                * (person.goal - Vec3::from(from.position))
+                    .with_y(0.0)
+                    .normalize_or_zero();
+            let step = step - 0.02 * Vec3::Y;
+            person.place = walls.slide(from, Capsule::new(0.25, 1.9), step.into()).place;
+            let here = Vec3::from(person.place.position);
+            if person.place.fragment != from.fragment || here.distance(from.position.into()) < 0.03 {
+                // On, to another door of the room that it is in.
+                let ways = doors.iter().filter(|door| door.1 == person.place.fragment);
+                let way = ways.cycle().nth(number + frame as usize);
+                person.goal = way.map_or(here, |&(.., door)| door + 0.3 * (door - here).normalize());
+            }
+        }
+        for &(id, _, door) in &doors {
+            let near = |person: &Person| door.with_y(0.95).distance(person.place.position.into()) < 2.0;
+            let open = people.iter().any(near);
+            [&mut scene, &mut walls].map(|scene| scene.set_open(id, open));
+        }
+        let mut edit = scene.edit();
+        for (number, somebody) in people.iter_mut().enumerate() {
+            let before = std::mem::take(&mut somebody.items);
+            for presence in walls.stands_in(somebody.place, 0.4) {
+                let Place { fragment, position } = presence.place;
+                let (way, feet) = (
+                    somebody.goal - Vec3::from(position),
+                    Vec3::from(position) - UP_TO_MIDDLE,
+                );
+                let turn = Transform::rotation([0.0, 1.0, 0.0], f64::from(way.x.atan2(way.z)));
+                let there = Transform::translation(feet.into()) * turn;
+                let item = if let Some(&(_, item)) = before.iter().find(|item| item.0 == fragment) {
+                    edit.place(fragment, item, there)?;
+                    item
+                } else {
+                    edit.add(fragment, "person", kinds[number % 7].clone(), there)?
+                };
+                somebody.items.push((fragment, item));
+            }
+            for &(fragment, item) in before.iter().filter(|gone| !somebody.items.contains(gone)) {
+                edit.remove(fragment, item)?;
+            }
+        }
+        println!("frame {frame}: {:?}", edit.finish()?);
+        let mut picture = RgbImage::new(2 * SIZE[0], SIZE[1]);
+        for (left, (view, viewer)) in (0..).step_by(SIZE[0] as usize).zip(&mut viewers) {
+            let mut painter = Painter::new(&scene, view, Show::Image);
+            viewer.draw(&scene, view, &mut painter);
+            replace(&mut picture, &painter.into_image(), left, 0);
+        }
+        clip.add(&picture)?;
+    }
+    Ok(clip.finish()?)
+}

@@ -61,3 +61,10 @@ TOUR
 "$program" draw @enfilade --show fragments --size 640x360 --output book/src/pictures/palace-fragments.png
 "$program" draw @mirrors --size 480x270 --output book/src/pictures/lamp-mirrors.png
 "$program" draw @teleport --size 480x270 --output book/src/pictures/lamp-teleport.png
+for camera in bottles panes; do
+    "$program" draw @bottles --camera "the $camera" --size 480x270 --output "book/src/pictures/glass-$camera.png"
+done
+
+# A clip: the example writes it where it runs.
+cargo build --release --package enfilade_draw --example 04_hundred_people
+(cd book/src/pictures && "$OLDPWD/target/release/examples/04_hundred_people")

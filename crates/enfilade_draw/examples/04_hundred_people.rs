@@ -1,5 +1,4 @@
 //! A hundred people walk through a palace whose doors open before them; two cameras look. Makes `people.png`, a clip.
-#![expect(clippy::print_stdout, reason = "examples print")]
 
 use enfilade::*;
 use enfilade_draw::{Clip, Painter, RgbImage, Show};
@@ -40,11 +39,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let mut people: Vec<Person> = (0..100).map(start).collect();
     let kinds: Vec<_> = (0..7).map(person).collect();
-    let named = |name: &str| palace.cameras.iter().find(|camera| camera.name == name);
-    let mut viewers = Vec::new();
-    for camera in [named("rotunda"), named("red salon")] {
-        viewers.push((camera.ok_or("no such camera")?.view(SIZE), Viewer::new()));
-    }
+    // From the rotunda and from the red salon.
+    let mut viewers = [4, 2].map(|camera| (palace.cameras[camera].view(SIZE), Viewer::new()));
     let file = std::fs::File::create("people.png")?;
     let mut clip = Clip::new(file, [2 * SIZE[0], SIZE[1]], FRAMES, 12)?;
     for frame in 0..FRAMES {
@@ -80,11 +76,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 );
                 let turn = Transform::rotation([0.0, 1.0, 0.0], f64::from(way.x.atan2(way.z)));
                 let there = Transform::translation(feet.into()) * turn;
-                let item = if let Some(&(_, item)) = before.iter().find(|item| item.0 == fragment) {
-                    edit.place(fragment, item, there)?;
-                    item
-                } else {
-                    edit.add(fragment, "person", kinds[number % 7].clone(), there)?
+                let item = match before.iter().find(|item| item.0 == fragment) {
+                    Some(&(_, item)) => edit.place(fragment, item, there).map(|()| item)?,
+                    None => edit.add(fragment, "person", kinds[number % 7].clone(), there)?,
                 };
                 somebody.items.push((fragment, item));
             }
@@ -92,7 +86,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 edit.remove(fragment, item)?;
             }
         }
-        println!("frame {frame}: {:?}", edit.finish()?);
+        edit.finish()?;
         let mut picture = RgbImage::new(2 * SIZE[0], SIZE[1]);
         for (left, (view, viewer)) in (0..).step_by(SIZE[0] as usize).zip(&mut viewers) {
             let mut painter = Painter::new(&scene, view, Show::Image);

@@ -32,7 +32,7 @@ pub trait DetailSource: Send + Sync {
     /// # Errors
     /// Any: the item keeps what it has, and the error is told. So it is with a panic, a mesh of no faces, and one that
     /// reaches out of the bounds.
-    fn build(&self, level: u32) -> Result<Mesh, Box<dyn Error + Send + Sync>>;
+    fn build(&self, level: u32) -> Result<Arc<Mesh>, Box<dyn Error + Send + Sync>>;
 }
 
 /// Levels that are asked for: each halving the error, they would end below the last bit of f32.
@@ -118,7 +118,7 @@ impl Levels {
         match made {
             Ok(mesh) => {
                 let faces = u64::from(mesh.face_count());
-                self.built.insert(level, Arc::new(mesh));
+                self.built.insert(level, mesh);
                 Ok(faces)
             }
             Err(why) => {

@@ -8,7 +8,7 @@ use enfilade::{
 use std::error::Error;
 use std::sync::Arc;
 
-type Made = Result<Mesh, Box<dyn Error + Send + Sync>>;
+type Made = Result<Arc<Mesh>, Box<dyn Error + Send + Sync>>;
 
 /// A source that makes what it is told to.
 #[derive(Clone, Copy)]
@@ -23,7 +23,7 @@ const SOUND: Odd = Odd {
     bounds: [-1.0, 1.0],
     levels: 3,
     error: |level| 0.1 / (1.0 + level as f32),
-    make: |_| Ok(Mesh::clone(&square())),
+    make: |_| Ok(square()),
 };
 
 impl DetailSource for Odd {
@@ -53,14 +53,14 @@ impl DetailSource for Odd {
     }
 }
 
-fn of_gold() -> Mesh {
+fn of_gold() -> Arc<Mesh> {
     let corners = [[0.0; 3], [0.5, 0.0, 0.0], [0.0, 0.5, 0.0]];
-    Mesh::triangles(&corners, &[0, 1, 2], MaterialId(7)).expect("a triangle")
+    Arc::new(Mesh::triangles(&corners, &[0, 1, 2], MaterialId(7)).expect("a triangle"))
 }
 
-fn too_large() -> Mesh {
+fn too_large() -> Arc<Mesh> {
     let corners = [[0.0; 3], [5.0, 0.0, 0.0], [0.0, 5.0, 0.0]];
-    Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)).expect("a triangle")
+    Arc::new(Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)).expect("a triangle"))
 }
 
 #[test]
@@ -69,7 +69,7 @@ fn a_source_that_fails_leaves_its_item_its_box() {
         (|_| Err("no luck today".into()), "no luck today"),
         (|_| panic!("dropped it"), "it panicked: dropped it"),
         (|level| panic!("dropped {level}"), "it panicked: dropped"),
-        (|_| Ok(Mesh::new(&[])?), "it made a mesh of no faces"),
+        (|_| Ok(Arc::new(Mesh::new(&[])?)), "it made a mesh of no faces"),
         (
             |_| Ok(too_large()),
             "it made a mesh that reaches out of its bounds",
@@ -114,7 +114,7 @@ fn a_level_that_fails_is_stood_in_for_by_another_if_there_is_one() {
     let odd = Arc::new(Odd {
         make: |level| match level {
             2 => Err("too fine".into()),
-            _ => Ok(Mesh::clone(&square())),
+            _ => Ok(square()),
         },
         ..SOUND
     });

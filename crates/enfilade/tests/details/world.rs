@@ -59,7 +59,7 @@ impl DetailSource for Ball {
         0.5 * (1.0 - (std::f32::consts::PI / Ball::parallels(level) as f32).cos())
     }
 
-    fn build(&self, level: u32) -> Result<Mesh, Box<dyn Error + Send + Sync>> {
+    fn build(&self, level: u32) -> Result<Arc<Mesh>, Box<dyn Error + Send + Sync>> {
         self.builds.fetch_add(1, Ordering::Relaxed);
         let n = Ball::parallels(level);
         let step = std::f32::consts::PI / n as f32;
@@ -79,7 +79,7 @@ impl DetailSource for Ball {
                 corners.extend([a, a + 2 * n, b + 2 * n, a, b + 2 * n, b]);
             }
         }
-        Ok(Mesh::triangles(&positions, &corners, MaterialId(0))?)
+        Ok(Arc::new(Mesh::triangles(&positions, &corners, MaterialId(0))?))
     }
 }
 

@@ -15,6 +15,7 @@ use crate::geom::Aabb;
 use crate::mesh::Mesh;
 use glam::DVec3;
 use std::error::Error;
+use std::sync::Arc;
 use steps::{Bend, MOST_STEPS};
 use thiserror::Error as ThisError;
 use weave::weave;
@@ -134,9 +135,9 @@ impl DetailSource for BezierSurface {
         (error as f32).next_up()
     }
 
-    fn build(&self, level: u32) -> Result<Mesh, Box<dyn Error + Send + Sync>> {
+    fn build(&self, level: u32) -> Result<Arc<Mesh>, Box<dyn Error + Send + Sync>> {
         let (positions, corners) = weave(&self.patches, self.tolerance(level))?;
-        Ok(Mesh::triangles(&positions, &corners, self.material)?)
+        Ok(Arc::new(Mesh::triangles(&positions, &corners, self.material)?))
     }
 }
 

@@ -10,13 +10,15 @@ use std::sync::Arc;
 
 type Made = Result<Arc<Mesh>, Box<dyn Error + Send + Sync>>;
 
+type Make = fn(u32) -> Made;
+
 /// A source that makes what it is told to.
 #[derive(Clone, Copy)]
 struct Odd {
     bounds: [f32; 2],
     levels: u32,
     error: fn(u32) -> f32,
-    make: fn(u32) -> Made,
+    make: Make,
 }
 
 const SOUND: Odd = Odd {
@@ -65,7 +67,7 @@ fn too_large() -> Arc<Mesh> {
 
 #[test]
 fn a_source_that_fails_leaves_its_item_its_box() {
-    let sources: [(fn(u32) -> Made, &str); 6] = [
+    let sources: [(Make, &str); 6] = [
         (|_| Err("no luck today".into()), "no luck today"),
         (|_| panic!("dropped it"), "it panicked: dropped it"),
         (|level| panic!("dropped {level}"), "it panicked: dropped"),

@@ -29,7 +29,8 @@ use std::sync::Arc;
 
 /// The items of a scene that have levels of detail.
 ///
-/// Lives beside the scene: look, then [`Details::refine`], then look again.
+/// Lives beside the scene: look, then [`Details::refine`], then look again. An item is judged as it is drawn: one that was
+/// not seen for long, and by a coarse level, comes into view when that level does, not when it would itself.
 #[derive(Default)]
 pub struct Details {
     options: DetailOptions,

@@ -28,7 +28,7 @@ pub struct Levels {
 const MOST_LEVELS: i32 = 10;
 
 /// How often a level is made again with half the error asked of `meshopt`, before the mesh itself stands in for it.
-const ATTEMPTS: i32 = 3;
+const ATTEMPTS: i32 = 8;
 
 impl Levels {
     /// The levels of a mesh, none of them made yet.

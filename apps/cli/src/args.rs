@@ -60,6 +60,10 @@ pub(crate) struct DrawArgs {
     /// What the picture shows: image, overdraw, items, order, fragments or cover
     #[arg(long, value_name = "WHAT", default_value = "image", value_parser = values::show)]
     pub(crate) show: Show,
+    /// Draw large items by coarser levels, made on demand, that are off by no more than so many pixels
+    #[cfg(feature = "levels")]
+    #[arg(long, value_name = "PIXELS", value_parser = values::pixels, conflicts_with = "file")]
+    pub(crate) levels: Option<f32>,
     #[command(flatten)]
     pub(crate) json: JsonArg,
     #[command(flatten)]

@@ -3,6 +3,8 @@
 use crate::Outcome;
 use crate::args::DrawArgs;
 use crate::cameras;
+#[cfg(feature = "levels")]
+use crate::levels::Leveled;
 use crate::measure::{self, PASSES};
 use crate::open::{allow_threads, open};
 use crate::out;
@@ -56,7 +58,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
     let passes = if measured { 2 + 3 * PASSES } else { 1 };
     let progress = Progress::steps("drawing", prepared.len() * views.len() * passes);
     let (mut reports, mut said) = (Vec::new(), String::new());
-    for prepared in &prepared {
+    for prepared in &mut prepared {
         let base = if choice == Choice::All {
             with_word(&args.output, prepared.method)
         } else {
@@ -66,13 +68,25 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
             .map(|number| numbered(&base, number, views.len()))
             .collect();
         let mut viewer = prepared.viewer();
+        #[cfg(feature = "levels")]
+        let mut leveled = args
+            .levels
+            .map(|pixels| Leveled::new(prepared, pixels))
+            .transpose()?;
         for (view, file) in views.iter().zip(&files) {
+            #[cfg(feature = "levels")]
+            let by_levels = match &mut leveled {
+                Some(leveled) => leveled.settle(prepared, &mut viewer, view)?,
+                None => String::new(),
+            };
+            #[cfg(not(feature = "levels"))]
+            let by_levels = String::new();
             let start = Instant::now();
             let (image, lights) = painted(prepared, &mut viewer, view, args.show);
             let took = start.elapsed().as_secs_f64() * 1e3;
             save(&image, file)?;
             let lights = (args.show == Show::Image).then_some(lights);
-            said += &line(file, prepared, &viewer, lights, took);
+            said += &line(file, prepared, &viewer, lights, took, &by_levels);
             progress.step();
         }
         if measured {
@@ -125,7 +139,14 @@ fn with_shapes(prepared: Vec<Prepared>, choice: Choice, skipped: &mut Vec<Skippe
 }
 
 /// `a.png: 43 items, 34,120 triangles by hierarchical-z in 21.3 ms; lights that shine on them: 2 of 5`.
-fn line(file: &Path, prepared: &Prepared, viewer: &Viewer, lights: Option<usize>, took: f64) -> String {
+fn line(
+    file: &Path,
+    prepared: &Prepared,
+    viewer: &Viewer,
+    lights: Option<usize>,
+    took: f64,
+    by_levels: &str,
+) -> String {
     let set = viewer.visible();
     let all = prepared.scene.lights().len();
     let lights = match lights {
@@ -133,7 +154,7 @@ fn line(file: &Path, prepared: &Prepared, viewer: &Viewer, lights: Option<usize>
         _ => String::new(),
     };
     format!(
-        "{}: {}, {} triangles by {} in {} ms{lights}\n",
+        "{}: {}, {} triangles by {} in {} ms{by_levels}{lights}\n",
         file.display(),
         plural(measure::distinct(set).len(), "item"),
         count(set.triangle_count(&prepared.scene)),

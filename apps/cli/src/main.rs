@@ -7,6 +7,8 @@ mod check;
 mod compare;
 mod draw;
 mod info;
+#[cfg(feature = "levels")]
+mod levels;
 mod link;
 mod look;
 mod measure;

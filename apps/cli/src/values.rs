@@ -92,6 +92,19 @@ pub(crate) fn degrees(text: &str) -> Result<f32, String> {
     }
 }
 
+/// Pixels, or parts of one.
+#[cfg(feature = "levels")]
+pub(crate) fn pixels(text: &str) -> Result<f32, String> {
+    let pixels: f32 = text
+        .parse()
+        .map_err(|_| "a number of pixels is wanted, such as 1 or 0.5")?;
+    if pixels > 0.0 && pixels.is_finite() {
+        Ok(pixels)
+    } else {
+        Err("it must be above 0".to_owned())
+    }
+}
+
 /// Bytes, plain or with a unit: `2GB`, `500MB`, `1.5 GiB`.
 pub(crate) fn bytes(text: &str) -> Result<u64, String> {
     let wants = || "a number of bytes is wanted, such as 2GB, 500MB or 1000000".to_owned();

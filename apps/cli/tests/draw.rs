@@ -139,3 +139,27 @@ fn a_report_says_how_long_drawing_took_and_where_the_pictures_are() {
     assert!(report["views"][1]["draw_ms"].as_f64() > Some(0.0));
     assert_eq!(report["views"][0]["items_visible"], 3);
 }
+
+#[cfg(feature = "levels")]
+#[test]
+fn levels_save_triangles_and_say_how_many() {
+    let folder = Folder::new();
+    let run = folder.run("draw scene.glb --size 80x45 -o a.png --levels 1");
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+    let small = "; 0 of them by coarser levels: ";
+    assert!(run.stdout.contains(small), "{}", run.stdout);
+    // What has no large items is drawn as it is.
+    drawn(&folder, "-o b.png");
+    assert_eq!(pixels(&folder, "a.png"), pixels(&folder, "b.png"));
+    for wrong in ["0", "-1", "NaN", "much"] {
+        let run = folder.run(&format!("draw scene.glb -o c.png --levels={wrong}"));
+        assert_eq!(run.code, Some(2), "{wrong}: {}", run.stderr);
+    }
+    let run = folder.run("draw scene.glb -o c.png --levels 1 --json -");
+    assert_eq!(
+        run.code,
+        Some(2),
+        "times are those of the scene as it is: {}",
+        run.stderr
+    );
+}

@@ -69,7 +69,9 @@ pub use content::{
     Alpha, Content, ContentBuilder, ContentError, Item, ItemId, Material, MaterialId, MeshId, Moved, Opening,
     OpeningId, Owner,
 };
-pub use detail::{BezierPatch, BezierSurface, DetailError, DetailOptions, DetailSource, Details, Refined};
+pub use detail::{
+    BezierError, BezierPatch, BezierSurface, DetailError, DetailOptions, DetailSource, Details, Refined,
+};
 pub use faces::{Faces, Of};
 pub use fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
 pub use geom::{Aabb, ConvexPolygon, Transform};

@@ -46,11 +46,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for frame in 0..FRAMES {
         for (number, person) in people.iter_mut().enumerate() {
             let from = person.place;
-            let step = 0.12
-                * (person.goal - Vec3::from(from.position))
-                    .with_y(0.0)
-                    .normalize_or_zero();
-            let step = step - 0.02 * Vec3::Y;
+            let way = (person.goal - Vec3::from(from.position)).with_y(0.0);
+            let step = 0.12 * way.normalize_or_zero() - 0.02 * Vec3::Y;
             person.place = walls.slide(from, Capsule::new(0.25, 1.9), step.into()).place;
             let here = Vec3::from(person.place.position);
             if person.place.fragment != from.fragment || here.distance(from.position.into()) < 0.03 {
@@ -63,7 +60,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         for &(id, _, door) in &doors {
             let near = |person: &Person| door.with_y(0.95).distance(person.place.position.into()) < 2.0;
             let open = people.iter().any(near);
-            [&mut scene, &mut walls].map(|scene| scene.set_open(id, open));
+            scene.set_open(id, open);
+            walls.set_open(id, open);
         }
         let mut edit = scene.edit();
         for (number, somebody) in people.iter_mut().enumerate() {

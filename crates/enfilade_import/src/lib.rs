@@ -45,6 +45,8 @@ mod budget;
 mod camera;
 mod error;
 mod gltf;
+#[cfg(feature = "levels")]
+mod levels;
 mod rooms;
 mod warning;
 
@@ -52,6 +54,8 @@ pub use authoring::AuthoringError;
 pub use camera::Camera;
 pub use error::{BrokenRule, ImportError};
 pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};
+#[cfg(feature = "levels")]
+pub use levels::{Levels, details_of};
 pub use warning::{Warning, WarningKind};
 
 use budget::Budget;

@@ -1,43 +1,51 @@
 //! Which levels are wanted: by how far an error shows on the screen.
 
-use super::Details;
+use super::{Details, Key};
 use crate::content::ItemId;
-use crate::scene::{FragmentId, Scene};
+use crate::geom::Aabb;
+use crate::passage::Passage;
+use crate::scene::Scene;
 use crate::visible::VisibleSet;
 use std::collections::BTreeMap;
 
 /// A level that an item wants.
 pub(super) struct Wanted {
-    pub(super) key: (FragmentId, ItemId),
+    pub(super) key: Key,
     pub(super) level: u32,
 }
 
 impl Details {
     /// What was seen, each with the level that it wants, those first whose errors show most.
     pub(super) fn wanted(&self, scene: &Scene, seen: &[&VisibleSet]) -> Vec<Wanted> {
-        let mut most: BTreeMap<(FragmentId, ItemId), f64> = BTreeMap::new();
+        let mut most: BTreeMap<Key, f64> = BTreeMap::new();
+        let mut note = |passage: &Passage, item: ItemId| {
+            let key = (passage.fragment, item);
+            if !self.holds(scene, key) {
+                return;
+            }
+            let Some(content) = scene.content(key.0) else {
+                return;
+            };
+            let bounds = &self.sources[&self.items[&key].source].bounds;
+            let pixels = passage.pixels_per_unit(&content.item(item).transform(), bounds);
+            let known = most.entry(key).or_default();
+            *known = known.max(pixels);
+        };
         for set in seen {
             for item in set.items() {
-                let passage = set.passage(item.passage);
-                let key = (passage.fragment, item.item);
-                let Some((held, content)) = self.items.get(&key).zip(scene.content(key.0)) else {
-                    continue;
-                };
-                let bounds = self.sources[&held.source].source.bounds();
-                let pixels = passage.pixels_per_unit(&content.item(item.item).transform(), &bounds);
-                let known = most.entry(key).or_default();
-                *known = known.max(pixels);
+                note(set.passage(item.passage), item.item);
+            }
+            for passage in set.passages() {
+                for item in self.entered(scene, passage) {
+                    note(passage, item);
+                }
             }
         }
         let mut all: Vec<(f64, Wanted)> = most
             .into_iter()
             .map(|(key, pixels)| {
-                let held = &self.items[&key];
-                let source = &*self.sources[&held.source].source;
-                let shows = held
-                    .level
-                    .map_or(f64::INFINITY, |level| f64::from(source.error(level)) * pixels);
-                let level = self.level_for(held.source, held.level, pixels);
+                let shows = pixels * self.sources[&self.items[&key].source].error(self.items[&key].level);
+                let level = self.level_for(key, pixels);
                 (shows, Wanted { key, level })
             })
             .collect();
@@ -45,22 +53,54 @@ impl Details {
         all.into_iter().map(|(_, wanted)| wanted).collect()
     }
 
+    /// The items in whose boxes a passage begins, at the eye or in the last portal: it need not meet any side of those, and
+    /// what is in them may stand before all that is drawn.
+    fn entered(&self, scene: &Scene, passage: &Passage) -> impl Iterator<Item = ItemId> {
+        let begins = beginnings(scene, passage);
+        let here = (passage.fragment, ItemId(0))..=(passage.fragment, ItemId(u32::MAX));
+        let content = scene.content(passage.fragment);
+        self.items.range(here).filter_map(move |(key, _)| {
+            let held = content.filter(|content| content.holds(key.1))?;
+            let bounds = &held.item(key.1).bounds;
+            let begins_within = begins.iter().flatten().any(|begin| begin.meets(bounds));
+            (begins_within && passage.may_show(bounds)).then_some(key.1)
+        })
+    }
+
     /// The coarsest level whose error is within the tolerance; one coarser than now only where it is so by far.
-    fn level_for(&self, source: usize, now: Option<u32>, pixels: f64) -> u32 {
-        let source = &*self.sources[&source].source;
-        let finest = source.levels().saturating_sub(1);
+    fn level_for(&self, key: Key, pixels: f64) -> u32 {
+        let held = &self.items[&key];
+        let levels = &self.sources[&held.source];
         let tolerance = f64::from(self.options.tolerance_px);
-        let suffices = |level: u32, tolerance: f64| f64::from(source.error(level)) * pixels <= tolerance;
+        let suffices = |level: u32, tolerance: f64| levels.error(Some(level)) * pixels <= tolerance;
         let first = |tolerance: f64| {
-            (0..finest)
+            (0..levels.finest())
                 .find(|&level| suffices(level, tolerance))
-                .unwrap_or(finest)
+                .unwrap_or(levels.finest())
         };
-        match now {
+        match held.level {
             Some(now) if suffices(now, tolerance) => {
                 first(tolerance / f64::from(self.options.hysteresis.max(1.0))).min(now)
             }
             _ => first(tolerance),
         }
     }
+}
+
+/// Boxes around where a passage begins: around what is nearest to the eye, and around the last portal.
+fn beginnings(scene: &Scene, passage: &Passage) -> [Option<Aabb>; 2] {
+    let [width, height] = passage.size.map(f64::from);
+    let near = f64::from(passage.near);
+    let corners = [[0.0, 0.0], [width, 0.0], [0.0, height], [width, height]].map(|corner| {
+        let [eye, toward] = passage.ray(corner);
+        [0, 1, 2].map(|axis| (eye[axis] + near * toward[axis]) as f32)
+    });
+    let eye = passage.eye().map(|value| value as f32);
+    let portal = passage.portal.map(|portal| {
+        let portal = &scene.portals()[portal.0 as usize];
+        let opening = &scene.fragment(portal.from).openings()[portal.opening.0 as usize];
+        let outline = opening.outline.corners().iter();
+        Aabb::of(outline.map(|&corner| portal.there_from_here.point(corner)))
+    });
+    [Some(Aabb::of(corners.into_iter().chain([eye]))), portal]
 }

@@ -6,31 +6,35 @@
 //! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 3 (an object is tested by its volume, and
 //!     only then refined); hysteresis as in Luebke and others, Level of Detail for 3D Graphics, 2003, section 4.5.
 //! Cost: a step O(items with levels that are seen), an edit of those that change, and what sources take to build.
-//! Only a level without error hides: what is behind a coarser one is seen past it, whatever method looks.
+//! Judged as drawn: what is behind a level with an error is seen past it, and an item that is drawn by one is seen where
+//! that is. Only a volume is sure to be seen where anything of the item would be.
 
 mod bezier;
 mod choose;
 mod source;
 
-pub use bezier::{BezierPatch, BezierSurface};
+pub use bezier::{BezierError, BezierPatch, BezierSurface};
 pub use source::DetailSource;
 
 use crate::content::ItemId;
 use crate::geom::Transform;
+use crate::mesh::Mesh;
 use crate::scene::{EditError, FragmentId, Scene, SceneError};
 use crate::visible::VisibleSet;
 use choose::Wanted;
 use source::Levels;
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// The items of a scene that have levels of detail.
 ///
-/// Lives beside the scene: look, then [`Details::refine`], then look again.
+/// Lives beside the scene: look, then [`Details::refine`], then look again. An item is judged as it is drawn: one that was
+/// not seen for long, and by a coarse level, comes into view when that level does, not when it would itself.
 #[derive(Default)]
 pub struct Details {
     options: DetailOptions,
-    items: BTreeMap<(FragmentId, ItemId), Held>,
+    items: BTreeMap<Key, Held>,
     /// Each source once, by its address.
     sources: BTreeMap<usize, Levels>,
     step: u64,
@@ -63,11 +67,18 @@ impl Default for DetailOptions {
     }
 }
 
+type Key = (FragmentId, ItemId);
+
+/// The levels that items get.
+type Changes = BTreeMap<Key, Option<u32>>;
+
 /// An item with levels.
 struct Held {
     source: usize,
     /// What it is drawn by; `None`: its volume.
     level: Option<u32>,
+    /// May it hide where it is exact?
+    may_hide: bool,
     seen_at: u64,
 }
 
@@ -75,7 +86,7 @@ struct Held {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Refined {
-    /// Levels that were built, and their faces.
+    /// Levels that were built.
     pub built: u32,
     /// Faces of those levels.
     pub faces: u64,
@@ -83,7 +94,8 @@ pub struct Refined {
     pub changed: u32,
     /// Items that are drawn by a coarser level than they should be, as the step was over.
     pub waiting: u32,
-    /// Items that keep what they have, as their source failed, and why; each is told once.
+    /// Items that keep what they have, as a level could not be made or does not fit, and why. Each level of a source is told
+    /// once, for the item that asked first.
     pub failed: Vec<(FragmentId, ItemId, String)>,
     /// Memory of all levels that are kept, in bytes.
     pub bytes: u64,
@@ -98,10 +110,10 @@ impl Details {
         }
     }
 
-    /// Adds an item to a scene: for now its volume, of `material`, which hides nothing.
+    /// Adds an item to a scene: for now its volume, which hides nothing. Items that share a source share its levels.
     ///
     /// # Errors
-    /// As [`Edit::add`](crate::Edit::add) and [`Edit::finish`](crate::Edit::finish); then nothing is added.
+    /// [`DetailError`], and then nothing is added.
     pub fn add(
         &mut self,
         scene: &mut Scene,
@@ -110,41 +122,46 @@ impl Details {
         source: Arc<dyn DetailSource>,
         fragment_from_item: Transform,
     ) -> Result<ItemId, DetailError> {
-        let key = self.levels_of(source);
-        let volume = Arc::clone(&self.sources[&key].volume);
+        let source = self.levels_of(source)?;
         let mut edit = scene.edit();
+        let volume = Arc::clone(self.sources[&source].mesh(None));
         let item = edit.add(fragment, name, volume, fragment_from_item)?;
         edit.set_hides(fragment, item, false)?;
         edit.finish()?;
-        self.hold(fragment, item, key);
+        self.items.insert((fragment, item), Held::new(source, true));
         Ok(item)
     }
 
     /// Gives levels to items that are in the scene: for now their volumes.
     ///
     /// # Errors
-    /// As [`Edit::set_mesh`](crate::Edit::set_mesh) and [`Edit::finish`](crate::Edit::finish); then none is changed.
+    /// [`DetailError`], and then none is changed.
     pub fn adopt(
         &mut self,
         scene: &mut Scene,
         items: impl IntoIterator<Item = (FragmentId, ItemId, Arc<dyn DetailSource>)>,
     ) -> Result<(), DetailError> {
-        let mut edit = scene.edit();
         let mut adopted = Vec::new();
         for (fragment, item, source) in items {
-            let key = self.levels_of(source);
-            edit.set_mesh(fragment, item, Arc::clone(&self.sources[&key].volume))?;
-            edit.set_hides(fragment, item, false)?;
-            adopted.push((fragment, item, key));
+            let hides = scene_item(scene, (fragment, item)).is_none_or(|(_, hides)| hides);
+            adopted.push(((fragment, item), Held::new(self.levels_of(source)?, hides)));
+        }
+        let mut edit = scene.edit();
+        for ((fragment, item), held) in &adopted {
+            edit.set_mesh(
+                *fragment,
+                *item,
+                Arc::clone(self.sources[&held.source].mesh(None)),
+            )?;
+            edit.set_hides(*fragment, *item, false)?;
         }
         edit.finish()?;
-        for (fragment, item, key) in adopted {
-            self.hold(fragment, item, key);
-        }
+        self.items.extend(adopted);
         Ok(())
     }
 
-    /// Forgets an item, which keeps the level that it has: before it is removed from the scene.
+    /// Forgets an item, which keeps the level that it has. One that was removed from the scene, or given another mesh, need
+    /// not be forgotten.
     pub fn forget(&mut self, fragment: FragmentId, item: ItemId) {
         self.items.remove(&(fragment, item));
     }
@@ -154,19 +171,18 @@ impl Details {
         self.items.get(&(fragment, item)).map(|held| held.level)
     }
 
-    fn levels_of(&mut self, source: Arc<dyn DetailSource>) -> usize {
-        let key = Arc::as_ptr(&source).addr();
-        self.sources.entry(key).or_insert_with(|| Levels::new(source));
-        key
+    fn levels_of(&mut self, source: Arc<dyn DetailSource>) -> Result<usize, DetailError> {
+        let address = Arc::as_ptr(&source).addr();
+        if let Entry::Vacant(free) = self.sources.entry(address) {
+            free.insert(Levels::new(source)?);
+        }
+        Ok(address)
     }
 
-    fn hold(&mut self, fragment: FragmentId, item: ItemId, source: usize) {
-        let held = Held {
-            source,
-            level: None,
-            seen_at: self.step,
-        };
-        self.items.insert((fragment, item), held);
+    /// Is an item still what was made of it here?
+    fn holds(&self, scene: &Scene, key: Key) -> bool {
+        let held = self.items.get(&key).zip(scene_item(scene, key));
+        held.is_some_and(|(held, (mesh, _))| Arc::ptr_eq(mesh, self.sources[&held.source].mesh(held.level)))
     }
 
     /// Gives what was seen the levels that it wants, as far as they can be built within one step.
@@ -178,17 +194,16 @@ impl Details {
     pub fn refine(&mut self, scene: &mut Scene, seen: &[&VisibleSet]) -> Result<Refined, SceneError> {
         self.step += 1;
         let mut refined = Refined::default();
-        let mut changes = Vec::new();
+        let mut changes = Changes::new();
         for wanted in self.wanted(scene, seen) {
             if let Some(level) = self.take(&wanted, &mut refined) {
-                changes.push((wanted.key, level));
+                changes.insert(wanted.key, level);
             }
         }
         self.give_up(&mut changes);
-        refined.changed = changes.len() as u32;
-        self.change(scene, changes)?;
+        let changed = self.change(scene, changes, &mut refined);
         refined.bytes = self.drop_unused();
-        Ok(refined)
+        changed.map(|()| refined)
     }
 
     /// The level that an item gets now, if it is another than it has. Builds it, if there is room.
@@ -196,103 +211,125 @@ impl Details {
         let held = self.items.get_mut(&wanted.key)?;
         held.seen_at = self.step;
         let levels = self.sources.get_mut(&held.source)?;
-        if refined.built == 0 || refined.faces < self.options.faces_per_step {
+        let room = refined.built == 0 || refined.faces < self.options.faces_per_step;
+        if room && levels.lacks(wanted.level) {
             match levels.build(wanted.level) {
-                Ok(None) => {}
-                Ok(Some(faces)) => {
+                Ok(faces) => {
                     refined.built += 1;
                     refined.faces += faces;
                 }
-                Err(why) => {
-                    let (fragment, item) = wanted.key;
-                    refined.failed.extend(why.map(|why| (fragment, item, why)));
-                }
+                Err(why) => refined.failed.push((wanted.key.0, wanted.key.1, why)),
             }
         }
-        let best = levels.best_for(wanted.level, held.level);
-        refined.waiting += u32::from(best < Some(wanted.level) && !levels.has_failed(wanted.level));
+        let best = levels.best_for(wanted.level);
+        refined.waiting += u32::from(levels.lacks(wanted.level) && best < Some(wanted.level));
         (best != held.level).then_some(best)
     }
 
-    /// Of what is not seen, those that must go lest levels take too much memory: the longest unseen first.
-    fn give_up(&mut self, changes: &mut Vec<((FragmentId, ItemId), Option<u32>)>) {
-        let mut bytes: u64 = self.sources.values().map(Levels::bytes).sum();
-        if bytes <= self.options.bytes {
+    /// Has items that are not seen drawn by their volumes, the longest unseen first, where levels take too much memory.
+    fn give_up(&self, changes: &mut Changes) {
+        let limit = self.options.bytes;
+        if self.sources.values().map(Levels::bytes).sum::<u64>() <= limit {
             return;
         }
-        let unseen = self
-            .items
-            .iter()
-            .filter(|(_, held)| held.seen_at < self.step && held.level.is_some());
-        let mut unseen: Vec<_> = unseen.map(|(&key, held)| (held.seen_at, key)).collect();
-        unseen.sort_unstable();
-        let mut uses: BTreeMap<(usize, u32), usize> = BTreeMap::new();
-        for held in self.items.values() {
-            if let Some(level) = held.level {
+        let mut uses: BTreeMap<(usize, u32), u32> = BTreeMap::new();
+        let mut unseen = Vec::new();
+        for (&key, held) in &self.items {
+            if let Some(level) = changes.get(&key).copied().unwrap_or(held.level) {
                 *uses.entry((held.source, level)).or_default() += 1;
+                unseen.extend((held.seen_at < self.step).then_some((
+                    held.seen_at,
+                    key,
+                    (held.source, level),
+                )));
             }
         }
-        for (_, key) in unseen {
-            if bytes <= self.options.bytes {
+        unseen.sort_unstable();
+        let bytes_of = |(source, level): (usize, u32)| self.sources[&source].bytes_of(level);
+        let mut bytes: u64 = uses.keys().copied().map(bytes_of).sum();
+        for (_, key, used) in unseen {
+            if bytes <= limit {
                 break;
             }
-            let held = &self.items[&key];
-            let Some(level) = held.level else { continue };
-            changes.push((key, None));
-            let left = uses.entry((held.source, level)).or_insert(1);
+            changes.insert(key, None);
+            let left = uses.entry(used).or_insert(1);
             *left -= 1;
-            if *left == 0 {
-                bytes -= self.sources[&held.source].bytes_of(level);
-            }
+            bytes -= if *left == 0 { bytes_of(used) } else { 0 };
         }
     }
 
     fn change(
         &mut self,
         scene: &mut Scene,
-        changes: Vec<((FragmentId, ItemId), Option<u32>)>,
+        mut changes: Changes,
+        refined: &mut Refined,
     ) -> Result<(), SceneError> {
+        // What somebody has removed or changed meanwhile is theirs.
+        changes.retain(|&key, _| {
+            let ours = self.holds(scene, key);
+            if !ours {
+                self.items.remove(&key);
+            }
+            ours
+        });
         let mut edit = scene.edit();
-        let mut gone = BTreeSet::new();
-        for &(key, level) in &changes {
-            let levels = &self.sources[&self.items[&key].source];
+        for (&key, &level) in &changes {
+            let held = &self.items[&key];
+            let levels = &self.sources[&held.source];
+            let hides = held.may_hide && levels.is_exact(level);
             let asked = edit
-                .set_mesh(key.0, key.1, levels.mesh(level))
-                .and_then(|()| edit.set_hides(key.0, key.1, levels.is_exact(level)));
-            // Somebody has removed it, or its mesh does not fit: then it stays as it is.
-            if asked.is_err() {
-                gone.insert(key);
+                .set_mesh(key.0, key.1, Arc::clone(levels.mesh(level)))
+                .and_then(|()| edit.set_hides(key.0, key.1, hides));
+            if let Err(why) = asked {
+                self.items.remove(&key);
+                refined.failed.push((key.0, key.1, why.to_string()));
             }
         }
         edit.finish()?;
         for (key, level) in changes {
-            if gone.contains(&key) {
-                self.items.remove(&key);
-            } else if let Some(held) = self.items.get_mut(&key) {
+            if let Some(held) = self.items.get_mut(&key) {
                 held.level = level;
+                refined.changed += 1;
             }
         }
         Ok(())
     }
 
-    /// Lets go of levels that no item is drawn by; gives the bytes of those that are kept.
+    /// Lets go of levels that no item is drawn by, where all take too much memory; gives the bytes of those that are kept.
     fn drop_unused(&mut self) -> u64 {
-        let used: BTreeSet<(usize, u32)> = self
-            .items
-            .values()
-            .filter_map(|held| Some((held.source, held.level?)))
-            .collect();
         let sources: BTreeSet<usize> = self.items.values().map(|held| held.source).collect();
         self.sources.retain(|key, _| sources.contains(key));
-        let mut bytes: u64 = self.sources.values().map(Levels::bytes).sum();
-        if bytes > self.options.bytes {
+        if self.sources.values().map(Levels::bytes).sum::<u64>() > self.options.bytes {
+            let used: BTreeSet<(usize, u32)> = self
+                .items
+                .values()
+                .filter_map(|held| Some((held.source, held.level?)))
+                .collect();
             for (&key, levels) in &mut self.sources {
                 levels.keep(|level| used.contains(&(key, level)));
             }
-            bytes = self.sources.values().map(Levels::bytes).sum();
         }
-        bytes
+        self.sources.values().map(Levels::bytes).sum()
     }
+}
+
+impl Held {
+    fn new(source: usize, may_hide: bool) -> Held {
+        Held {
+            source,
+            level: None,
+            may_hide,
+            seen_at: 0,
+        }
+    }
+}
+
+/// The mesh of an item, and whether it hides.
+fn scene_item(scene: &Scene, (fragment, item): Key) -> Option<(&Arc<Mesh>, bool)> {
+    let there = (fragment.0 as usize) < scene.fragment_count();
+    let content = there.then(|| scene.content(fragment)).flatten()?;
+    let item = content.holds(item).then(|| content.item(item))?;
+    Some((&content.meshes()[item.mesh.0 as usize], item.hides))
 }
 
 /// Why an item gets no levels.
@@ -305,4 +342,10 @@ pub enum DetailError {
     /// The scene cannot be changed so.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// The box of the source holds nothing, or is not finite.
+    #[error("the source's bounds hold nothing, or are not finite")]
+    NoBounds,
+    /// The source panicked when it was asked how large it is.
+    #[error("the source panicked: {0}")]
+    Panicked(String),
 }

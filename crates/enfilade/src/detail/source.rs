@@ -1,106 +1,148 @@
 //! Where levels come from, and those of one source that were built.
 
+use super::DetailError;
 use crate::content::MaterialId;
 use crate::geom::Aabb;
 use crate::mesh::Mesh;
+use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 /// Makes the geometry of an item when it is wanted, as fine as it is wanted.
+///
+/// All but [`DetailSource::build`] is asked once.
 pub trait DetailSource: Send + Sync {
-    /// A box that holds every level, in the space of the item. Its sides must be finite and not empty.
+    /// A box that holds every level, in the space of the item.
     fn bounds(&self) -> Aabb;
 
     /// What the volume is drawn as until there is more.
     fn material(&self) -> MaterialId;
 
-    /// How many levels there are, from 0, the coarsest; at least 1.
+    /// How many levels there are, from 0, the coarsest; at least 1, and of more than 64 only the first are asked for.
     fn levels(&self) -> u32;
 
-    /// How far a level is off the true surface, at most, in lengths of the item's space; less for finer levels, and 0 for
-    /// one that is exact.
+    /// How far a level is off the true surface, and that off it, at most, in lengths of the item's space; less for finer
+    /// levels, and 0 for one that is exact and may hide.
     fn error(&self, level: u32) -> f32;
 
     /// Makes a level.
     ///
     /// # Errors
-    /// Any: the item keeps what it has, and the error is told. So it is with a panic.
-    fn build(&self, level: u32) -> Result<Mesh, Box<dyn Error + Send + Sync>>;
+    /// Any: the item keeps what it has, and the error is told. So it is with a panic, a mesh of no faces, and one that
+    /// reaches out of the bounds.
+    fn build(&self, level: u32) -> Result<Arc<Mesh>, Box<dyn Error + Send + Sync>>;
 }
+
+/// Levels that are asked for: each halving the error, they would end below the last bit of f32.
+const MOST_LEVELS: u32 = 64;
 
 /// The levels of a source that were built.
 pub(super) struct Levels {
-    pub(super) source: Arc<dyn DetailSource>,
+    source: Arc<dyn DetailSource>,
+    pub(super) bounds: Aabb,
+    /// Of each level, from the coarsest.
+    errors: Vec<f32>,
     /// What an item is drawn by until a level is built.
-    pub(super) volume: Arc<Mesh>,
+    volume: Arc<Mesh>,
     built: BTreeMap<u32, Arc<Mesh>>,
     failed: BTreeSet<u32>,
 }
 
 impl Levels {
-    pub(super) fn new(source: Arc<dyn DetailSource>) -> Levels {
-        Levels {
-            volume: volume(&source.bounds(), source.material()),
+    pub(super) fn new(source: Arc<dyn DetailSource>) -> Result<Levels, DetailError> {
+        let ask = || {
+            let count = source.levels().clamp(1, MOST_LEVELS);
+            let errors: Vec<f32> = (0..count).map(|level| source.error(level)).collect();
+            (source.bounds(), source.material(), errors)
+        };
+        let (bounds, material, mut errors) = catch_unwind(AssertUnwindSafe(ask))
+            .map_err(|panic| DetailError::Panicked(words(&*panic).to_owned()))?;
+        let finite = bounds
+            .min
+            .iter()
+            .chain(&bounds.max)
+            .all(|value| value.is_finite());
+        if !finite || bounds.is_empty() {
+            return Err(DetailError::NoBounds);
+        }
+        // A level is believed to be no better than any finer one, and what is no number to be no good.
+        let mut worst = 0.0;
+        for error in errors.iter_mut().rev() {
+            let claimed = if *error >= 0.0 { *error } else { f32::INFINITY };
+            worst = claimed.max(worst);
+            *error = worst;
+        }
+        Ok(Levels {
             source,
+            bounds,
+            errors,
+            volume: volume(&bounds, material)?,
             built: BTreeMap::new(),
             failed: BTreeSet::new(),
+        })
+    }
+
+    /// How far a level is off; the volume may be by all its size.
+    pub(super) fn error(&self, level: Option<u32>) -> f64 {
+        match level {
+            Some(level) => f64::from(self.errors[level as usize]),
+            None => {
+                let sides = self.bounds.size().map(f64::from);
+                sides.iter().map(|side| side * side).sum::<f64>().sqrt()
+            }
         }
     }
 
-    /// Builds a level unless it is there, and gives its number of faces. What failed once is not tried again, and told
-    /// once.
-    pub(super) fn build(&mut self, level: u32) -> Result<Option<u64>, Option<String>> {
-        if self.built.contains_key(&level) {
-            return Ok(None);
-        }
-        if self.failed.contains(&level) {
-            return Err(None);
-        }
-        let made = catch_unwind(AssertUnwindSafe(|| self.source.build(level)));
-        let mesh = match made {
+    pub(super) fn finest(&self) -> u32 {
+        self.errors.len() as u32 - 1
+    }
+
+    /// Was a level neither built nor tried in vain?
+    pub(super) fn lacks(&self, level: u32) -> bool {
+        !self.built.contains_key(&level) && !self.failed.contains(&level)
+    }
+
+    /// Builds a level, and gives its number of faces; or says why not, and then it is not tried again.
+    pub(super) fn build(&mut self, level: u32) -> Result<u64, String> {
+        let made = match catch_unwind(AssertUnwindSafe(|| self.source.build(level))) {
             Ok(Ok(mesh)) if mesh.face_count() == 0 => Err("it made a mesh of no faces".to_owned()),
-            Ok(Ok(mesh)) if !holds(&self.source.bounds(), &mesh.bounds()) => {
+            Ok(Ok(mesh)) if !holds(&self.bounds, &mesh.bounds()) => {
                 Err("it made a mesh that reaches out of its bounds".to_owned())
             }
             Ok(Ok(mesh)) => Ok(mesh),
             Ok(Err(why)) => Err(why.to_string()),
             Err(panic) => Err(format!("it panicked: {}", words(&*panic))),
         };
-        match mesh {
+        match made {
             Ok(mesh) => {
                 let faces = u64::from(mesh.face_count());
-                self.built.insert(level, Arc::new(mesh));
-                Ok(Some(faces))
+                self.built.insert(level, mesh);
+                Ok(faces)
             }
             Err(why) => {
                 self.failed.insert(level);
-                Err(Some(format!("level {level}: {why}")))
+                Err(format!("level {level}: {why}"))
             }
         }
     }
 
-    pub(super) fn has_failed(&self, level: u32) -> bool {
-        self.failed.contains(&level)
-    }
-
-    /// The level to draw by where `wanted` may not be there: it, or the coarsest that is finer, or the finest there is;
-    /// never a coarser one than `now`, as long as that is coarser than it should be.
-    pub(super) fn best_for(&self, wanted: u32, now: Option<u32>) -> Option<u32> {
+    /// The level to draw by where `wanted` may not be there: it, or the coarsest that is finer, or the finest there is.
+    pub(super) fn best_for(&self, wanted: u32) -> Option<u32> {
         let enough = self.built.range(wanted..).next();
         let best = enough.or_else(|| self.built.range(..wanted).next_back());
-        best.map(|(&level, _)| level).max(now.filter(|&now| now < wanted))
+        best.map(|(&level, _)| level)
     }
 
     /// What is drawn of a level; of none, the volume.
-    pub(super) fn mesh(&self, level: Option<u32>) -> Arc<Mesh> {
+    pub(super) fn mesh(&self, level: Option<u32>) -> &Arc<Mesh> {
         let built = level.and_then(|level| self.built.get(&level));
-        Arc::clone(built.unwrap_or(&self.volume))
+        built.unwrap_or(&self.volume)
     }
 
     pub(super) fn is_exact(&self, level: Option<u32>) -> bool {
-        level.is_some_and(|level| self.source.error(level) == 0.0)
+        level.is_some() && self.error(level) == 0.0
     }
 
     pub(super) fn bytes_of(&self, level: u32) -> u64 {
@@ -124,14 +166,14 @@ fn holds(bounds: &Aabb, inner: &Aabb) -> bool {
     })
 }
 
-fn words(panic: &dyn std::any::Any) -> &str {
+fn words(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<&str>().copied();
     text.or_else(|| panic.downcast_ref::<String>().map(String::as_str))
         .unwrap_or("without a word")
 }
 
-/// A box as a mesh.
-fn volume(bounds: &Aabb, material: MaterialId) -> Arc<Mesh> {
+/// A box as a mesh. Its sides are seen from within too: the eye may stand in it.
+fn volume(bounds: &Aabb, material: MaterialId) -> Result<Arc<Mesh>, DetailError> {
     const SIDES: [[u32; 4]; 6] = [
         [0, 4, 6, 2],
         [1, 3, 7, 5],
@@ -140,11 +182,10 @@ fn volume(bounds: &Aabb, material: MaterialId) -> Arc<Mesh> {
         [0, 2, 3, 1],
         [4, 5, 7, 6],
     ];
-    let corners = bounds.corners();
     let triangles: Vec<u32> = SIDES
         .iter()
-        .flat_map(|&[a, b, c, d]| [a, b, c, a, c, d])
+        .flat_map(|&[a, b, c, d]| [a, b, c, a, c, d, c, b, a, d, c, a])
         .collect();
-    // What is not finite is refused where it is put into the scene: it has no faces.
-    Arc::new(Mesh::triangles(&corners, &triangles, material).unwrap_or_else(|_| Mesh::nothing()))
+    let mesh = Mesh::triangles(&bounds.corners(), &triangles, material);
+    mesh.map(Arc::new).map_err(|_| DetailError::NoBounds)
 }

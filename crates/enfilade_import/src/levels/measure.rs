@@ -1,0 +1,121 @@
+//! Is no point of one mesh farther from another than so much?
+//!
+//! The distance from one triangle is convex: where the corners of a piece are near enough to the same triangle, all of the
+//! piece is. Where there is no such triangle the piece is cut in four.
+//! Source: the idea of Aspert, Santa-Cruz, Ebrahimi, MESH: measuring errors between surfaces, 2002, with a bound in place of
+//!     samples.
+//! Cost: O(faces + length of the edges of both / distance) questions for the nearest, on all cores.
+//! Sure where it says yes; it says no also where it would take too long to know.
+
+use super::triangles;
+use enfilade::geom::Step;
+use enfilade::{Aabb, Mesh};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// How often a face may be cut in four, one piece within the other.
+const DEPTH: u32 = 8;
+
+/// Pieces that may be asked about, for each face of both meshes.
+const PIECES: u64 = 30;
+
+/// Is every point of `of` within `distance` of `to`? In doubt, no.
+pub(super) fn within(of: &Mesh, to: &Mesh, distance: f64) -> bool {
+    let left = AtomicU64::new(PIECES * u64::from(of.face_count() + to.face_count()));
+    let at = |index: u32| DVec3::from(of.positions()[index as usize].map(f64::from));
+    (0..of.face_count()).into_par_iter().all(|face| {
+        triangles(of.face(face)).all(|corners| piece(corners.map(at), to, distance, DEPTH, &left))
+    })
+}
+
+fn piece(corners: [DVec3; 3], to: &Mesh, distance: f64, depth: u32, left: &AtomicU64) -> bool {
+    let [a, b, c] = corners;
+    match holding(corners, to, distance) {
+        Nearest::One => return true,
+        Nearest::None => return false,
+        Nearest::Several => {}
+    }
+    if depth == 0 || left.fetch_sub(1, Ordering::Relaxed) as i64 <= 0 {
+        return false;
+    }
+    let [ab, bc, ca] = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)];
+    [[ab, bc, ca], [a, ab, ca], [ab, b, bc], [ca, bc, c]]
+        .into_iter()
+        .all(|corners| piece(corners, to, distance, depth - 1, left))
+}
+
+/// What is within a distance of a piece.
+enum Nearest {
+    /// One triangle is, of all of it.
+    One,
+    /// One is of its middle, but of all of it there may be only several together.
+    Several,
+    /// Nothing is, of its middle.
+    None,
+}
+
+fn holding(corners: [DVec3; 3], to: &Mesh, distance: f64) -> Nearest {
+    let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+    let square = distance * distance;
+    let at = |index: u32| DVec3::from(to.positions()[index as usize].map(f64::from));
+    let mut nearest = Nearest::None;
+    to.walk(middle.into(), |step| {
+        if matches!(nearest, Nearest::One) {
+            return false;
+        }
+        match step {
+            Step::Node(bounds) => reaches(bounds, middle, square),
+            Step::Thing(cluster) => {
+                let cluster = &to.clusters()[cluster as usize];
+                if reaches(&cluster.bounds, middle, square) {
+                    for face in cluster.faces.clone() {
+                        for triangle in triangles(to.face(face)) {
+                            let triangle = triangle.map(at);
+                            if square_distance(middle, triangle) > square {
+                                continue;
+                            }
+                            let mut all = corners.iter();
+                            if all.all(|&corner| square_distance(corner, triangle) <= square) {
+                                nearest = Nearest::One;
+                                return false;
+                            }
+                            nearest = Nearest::Several;
+                        }
+                    }
+                }
+                false
+            }
+        }
+    });
+    nearest
+}
+
+fn reaches(bounds: &Aabb, point: DVec3, square: f64) -> bool {
+    let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
+    point.distance_squared(point.clamp(min, max)) <= square
+}
+
+/// The squared distance of a point from a triangle; that from its edges where it has no area.
+fn square_distance(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+    let normal = (b - a).cross(c - a);
+    let edges = [(a, b), (b, c), (c, a)];
+    let area = normal.length_squared();
+    let above = |&(from, to): &(DVec3, DVec3)| (to - from).cross(point - from).dot(normal) >= 0.0;
+    if area > 0.0 && edges.iter().all(above) {
+        return (point - a).dot(normal).powi(2) / area;
+    }
+    edges
+        .into_iter()
+        .map(|(from, to)| {
+            let along = to - from;
+            let length = along.length_squared();
+            let t = if length > 0.0 {
+                ((point - from).dot(along) / length).clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
+            point.distance_squared(from + t * along)
+        })
+        .fold(f64::INFINITY, f64::min)
+}

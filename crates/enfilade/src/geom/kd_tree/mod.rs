@@ -22,6 +22,8 @@ pub struct KdTree {
     things: Runs,
     /// First ones of pairs of nodes that nothing is in.
     spare_pairs: Vec<u32>,
+    /// Nodes that were split since the tree was last tidied; some may be others by now.
+    new: Vec<u32>,
     few: usize,
     /// How many things it holds.
     count: usize,
@@ -42,7 +44,13 @@ struct Node {
 #[derive(Clone, Copy, Debug)]
 enum Holds {
     /// Two nodes that stand side by side: `low` below the plane where `axis` is `at`, `low + 1` above it.
-    Halves { axis: u8, at: f32, low: u32 },
+    Halves {
+        axis: u8,
+        at: f32,
+        low: u32,
+        /// Was it split since the tree was last tidied?
+        new: bool,
+    },
     /// A leaf.
     Things(Run),
 }
@@ -79,6 +87,7 @@ impl KdTree {
             nodes: Vec::new(),
             things: Runs::default(),
             spare_pairs: Vec::new(),
+            new: Vec::new(),
             few,
             count: members.len(),
             held: 0,
@@ -100,6 +109,7 @@ impl KdTree {
         };
         tree.split(root, boxes, &mut Vec::new());
         tree.nodes.shrink_to_fit();
+        tree.settled();
         tree.cost = tree.cost_now();
         tree
     }
@@ -145,11 +155,13 @@ impl KdTree {
             return;
         };
         let low = self.pair();
+        self.new.push(node);
         made.extend([low, low + 1]);
         self.nodes[node as usize].holds = Holds::Halves {
             axis: axis as u8,
             at,
             low,
+            new: true,
         };
         let [below, above] = cut(&space, axis, at);
         let in_half = |half: usize| -> Vec<u32> {
@@ -188,7 +200,9 @@ impl KdTree {
     /// The two halves of a node, the one on the side of `eye` first; `None` for a leaf.
     pub fn near_and_far(&self, node: u32, eye: [f64; 3]) -> Option<[u32; 2]> {
         match self.nodes[node as usize].holds {
-            Holds::Halves { axis, at, low } if eye[usize::from(axis)] > f64::from(at) => Some([low + 1, low]),
+            Holds::Halves { axis, at, low, .. } if eye[usize::from(axis)] > f64::from(at) => {
+                Some([low + 1, low])
+            }
             Holds::Halves { low, .. } => Some([low, low + 1]),
             Holds::Things(_) => None,
         }
@@ -204,7 +218,10 @@ impl KdTree {
 
     /// Memory in bytes.
     pub fn bytes(&self) -> u64 {
-        (size_of_val(&*self.nodes) + self.things.bytes() + size_of_val(&*self.spare_pairs)) as u64
+        (size_of_val(&*self.nodes)
+            + self.things.bytes()
+            + size_of_val(&*self.spare_pairs)
+            + size_of_val(&*self.new)) as u64
     }
 
     /// At most how many bytes a tree over so many things takes: a leaf holds something, and there are fewer other nodes
@@ -219,6 +236,15 @@ impl KdTree {
             self.nodes.extend([Node::EMPTY; 2]);
             self.nodes.len() as u32 - 2
         })
+    }
+
+    /// From now on all things stand where their boxes are.
+    fn settled(&mut self) {
+        for node in std::mem::take(&mut self.new) {
+            if let Holds::Halves { new, .. } = &mut self.nodes[node as usize].holds {
+                *new = false;
+            }
+        }
     }
 
     /// The areas of all boxes, each as often as something is asked when it is entered, in parts of the whole's.

@@ -79,8 +79,9 @@ impl KdTree {
     /// then only if it costs more than when it was built, or when things stand in too many leaves. Says whether; all
     /// nodes are new then.
     ///
-    /// Things are numbered below `count`.
+    /// Things are numbered below `count`. To be called when all that changed was told, none being left to be shifted.
     pub(crate) fn tidy(&mut self, count: usize, boxes: &impl Fn(u32) -> Aabb) -> bool {
+        self.settled();
         let crowded = self.held > 2 * COPIES * self.count;
         if self.count == 0 || 2 * self.changes < self.count && !crowded {
             return false;
@@ -126,7 +127,7 @@ impl KdTree {
         touched: &mut Vec<u32>,
     ) -> bool {
         let node = place.node as usize;
-        let Holds::Halves { axis, at, low } = self.nodes[node].holds else {
+        let Holds::Halves { axis, at, low, new } = self.nodes[node].holds else {
             self.change_leaf(change.thing, &place, boxes, touched);
             touched.push(place.node);
             return matches!(self.nodes[node].holds, Holds::Things(run) if run.len() == 0);
@@ -140,8 +141,8 @@ impl KdTree {
                 node: low + half as u32,
                 cell: cells[half],
                 depth: place.depth + 1,
-                // Where a leaf was split since, its things went where their boxes are now.
-                stood: place.stood && (was[half] || now[half]),
+                // Where a leaf was split when the box had changed already, the thing went where it is now.
+                stood: place.stood && (was[half] || new && now[half]),
                 comes: place.comes && now[half],
             };
             if below.stood || below.comes {
@@ -175,7 +176,7 @@ impl KdTree {
         let Holds::Things(mut run) = self.nodes[node].holds else {
             return;
         };
-        let stands = place.stood && self.things.get(run).contains(&thing);
+        let stands = self.things.get(run).contains(&thing);
         if stands && !place.comes {
             self.things.remove(&mut run, thing);
             self.held -= 1;

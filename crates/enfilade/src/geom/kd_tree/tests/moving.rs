@@ -83,7 +83,7 @@ impl Changes for KdTree {
                 "node {node} is as large as what is in it"
             );
             match self.nodes[node as usize].holds {
-                Holds::Halves { axis, at, low } => {
+                Holds::Halves { axis, at, low, .. } => {
                     for (half, cell) in cut(&cell, axis.into(), at).into_iter().enumerate() {
                         let side = |&thing: &u32| sides(&bounds[thing as usize], axis.into(), at)[half];
                         waiting.push((

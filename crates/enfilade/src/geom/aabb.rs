@@ -87,6 +87,15 @@ impl Aabb {
         self.size().iter().map(|&side| f64::from(side)).product()
     }
 
+    /// Half the area of its sides, in f64 as the volume; zero for an empty box.
+    pub(crate) fn half_area(&self) -> f64 {
+        if self.is_empty() {
+            return 0.0;
+        }
+        let [x, y, z] = [0, 1, 2].map(|axis| f64::from(self.max[axis]) - f64::from(self.min[axis]));
+        x * y + y * z + z * x
+    }
+
     /// The longest edge.
     pub fn longest_side(&self) -> f32 {
         self.size().into_iter().fold(0.0, f32::max)

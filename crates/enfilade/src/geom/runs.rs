@@ -10,7 +10,7 @@ pub(super) struct Runs {
 }
 
 /// One list of [`Runs`].
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
     start: u32,
     len: u32,
@@ -18,6 +18,12 @@ pub(super) struct Run {
 }
 
 impl Run {
+    pub(super) const EMPTY: Run = Run {
+        start: 0,
+        len: 0,
+        room: 0,
+    };
+
     pub(super) fn len(&self) -> usize {
         self.len as usize
     }
@@ -33,7 +39,7 @@ impl Runs {
     pub(super) fn put(&mut self, numbers: &[u32]) -> Run {
         let len = numbers.len() as u32;
         if len == 0 {
-            return Run::default();
+            return Run::EMPTY;
         }
         let mut room = len.next_power_of_two();
         let start = self.spare.take(room).unwrap_or_else(|| {
@@ -78,7 +84,7 @@ impl Runs {
     /// Empties a list, and gives its room to others.
     pub(super) fn clear(&mut self, run: &mut Run) {
         self.spare.give(run.start, run.room);
-        *run = Run::default();
+        *run = Run::EMPTY;
     }
 
     /// Memory in bytes.

@@ -8,7 +8,7 @@
 //! Cost: some sixty boxes for a place in ten thousand things, [`MOST_SEEN`] at most; O(things of a leaf · log) for parting
 //! them.
 
-use super::{Bvh, area};
+use super::Bvh;
 use crate::geom::Aabb;
 use smallvec::SmallVec;
 
@@ -28,7 +28,7 @@ impl Bvh {
     /// Where at or below a node a thing goes with the least cost.
     pub(super) fn best_place(&self, thing: u32, now: &Aabb, top: u32) -> Goes {
         // At least so much it costs everywhere: it is asked when its leaf is entered.
-        let own = area(now);
+        let own = now.half_area();
         let mut least = f64::INFINITY;
         let mut best = Goes::Beside(top);
         // Nodes, and by how much the cost of all above them grows.
@@ -40,7 +40,7 @@ impl Bvh {
                 continue;
             }
             seen += 1;
-            let grown = area(&self.bounds(node).union(now));
+            let grown = self.bounds(node).union(now).half_area();
             // A new node takes its place, and has it and a leaf for the thing as children.
             let beside = above + 2.0 * grown + own;
             if beside < least {
@@ -58,7 +58,7 @@ impl Bvh {
             let children = self.children(node);
             let [left, right] = [children.start, children.start + 1].map(|child| {
                 let held = self.bounds(child);
-                area(&held.union(now)) - area(held)
+                held.union(now).half_area() - held.half_area()
             });
             // Of two children that cost the same the thing's number chooses: in a crowd of things in one place each would
             // else go the same way, and the tree would be a list.
@@ -73,7 +73,7 @@ impl Bvh {
 
     /// How much the cost of a node grows, without what is below it, when its area does and a thing goes into it.
     fn growth(&self, node: u32, grown: f64) -> f64 {
-        let area = area(self.bounds(node));
+        let area = self.bounds(node).half_area();
         match self.nodes[node as usize].things {
             0 => 2.0 * (grown - area),
             things => grown * f64::from(things + 1) - area * f64::from(things),
@@ -90,7 +90,7 @@ pub(super) fn part(things: &mut [u32], boxes: &impl Fn(u32) -> Aabb) -> usize {
         things.sort_unstable_by(|a, b| middle(a).total_cmp(&middle(b)).then(a.cmp(b)));
         let side = |up_to: &mut Aabb, thing: u32| {
             *up_to = up_to.union(&boxes(thing));
-            Some(area(up_to))
+            Some(up_to.half_area())
         };
         let below: Few<f64> = things.iter().copied().scan(Aabb::EMPTY, side).collect();
         let above: Few<f64> = things.iter().rev().copied().scan(Aabb::EMPTY, side).collect();

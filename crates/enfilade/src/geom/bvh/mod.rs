@@ -200,10 +200,11 @@ impl Bvh {
         let mut waiting: Vec<u32> = self.root().into_iter().collect();
         let mut cost = 0.0;
         while let Some(node) = waiting.pop() {
-            cost += area(self.bounds(node)) * (self.children(node).len() + self.things(node).len()) as f64;
+            cost +=
+                self.bounds(node).half_area() * (self.children(node).len() + self.things(node).len()) as f64;
             waiting.extend(self.children(node));
         }
-        cost / self.root().map_or(1.0, |root| area(self.bounds(root)))
+        cost / self.root().map_or(1.0, |root| self.bounds(root).half_area())
     }
 }
 
@@ -218,12 +219,6 @@ impl Node {
 /// The place in [`Bvh::parents`] of a node that is not the root.
 fn pair_of(node: u32) -> usize {
     (node as usize - 1) / 2
-}
-
-/// Half the area of a box that is not empty; in f64, which huge boxes do not overflow.
-fn area(held: &Aabb) -> f64 {
-    let [x, y, z] = [0, 1, 2].map(|axis| f64::from(held.max[axis]) - f64::from(held.min[axis]));
-    x * y + y * z + z * x
 }
 
 /// A box as the builder sees it: within the unit cube, so that its areas neither overflow nor vanish.

@@ -9,7 +9,7 @@
 //! Boxes are as tight as after building, so nothing is met that need not be.
 
 use super::choose::{Goes, part};
-use super::{Bvh, Node, area, pair_of};
+use super::{Bvh, Node, pair_of};
 use crate::geom::Aabb;
 use smallvec::SmallVec;
 
@@ -92,8 +92,8 @@ impl Bvh {
         };
         let held = *self.bounds(leaf);
         self.changes += 1;
-        let grown = area(&held.union(&now));
-        let stays = !self.changes.is_multiple_of(PATIENCE) && grown <= MAY_GROW * area(&held);
+        let grown = held.union(&now).half_area();
+        let stays = !self.changes.is_multiple_of(PATIENCE) && grown <= MAY_GROW * held.half_area();
         if stays || self.count == 1 {
             self.nodes[leaf as usize].bounds = held.union(&now);
             return self.climb(leaf, leaf, boxes, touched);
@@ -278,9 +278,9 @@ impl Bvh {
             return;
         }
         let bounds = left.bounds.union(&right.bounds);
-        let apart =
-            area(&left.bounds) * f64::from(left.things) + area(&right.bounds) * f64::from(right.things);
-        if area(&bounds) * f64::from(all) > area(&bounds) * 2.0 + apart {
+        let apart = left.bounds.half_area() * f64::from(left.things)
+            + right.bounds.half_area() * f64::from(right.things);
+        if bounds.half_area() * f64::from(all) > bounds.half_area() * 2.0 + apart {
             return;
         }
         let from = right.first as usize..(right.first + right.things) as usize;
@@ -307,7 +307,7 @@ impl Bvh {
             for lower in below.clone() {
                 let stays = below.start + u32::from(lower == below.start);
                 let held = self.bounds(stays).union(self.bounds(upper));
-                let gain = area(self.bounds(other)) - area(&held);
+                let gain = self.bounds(other).half_area() - held.half_area();
                 if gain > most {
                     most = gain;
                     best = Some((upper, lower, other, held));

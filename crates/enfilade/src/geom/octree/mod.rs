@@ -316,7 +316,7 @@ impl Node {
             first_child: 0,
             children: 0,
             room: 0,
-            things: Run::default(),
+            things: Run::EMPTY,
         }
     }
 }

@@ -231,7 +231,7 @@ impl Octree {
             return;
         }
         for child in self.children(node) {
-            let mut things = std::mem::take(&mut self.nodes[child as usize].things);
+            let mut things = self.nodes[child as usize].things;
             for i in 0..things.len() {
                 let thing = self.things.get(things)[i];
                 self.things.push(&mut self.nodes[node as usize].things, thing);

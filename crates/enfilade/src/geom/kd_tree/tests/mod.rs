@@ -1,5 +1,7 @@
 //! Whole trees: what they hold, and the order of a walk.
 
+mod moving;
+
 use super::*;
 use std::collections::BTreeSet;
 

@@ -1,0 +1,137 @@
+//! kd-trees that things come into, go from and move in.
+
+use super::*;
+use crate::geom::changes::{
+    Changes, World, a_long_life_leaves_it_as_good_as_new, what_was_emptied_can_be_filled_again,
+    whatever_changes_is_found,
+};
+
+const FEW: usize = 6;
+
+impl Changes for KdTree {
+    const COPIES: bool = true;
+
+    fn over(bounds: &[Aabb]) -> KdTree {
+        KdTree::build(bounds, FEW)
+    }
+
+    fn insert(&mut self, thing: u32, bounds: &[Aabb], touched: &mut Vec<u32>) {
+        self.insert(thing, &|thing| bounds[thing as usize], touched);
+    }
+
+    fn remove(&mut self, thing: u32, was: &Aabb, bounds: &[Aabb], touched: &mut Vec<u32>) {
+        self.remove(thing, was, &|thing| bounds[thing as usize], touched);
+    }
+
+    fn shift(&mut self, thing: u32, was: &Aabb, bounds: &[Aabb], touched: &mut Vec<u32>) {
+        self.shift(thing, was, &|thing| bounds[thing as usize], touched);
+    }
+
+    fn tidy(&mut self, bounds: &[Aabb]) -> bool {
+        self.tidy(bounds.len(), &|thing| bounds[thing as usize])
+    }
+
+    fn root(&self) -> Option<u32> {
+        self.root()
+    }
+
+    fn bounds(&self, node: u32) -> Aabb {
+        *self.bounds(node)
+    }
+
+    fn children(&self, node: u32) -> Vec<u32> {
+        self.near_and_far(node, [0.0; 3]).map_or(Vec::new(), Vec::from)
+    }
+
+    fn things(&self, node: u32) -> &[u32] {
+        self.things(node)
+    }
+
+    fn node_count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    fn bytes(&self) -> u64 {
+        self.bytes()
+    }
+
+    fn check(&self, bounds: &[Aabb]) {
+        let everything = (0..bounds.len() as u32).filter(|&thing| !bounds[thing as usize].is_empty());
+        let everything: Vec<u32> = everything.collect();
+        assert_eq!(self.count, everything.len());
+        let everywhere = Aabb {
+            min: [f32::NEG_INFINITY; 3],
+            max: [f32::INFINITY; 3],
+        };
+        let mut held = 0;
+        let mut nodes = 0;
+        // Nodes, their cells, and what the planes lead there.
+        let mut waiting: Vec<(u32, Aabb, Vec<u32>)> = self
+            .root()
+            .map(|root| (root, everywhere, everything))
+            .into_iter()
+            .collect();
+        while let Some((node, cell, reach)) = waiting.pop() {
+            nodes += 1;
+            let inside = reach
+                .iter()
+                .map(|&thing| bounds[thing as usize].intersection(&cell));
+            let inside = inside.fold(Aabb::EMPTY, |sum, held| sum.union(&held));
+            assert_eq!(
+                inside,
+                *self.bounds(node),
+                "node {node} is as large as what is in it"
+            );
+            match self.nodes[node as usize].holds {
+                Holds::Halves { axis, at, low, .. } => {
+                    for (half, cell) in cut(&cell, axis.into(), at).into_iter().enumerate() {
+                        let side = |&thing: &u32| sides(&bounds[thing as usize], axis.into(), at)[half];
+                        waiting.push((
+                            low + half as u32,
+                            cell,
+                            reach.iter().copied().filter(side).collect(),
+                        ));
+                    }
+                }
+                Holds::Things(run) => {
+                    held += run.len();
+                    let mut things = self.things.get(run).to_vec();
+                    things.sort();
+                    assert_eq!(things, reach);
+                }
+            }
+        }
+        assert_eq!(held, self.held);
+        if nodes > 0 {
+            assert_eq!(nodes + 2 * self.spare_pairs.len(), self.nodes.len());
+        }
+    }
+}
+
+#[test]
+fn whatever_changes_is_found_in_a_kd_tree() {
+    whatever_changes_is_found::<KdTree>();
+}
+
+#[test]
+fn a_kd_tree_that_was_emptied_can_be_filled_again() {
+    what_was_emptied_can_be_filled_again::<KdTree>();
+}
+
+#[test]
+fn a_long_life_leaves_a_kd_tree_as_good_as_new() {
+    a_long_life_leaves_it_as_good_as_new::<KdTree>();
+}
+
+#[test]
+fn giants_that_come_take_no_more_memory_than_they_would_have_from_the_start() {
+    let mut world = World::<KdTree>::town(3000);
+    let giants: Vec<(u32, Aabb)> = (0..200)
+        .map(|thing| (thing, cube([-1.0 - thing as f32; 3], 300.0)))
+        .collect();
+    world.change(&giants);
+    assert!(world.tree.held > COPIES * 3000);
+    assert!(world.tidy());
+    assert!(world.tree.held <= COPIES * 3000);
+    world.check();
+}

@@ -16,12 +16,14 @@ const TOWN: FragmentId = FragmentId(0);
 const SIZE: [u32; 2] = [1280, 720];
 
 /// Those whose orders follow in place.
-const METHODS: [Method; 5] = [
+const METHODS: [Method; 7] = [
     Method::ZBuffer,
     Method::SBuffer,
     Method::HierarchicalZ,
     Method::HierarchicalS,
     Method::Masked,
+    Method::Svbsp,
+    Method::Mobsp,
 ];
 
 /// Nodes of all trees that one move may touch: an octree's path down twice, and as much again where there are more trees.

@@ -8,7 +8,7 @@
 
 use super::items::{hand_out, hand_out_openings, hand_out_whole, sight};
 use super::{NodesNearToFar, Order, Visit};
-use crate::content::{Content, ItemId};
+use crate::content::{Content, ItemId, Moved};
 use crate::geom::{Aabb, KdTree};
 use crate::passage::Passage;
 use crate::region::Sight;
@@ -45,6 +45,15 @@ impl Order for KdTreeOrder {
 
     fn bytes(&self) -> u64 {
         self.tree.bytes()
+    }
+
+    fn follow(&mut self, content: &Content, moved: &[Moved], touched: &mut Vec<u32>) -> bool {
+        let boxes = |item: u32| content.items()[item as usize].bounds;
+        for Moved { item, was } in moved {
+            self.tree.shift(item.0, was, &boxes, touched);
+        }
+        self.tree.tidy(content.items().len(), &boxes);
+        true
     }
 
     fn visit(

@@ -30,7 +30,6 @@ struct Place {
     comes: bool,
 }
 
-#[cfg_attr(not(test), expect(dead_code, reason = "Scene::edit comes next"))]
 impl KdTree {
     /// Puts in a thing that did not stand in it. `boxes` tells the boxes as they are now, of all things; one that is
     /// empty stands nowhere. Other things whose boxes have changed may still wait to be shifted.

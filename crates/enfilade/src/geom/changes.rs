@@ -10,8 +10,6 @@ pub(super) trait Changes: Sized {
     const COPIES: bool;
 
     fn over(bounds: &[Aabb]) -> Self;
-    fn insert(&mut self, thing: u32, bounds: &[Aabb], touched: &mut Vec<u32>);
-    fn remove(&mut self, thing: u32, was: &Aabb, bounds: &[Aabb], touched: &mut Vec<u32>);
     fn shift(&mut self, thing: u32, was: &Aabb, bounds: &[Aabb], touched: &mut Vec<u32>);
     fn tidy(&mut self, bounds: &[Aabb]) -> bool;
     fn root(&self) -> Option<u32>;
@@ -122,20 +120,14 @@ impl<T: Changes> World<T> {
             .map(|&(thing, now)| std::mem::replace(&mut self.bounds[thing as usize], now))
             .collect();
         self.touched.clear();
-        for (&(thing, now), was) in changes.iter().zip(was) {
+        for (&(thing, _), was) in changes.iter().zip(was) {
             let World {
                 tree,
                 bounds,
                 touched,
                 ..
             } = self;
-            if was.is_empty() {
-                tree.insert(thing, bounds, touched);
-            } else if now.is_empty() {
-                tree.remove(thing, &was, bounds, touched);
-            } else {
-                tree.shift(thing, &was, bounds, touched);
-            }
+            tree.shift(thing, &was, bounds, touched);
         }
         self.held.resize(self.tree.node_count(), 0);
         for &node in &self.touched {

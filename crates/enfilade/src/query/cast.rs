@@ -182,7 +182,12 @@ fn meet([a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<(f64, 
     if determinant == 0.0 {
         return None;
     }
-    let u = from_a.dot(p) / determinant;
+    let u = from_a.dot(p);
+    // Most are missed: that is told before anything is divided.
+    if u * determinant < 0.0 || u.abs() > determinant.abs() {
+        return None;
+    }
+    let u = u / determinant;
     let q = from_a.cross(ab);
     let v = direction.dot(q) / determinant;
     let distance = ac.dot(q) / determinant;

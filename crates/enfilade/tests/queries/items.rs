@@ -167,7 +167,7 @@ fn the_items_in_a_frustum_are_those_not_wholly_behind_one_of_its_planes() {
                 (!held.is_empty()).then(|| [own.corners().map(point), held.corners().map(corner)])
             })
             .collect();
-        for _ in 0..QUESTIONS / 4 {
+        for _ in 0..QUESTIONS {
             let mut view = View::new(
                 chance.about(&whole),
                 chance.about(&whole),

@@ -7,6 +7,7 @@ mod file;
 mod hostile;
 mod link;
 mod nodes;
+mod queries;
 mod rooms;
 mod scenes;
 mod shapes;

@@ -31,38 +31,11 @@ struct Place {
 }
 
 impl KdTree {
-    /// Puts in a thing that did not stand in it. `boxes` tells the boxes as they are now, of all things; one that is
-    /// empty stands nowhere. Other things whose boxes have changed may still wait to be shifted.
+    /// Moves a thing from where its box `was` to where it is: from nowhere, or to nowhere, where that is empty. `boxes` tells
+    /// the boxes as they are now, of all things; others whose boxes have changed may still wait to be shifted.
     ///
     /// `touched` gets the nodes of which something has changed, and all those above them; of one that is there twice
     /// the last counts: then its children come before it.
-    pub(crate) fn insert(&mut self, thing: u32, boxes: &impl Fn(u32) -> Aabb, touched: &mut Vec<u32>) {
-        let now = boxes(thing);
-        self.apply(
-            &Change {
-                thing,
-                was: Aabb::EMPTY,
-                now,
-            },
-            !now.is_empty(),
-            boxes,
-            touched,
-        );
-    }
-
-    /// Takes out a thing that stands where its box `was`. The rest as for [`KdTree::insert`].
-    pub(crate) fn remove(
-        &mut self,
-        thing: u32,
-        was: &Aabb,
-        boxes: &impl Fn(u32) -> Aabb,
-        touched: &mut Vec<u32>,
-    ) {
-        let (was, now) = (*was, boxes(thing));
-        self.apply(&Change { thing, was, now }, false, boxes, touched);
-    }
-
-    /// Moves a thing from where its box `was` to where it is. The rest as for [`KdTree::insert`].
     pub(crate) fn shift(
         &mut self,
         thing: u32,

@@ -91,7 +91,7 @@ impl Mover<'_> {
             let size = self.body.half + self.body.radius;
             let middle = self.middle();
             if !(near.as_ref()).is_some_and(|near| near.serves(middle, length.min(size) + skin)) {
-                let reach = length.min(8.0 * size) + size;
+                let reach = length.min(8.0 * size) + self.body.radius;
                 near = Some(Near {
                     obstacles: Obstacles::about(self.scene, self.place, &self.body, reach),
                     middle,

@@ -21,6 +21,8 @@ pub(super) struct Obstacles {
 
 struct Triangle {
     corners: [DVec3; 3],
+    /// The least and the greatest corner of the box around it.
+    around: [DVec3; 2],
     side: usize,
 }
 
@@ -137,9 +139,13 @@ impl Obstacles {
         for last in 2..outline.len() {
             let corners = [outline[0], outline[last - 1], outline[last]];
             let [a, b, c] = corners;
-            let [min, max] = [a.min(b).min(c), a.max(b).max(c)];
-            if min.cmple(near[1]).all() && max.cmpge(near[0]).all() {
-                self.triangles.push(Triangle { corners, side });
+            let around = [a.min(b).min(c), a.max(b).max(c)];
+            if meet(&around, near) {
+                self.triangles.push(Triangle {
+                    corners,
+                    around,
+                    side,
+                });
             }
         }
     }
@@ -153,7 +159,11 @@ impl Obstacles {
     pub(super) fn contacts(&self, middle: DVec3, body: &Body, within: f64, found: &mut Vec<Contact>) {
         found.clear();
         let axis = body.axis(middle);
+        let about = [axis[0].min(axis[1]) - within, axis[0].max(axis[1]) + within];
         for triangle in &self.triangles {
+            if !meet(&triangle.around, &about) {
+                continue;
+            }
             let [near, on] = nearest_points(axis, triangle.corners);
             let off = near - on;
             let distance = off.length();
@@ -257,6 +267,11 @@ fn holes_on_the_way(scene: &Scene, from: FragmentId, crossed: &[crate::scene::Po
         }
     }
     holes
+}
+
+/// Do two boxes share a point, each given by its least and greatest corner?
+fn meet(one: &[DVec3; 2], other: &[DVec3; 2]) -> bool {
+    one[0].cmple(other[1]).all() && one[1].cmpge(other[0]).all()
 }
 
 /// A box around what a map makes of a box.

@@ -13,14 +13,6 @@ impl Changes for Bvh {
         Bvh::build(bounds, FEW)
     }
 
-    fn insert(&mut self, thing: u32, bounds: &[Aabb], touched: &mut Vec<u32>) {
-        self.insert(thing, &|thing| bounds[thing as usize], touched);
-    }
-
-    fn remove(&mut self, thing: u32, was: &Aabb, bounds: &[Aabb], touched: &mut Vec<u32>) {
-        self.remove(thing, was, &|thing| bounds[thing as usize], touched);
-    }
-
     fn shift(&mut self, thing: u32, was: &Aabb, bounds: &[Aabb], touched: &mut Vec<u32>) {
         self.shift(thing, was, &|thing| bounds[thing as usize], touched);
     }

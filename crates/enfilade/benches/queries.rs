@@ -1,0 +1,476 @@
+//! What questions cost: items in a box, a sphere, a frustum, the nearest ones, rays, pairs that overlap, boxes that see each
+//! other, a capsule that walks; beside `rstar` and `parry3d` where they do the same job.
+//!
+//! What is found is counted and must be what the other crate finds: another number is an error, not a time. Run by `cargo
+//! test` it asks a few questions, and only counts.
+#![allow(clippy::print_stdout, reason = "a bench prints its table")]
+
+use enfilade::{
+    Aabb, Between, Capsule, Content, ContentBuilder, FragmentId, ItemId, Material, MaterialId, Mesh, Method,
+    OccluderSet, Pairs, Place, Ray, Scene, SceneBuilder, Transform, View,
+};
+use enfilade_scenes::built_in;
+use parry3d::math::Vector;
+use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
+use parry3d::query::RayCast;
+use parry3d::shape::TriMesh;
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree};
+use std::hint::black_box;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Each is asked so many times a round, and the median of the rounds is told.
+const QUESTIONS: usize = 1000;
+const ROUNDS: usize = 21;
+
+/// Boxes that move, and how many of them at a time.
+const BOXES: u32 = 10_000;
+const MOVED: u32 = 1_000;
+
+/// Numbers by chance, the same every time. Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, 2014.
+struct Chance(u64);
+
+impl Chance {
+    /// From 0 to just below 1.
+    fn part(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((mixed ^ mixed >> 31) >> 40) as f32 / (1_u64 << 24) as f32
+    }
+
+    /// From -1 to 1 on each axis.
+    fn vector(&mut self) -> [f32; 3] {
+        [(); 3].map(|()| 2.0 * self.part() - 1.0)
+    }
+
+    fn point_in(&mut self, bounds: &Aabb) -> [f32; 3] {
+        let size = bounds.size();
+        [0, 1, 2].map(|axis| bounds.min[axis] + self.part() * size[axis])
+    }
+}
+
+fn cube(middle: [f32; 3], half: f32) -> Aabb {
+    Aabb {
+        min: middle.map(|side| side - half),
+        max: middle.map(|side| side + half),
+    }
+}
+
+/// Has something computed that nobody asks for.
+fn hold<T>(answer: T) {
+    black_box(answer);
+}
+
+/// Ten thousand blocks along a hundred streets, on a floor.
+fn city() -> Content {
+    const SIDES: [[u32; 4]; 6] = [
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+    ];
+    let corners = cube([0.5; 3], 0.5).corners();
+    let faces = SIDES.map(|[a, b, c, d]| [a, b, c, a, c, d]);
+    let block = Mesh::triangles(&corners, faces.as_flattened(), MaterialId(0)).expect("a cube");
+    let mut builder = ContentBuilder::new([Material::opaque([0.5; 3])]);
+    let block = builder.mesh(block);
+    let ground = Transform::translation([-10.0, -1.0, -10.0]) * Transform::scaling([1020.0, 1.0, 1020.0]);
+    builder.item("ground", block, ground);
+    let mut chance = Chance(3);
+    for number in 0..10_000_u16 {
+        let [x, z] = [number % 100, number / 100].map(|street| 10.0 * f32::from(street));
+        let [width, height, depth] = [(); 3].map(|()| 1.0 + 8.0 * chance.part());
+        let at = Transform::translation([x, 0.0, z]) * Transform::scaling([width, 3.0 * height, depth]);
+        builder.item("block", block, at);
+    }
+    builder.build().expect("a city")
+}
+
+fn largest(name: &str) -> Arc<Content> {
+    let scene = built_in(name).expect("it is built in").scene;
+    let contents = scene.fragments().filter_map(|id| scene.content(id));
+    let largest = contents.max_by_key(|content| content.items().len());
+    Arc::clone(largest.expect("it has fragments"))
+}
+
+/// A row of the table: nanoseconds a question, of ours and of the other crate.
+struct Bench {
+    times: bool,
+    questions: usize,
+}
+
+impl Bench {
+    /// Nanoseconds a call, the median of some rounds, a round being one call for each question.
+    fn ns(&self, mut ask: impl FnMut(usize)) -> f64 {
+        let mut round = || {
+            let start = Instant::now();
+            (0..self.questions).for_each(&mut ask);
+            start.elapsed().as_secs_f64() * 1e9 / self.questions as f64
+        };
+        let rounds = if self.times { ROUNDS } else { 1 };
+        let mut all: Vec<f64> = (0..rounds).map(|_| round()).collect();
+        all.sort_by(f64::total_cmp);
+        all[rounds / 2]
+    }
+
+    fn tell(&self, place: &str, question: &str, ours: f64, other: Option<(&str, f64)>, found: f64) {
+        if self.times {
+            let other = other.map_or(String::new(), |(name, ns)| {
+                format!("{name:>10} {ns:9.0} {:6.2}", ns / ours)
+            });
+            println!("{place:14}{question:34}{ours:9.0} {found:9.2} {other}");
+        }
+    }
+}
+
+type Boxed = GeomWithData<Rectangle<[f32; 3]>, u32>;
+
+fn items(bench: &Bench, place: &str, content: &Content) {
+    let boxed = |(number, item): (u32, &enfilade::Item)| {
+        let Aabb { min, max } = item.bounds;
+        (!item.bounds.is_empty()).then(|| Boxed::new(Rectangle::from_corners(min, max), number))
+    };
+    let tree = RTree::bulk_load((0..).zip(content.items()).filter_map(boxed).collect());
+    let (whole, mut chance) = (content.bounds(), Chance(1));
+    let half = 0.02 * whole.longest_side();
+    let points: Vec<[f32; 3]> = (0..bench.questions).map(|_| chance.point_in(&whole)).collect();
+    let each = bench.questions as f64;
+
+    let mut found = 0_u64;
+    for &point in &points {
+        let bounds = cube(point, half);
+        let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+        content.items_in_box(&bounds, |item| ours.push(item.0));
+        let envelope = AABB::from_corners(bounds.min, bounds.max);
+        theirs.extend(
+            tree.locate_in_envelope_intersecting(envelope)
+                .map(|held| held.data),
+        );
+        ours.sort_unstable();
+        theirs.sort_unstable();
+        assert_eq!(ours, theirs, "{place}, {bounds:?}");
+        found += ours.len() as u64;
+    }
+    let ours = bench.ns(|i| content.items_in_box(&cube(points[i], half), hold));
+    let theirs = bench.ns(|i| {
+        let Aabb { min, max } = cube(points[i], half);
+        for held in tree.locate_in_envelope_intersecting(AABB::from_corners(min, max)) {
+            black_box(held.data);
+        }
+    });
+    bench.tell(
+        place,
+        "items in a box",
+        ours,
+        Some(("rstar", theirs)),
+        found as f64 / each,
+    );
+
+    let mut found = 0_u64;
+    let ours = bench.ns(|i| {
+        content.items_in_sphere(points[i], half, |item| {
+            found += 1;
+            black_box(item);
+        })
+    });
+    let rounds = if bench.times { ROUNDS as f64 } else { 1.0 };
+    bench.tell(
+        place,
+        "items in a sphere",
+        ours,
+        None,
+        found as f64 / each / rounds,
+    );
+
+    let mut found = 0_u64;
+    let ours = bench.ns(|i| {
+        let mut view = View::new(points[i], points[(i + 1) % points.len()], [1280, 720]);
+        view.fov_y = 1.0;
+        content.items_in_frustum(&view, |item| {
+            found += 1;
+            black_box(item);
+        });
+    });
+    bench.tell(
+        place,
+        "items in a frustum",
+        ours,
+        None,
+        found as f64 / each / rounds,
+    );
+
+    let mut nearest = Vec::new();
+    for &point in &points {
+        content.nearest_items(point, 10, f32::INFINITY, &mut nearest);
+        let theirs = tree.nearest_neighbor_iter_with_distance_2(point).take(10);
+        let last = theirs
+            .map(|(_, square)| f64::from(square).sqrt())
+            .last()
+            .unwrap_or(0.0);
+        let ours = nearest.last().map_or(0.0, |last| last.distance);
+        assert!(
+            (ours - last).abs() <= 1e-4 * f64::from(whole.longest_side()),
+            "{place}: {ours}, {last}"
+        );
+    }
+    let ours = bench.ns(|i| {
+        content.nearest_items(points[i], 10, f32::INFINITY, &mut nearest);
+        black_box(&nearest);
+    });
+    let theirs = bench.ns(|i| {
+        for held in tree.nearest_neighbor_iter(points[i]).take(10) {
+            black_box(held.data);
+        }
+    });
+    bench.tell(place, "the 10 nearest items", ours, Some(("rstar", theirs)), 10.0);
+}
+
+/// All triangles of a content as one mesh.
+fn soup(content: &Content) -> TriMesh {
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for item in (0..content.items().len() as u32).map(ItemId) {
+        let (mesh, placed) = (content.mesh_of(item), content.item(item).transform());
+        let first = positions.len() as u32;
+        positions.extend(mesh.positions().iter().map(|&p| Vector::from(placed.point(p))));
+        for face in 0..mesh.face_count() {
+            let corners = mesh.face(face);
+            let fan = (2..corners.len()).map(|last| [corners[0], corners[last - 1], corners[last]]);
+            triangles.extend(fan.map(|used| used.map(|corner| first + corner)));
+        }
+    }
+    TriMesh::new(positions, triangles).expect("triangles")
+}
+
+fn rays(bench: &Bench, place: &str, content: &Content) {
+    let soup = soup(content);
+    let (whole, mut chance) = (content.bounds(), Chance(2));
+    let rays: Vec<Ray> = (0..bench.questions)
+        .map(|_| Ray {
+            origin: chance.point_in(&whole),
+            direction: chance.vector(),
+        })
+        .collect();
+    let theirs = |ray: &Ray| {
+        let ray = parry3d::query::Ray::new(ray.origin.into(), ray.direction.into());
+        soup.cast_local_ray(&ray, f32::MAX, false)
+    };
+    let mut differ = 0;
+    let mut found = 0;
+    for ray in &rays {
+        let hit = content.cast(ray);
+        found += u32::from(hit.is_some());
+        let agree = match (hit, theirs(ray)) {
+            (Some(hit), Some(distance)) => {
+                (hit.distance - f64::from(distance)).abs() < 1e-3 * (1.0 + hit.distance)
+            }
+            (hit, distance) => hit.is_none() && distance.is_none(),
+        };
+        differ += usize::from(!agree);
+    }
+    // Theirs are in f32, and slip through edges now and then.
+    assert!(
+        differ <= bench.questions / 200,
+        "{place}: {differ} rays end elsewhere"
+    );
+    let each = bench.questions as f64;
+    let ours = bench.ns(|i| hold(content.cast(&rays[i])));
+    let other = bench.ns(|i| hold(theirs(&rays[i])));
+    bench.tell(
+        place,
+        "first hit of a ray",
+        ours,
+        Some(("parry3d", other)),
+        f64::from(found) / each,
+    );
+    let mut hits = Vec::new();
+    let mut found = 0;
+    for ray in &rays {
+        content.cast_all(ray, f64::INFINITY, &mut hits);
+        found += hits.len();
+    }
+    let ours = bench.ns(|i| content.cast_all(&rays[i], f64::INFINITY, &mut hits));
+    bench.tell(place, "all hits of a ray", ours, None, found as f64 / each);
+}
+
+fn pairs(bench: &Bench, place: &str, sides: [f32; 3]) {
+    let mut chance = Chance(4);
+    let whole = Aabb {
+        min: [0.0; 3],
+        max: sides,
+    };
+    let mut boxes: Vec<Aabb> = (0..BOXES).map(|_| cube(chance.point_in(&whole), 0.5)).collect();
+    let mut pairs = Pairs::new();
+    for (id, &bounds) in (0..).zip(&boxes) {
+        pairs.set(id, bounds).expect("sound");
+    }
+    let start = Instant::now();
+    pairs.update();
+    let first = start.elapsed().as_secs_f64() * 1e9;
+    let theirs = |bounds: &Aabb| parry3d::bounding_volume::Aabb::new(bounds.min.into(), bounds.max.into());
+    let leaves: Vec<_> = boxes.iter().map(theirs).collect();
+    let mut space = BvhWorkspace::default();
+    let start = Instant::now();
+    let mut tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves);
+    let mut met = 0_usize;
+    tree.traverse_bvtt_single_tree::<false>(&mut space, &mut |_, _| met += 1);
+    let other = start.elapsed().as_secs_f64() * 1e9;
+    assert_eq!(pairs.count(), met, "{place}");
+    bench.tell(
+        place,
+        "pairs of 10,000 boxes, at first",
+        first,
+        Some(("parry3d", other)),
+        met as f64,
+    );
+
+    let [mut ours, mut other] = [Vec::new(), Vec::new()];
+    let mut changes = 0;
+    let updates = if bench.times { 100 } else { 3 };
+    for update in 0..updates {
+        let moved: Vec<u32> = (0..MOVED).map(|i| (i * 10 + update) % BOXES).collect();
+        for &id in &moved {
+            let by = chance.vector().map(|part| 0.1 * part);
+            let held = &mut boxes[id as usize];
+            *held = cube([0, 1, 2].map(|axis| held.center()[axis] + by[axis]), 0.5);
+        }
+        let start = Instant::now();
+        for &id in &moved {
+            pairs.set(id, boxes[id as usize]).expect("sound");
+        }
+        let changed = pairs.update();
+        changes += changed.began.len() + changed.ended.len();
+        ours.push(start.elapsed().as_secs_f64() * 1e9);
+        let start = Instant::now();
+        for &id in &moved {
+            tree.insert_or_update_partially(theirs(&boxes[id as usize]), id, 0.0);
+        }
+        tree.refit(&mut space);
+        tree.optimize_incremental(&mut space);
+        let mut met = 0_usize;
+        tree.traverse_bvtt_single_tree::<true>(&mut space, &mut |_, _| met += 1);
+        black_box(met);
+        other.push(start.elapsed().as_secs_f64() * 1e9);
+    }
+    let mut met = 0;
+    tree.traverse_bvtt_single_tree::<false>(&mut space, &mut |_, _| met += 1);
+    assert_eq!(pairs.count(), met, "{place}, in the end");
+    let median = |times: &mut Vec<f64>| {
+        times.sort_by(f64::total_cmp);
+        times[times.len() / 2]
+    };
+    let [ours, other] = [median(&mut ours), median(&mut other)];
+    let changes = changes as f64 / f64::from(updates);
+    bench.tell(
+        place,
+        "pairs, 1,000 of 10,000 moved",
+        ours,
+        Some(("parry3d", other)),
+        changes,
+    );
+}
+
+fn between(bench: &Bench, place: &str, content: &Content) {
+    let occluders = OccluderSet::build(content);
+    let mut chance = Chance(5);
+    let mut item = || content.items()[(chance.part() * content.items().len() as f32) as usize].bounds;
+    let boxes: Vec<[Aabb; 2]> = (0..bench.questions).map(|_| [item(), item()]).collect();
+    let answers: Vec<Between> = boxes
+        .iter()
+        .map(|[a, b]| content.between(a, b, &occluders))
+        .collect();
+    let known = answers
+        .iter()
+        .filter(|&&answer| answer != Between::Unknown)
+        .count();
+    assert!(known > 0, "nothing is known of {place}");
+    let ours = bench.ns(|i| hold(content.between(&boxes[i][0], &boxes[i][1], &occluders)));
+    bench.tell(
+        place,
+        "do two boxes see each other",
+        ours,
+        None,
+        known as f64 / bench.questions as f64,
+    );
+}
+
+fn capsule(bench: &Bench, place: &str, scene: &Scene, from: Place) {
+    let mut chance = Chance(6);
+    let mut capsule = Capsule::new(0.25, 1.2);
+    let (mut place_now, mut course, mut touched) = (from, [0.0; 3], 0_u64);
+    let mut step = |i: usize| {
+        if i.is_multiple_of(50) {
+            course = chance.vector().map(|part| 0.05 * part);
+            course[1] = -0.02;
+        }
+        let slid = scene.slide(place_now, capsule, course);
+        course = slid.there_from_here.direction(course);
+        touched += u64::from(!slid.touched.is_empty());
+        (place_now, capsule) = (slid.place, slid.capsule);
+    };
+    let ours = bench.ns(&mut step);
+    let rounds = if bench.times { ROUNDS } else { 1 };
+    assert!(touched > 0, "nothing was in the way in {place}");
+    bench.tell(
+        place,
+        "a step of a capsule",
+        ours,
+        None,
+        touched as f64 / (bench.questions * rounds) as f64,
+    );
+}
+
+fn main() {
+    let times = std::env::args().any(|argument| argument == "--bench");
+    let bench = Bench {
+        times,
+        questions: if times { QUESTIONS } else { 100 },
+    };
+    if times {
+        println!(
+            "{:14}{:34}{:>9} {:>9} {:>10} {:>9} {:>6}",
+            "place", "question", "ns", "found", "beside", "ns", "ratio"
+        );
+    }
+    let city = Arc::new(city());
+    let places = [
+        ("city", Arc::clone(&city)),
+        ("crowd", largest("crowd")),
+        ("palace", largest("enfilade")),
+    ];
+    for (place, content) in &places {
+        items(&bench, place, content);
+    }
+    for (place, content) in places.iter().chain([&("hills", largest("big-mesh"))]) {
+        rays(&bench, place, content);
+    }
+    for (place, sides) in [
+        ("in space", [60.0; 3]),
+        ("in a plane", [200.0, 0.0, 200.0]),
+        ("in a line", [20_000.0, 0.0, 0.0]),
+    ] {
+        pairs(&bench, place, sides);
+    }
+    for (place, content) in &places {
+        between(&bench, place, content);
+    }
+    let palace = built_in("enfilade").expect("it is built in");
+    let camera = &palace.cameras[0];
+    let fragment = palace.scene.locate(camera.eye, camera.toward).expect("a hall");
+    let place = Place {
+        fragment,
+        position: camera.eye,
+    };
+    capsule(&bench, "palace", &palace.scene, place);
+    let mut streets = SceneBuilder::new();
+    streets.add("city", city, Method::ZBuffer);
+    let streets = streets.build().expect("one fragment");
+    let corner = Place {
+        fragment: FragmentId(0),
+        position: [499.5, 1.0, 499.5],
+    };
+    capsule(&bench, "city", &streets, corner);
+}

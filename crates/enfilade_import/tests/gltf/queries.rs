@@ -1,0 +1,174 @@
+//! Questions to real scenes, each held against going through everything.
+
+use enfilade::{Aabb, Content, Hit, ItemId, Method, Ray, survey};
+use enfilade_import::{ReadOptions, read};
+use glam::{DAffine3, DMat3, DVec3};
+use std::path::Path;
+use std::sync::Arc;
+
+const QUESTIONS: usize = 10_000;
+
+/// Of these every triangle is gone through for each.
+const RAYS: usize = 300;
+
+/// Numbers by chance, the same every time. Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, 2014.
+struct Chance(u64);
+
+impl Chance {
+    /// From 0 to just below 1.
+    fn part(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((mixed ^ mixed >> 31) >> 40) as f32 / (1_u64 << 24) as f32
+    }
+
+    fn point_in(&mut self, bounds: &Aabb) -> [f32; 3] {
+        let size = bounds.size();
+        [0, 1, 2].map(|axis| bounds.min[axis] + self.part() * size[axis])
+    }
+}
+
+fn all(content: &Content) -> impl Iterator<Item = ItemId> {
+    (0..content.items().len() as u32).map(ItemId)
+}
+
+fn distance(bounds: &Aabb, point: [f32; 3]) -> f64 {
+    let off = |axis: usize| {
+        let [min, max, at] = [bounds.min, bounds.max, point].map(|corner| f64::from(corner[axis]));
+        (min - at).max(at - max).max(0.0)
+    };
+    (0..3).map(|axis| off(axis) * off(axis)).sum::<f64>().sqrt()
+}
+
+fn boxes_and_nearest(file: &str, content: &Content) {
+    let (whole, mut chance) = (content.bounds(), Chance(1));
+    let mut nearest = Vec::new();
+    for _ in 0..QUESTIONS {
+        let middle = chance.point_in(&whole);
+        let half = 0.2 * chance.part() * whole.longest_side();
+        let bounds = Aabb {
+            min: middle.map(|side| side - half),
+            max: middle.map(|side| side + half),
+        };
+        let mut found = Vec::new();
+        content.items_in_box(&bounds, |item| found.push(item));
+        found.sort_unstable();
+        let expected = all(content).filter(|&item| content.item(item).bounds.meets(&bounds));
+        assert!(expected.eq(found), "{file}, {bounds:?}");
+
+        content.nearest_items(middle, 8, f32::INFINITY, &mut nearest);
+        let mut expected: Vec<(f64, ItemId)> = all(content)
+            .filter(|&item| !content.item(item).bounds.is_empty())
+            .map(|item| (distance(&content.item(item).bounds, middle), item))
+            .collect();
+        expected.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        expected.truncate(8);
+        let found = nearest.iter().map(|near| (near.distance, near.item));
+        assert!(found.eq(expected), "{file}, {middle:?}");
+    }
+}
+
+/// Every triangle where it stands, with its item.
+fn triangles(content: &Content) -> Vec<(ItemId, [DVec3; 3])> {
+    let mut triangles = Vec::new();
+    for item in all(content) {
+        let columns = content.item(item).fragment_from_item;
+        let [x, y, z, at] = columns.map(|column| DVec3::from(column.map(f64::from)));
+        let placed = DAffine3 {
+            matrix3: DMat3::from_cols(x, y, z),
+            translation: at,
+        };
+        if placed.matrix3.determinant() == 0.0 {
+            continue;
+        }
+        let mesh = content.mesh_of(item);
+        for face in 0..mesh.face_count() {
+            let corners = mesh.face(face);
+            let corner = |i: usize| {
+                let position = mesh.positions()[corners[i] as usize].map(f64::from);
+                placed.transform_point3(DVec3::from(position))
+            };
+            triangles
+                .extend((2..corners.len()).map(|last| (item, [corner(0), corner(last - 1), corner(last)])));
+        }
+    }
+    triangles
+}
+
+/// Where a ray meets triangles well within their edges, and the nearest where it may.
+fn first(triangles: &[(ItemId, [DVec3; 3])], ray: &Ray) -> [f64; 2] {
+    let [origin, direction] = [ray.origin, ray.direction].map(|v| DVec3::from(v.map(f64::from)));
+    let mut nearest = [f64::INFINITY; 2];
+    for (_, corners) in triangles {
+        let [a, b, c] = corners.map(|corner| corner - origin);
+        let parts = [(b, c), (c, a), (a, b)].map(|(p, q)| direction.dot(p.cross(q)));
+        let whole: f64 = parts.iter().sum();
+        if whole.abs() <= 1e-9 * parts.iter().map(|part| part.abs()).sum::<f64>() {
+            continue;
+        }
+        let parts = parts.map(|part| part / whole);
+        let least = parts.into_iter().fold(f64::INFINITY, f64::min);
+        let at = a * parts[0] + b * parts[1] + c * parts[2];
+        let distance = at.dot(direction) / direction.length_squared();
+        for (nearest, edge) in nearest.iter_mut().zip([1e-6, -1e-6]) {
+            if least > edge && distance > 0.0 {
+                *nearest = nearest.min(distance);
+            }
+        }
+    }
+    nearest
+}
+
+fn rays(file: &str, content: &Content, eyes: &[[f32; 3]]) {
+    let triangles = triangles(content);
+    let far = f64::from(content.bounds().longest_side());
+    let mut chance = Chance(2);
+    let (mut met, mut hits) = (0, Vec::<Hit>::new());
+    for question in 0..QUESTIONS {
+        let ray = Ray {
+            origin: eyes[question % eyes.len()],
+            direction: [(); 3].map(|()| 2.0 * chance.part() - 1.0),
+        };
+        let hit = content.cast(&ray);
+        content.cast_all(&ray, f64::INFINITY, &mut hits);
+        assert_eq!(hits.first().copied(), hit, "{file}, {ray:?}");
+        if question % (QUESTIONS / RAYS) != 0 {
+            continue;
+        }
+        let [sure, possible] = first(&triangles, &ray);
+        let length = DVec3::from(ray.direction.map(f64::from)).length();
+        let slack = 1e-6 * far / length;
+        let distance = hit.map_or(f64::INFINITY, |hit| hit.distance);
+        assert!(
+            distance <= sure + slack && distance >= possible - slack,
+            "{file}, {ray:?}: {distance}, not {possible} to {sure}"
+        );
+        met += usize::from(hit.is_some());
+    }
+    assert!(met > RAYS / 3, "{file}: only {met} rays meet anything");
+}
+
+#[test]
+#[allow(clippy::print_stderr, reason = "a skipped test must say so")]
+fn questions_to_real_scenes_find_what_going_through_everything_finds() {
+    let Some(folder) = std::env::var_os("ENFILADE_SCENES") else {
+        eprintln!("skipped: ENFILADE_SCENES names no folder of .glb files");
+        return;
+    };
+    for file in ["classroom.glb", "ifc_duplex.glb"] {
+        let options = ReadOptions {
+            flat: true,
+            ..ReadOptions::default()
+        };
+        let import = read(&Path::new(&folder).join(file), &options).unwrap_or_else(|error| panic!("{error}"));
+        let scene = import
+            .scene(Method::ZBuffer, Method::DEFAULT_LIMIT)
+            .expect("one fragment");
+        let fragment = scene.fragments().next().expect("one fragment");
+        let content = Arc::clone(scene.content(fragment).expect("ours"));
+        boxes_and_nearest(file, &content);
+        let eyes: Vec<[f32; 3]> = survey(&scene, 50).iter().map(|at| at.eye).collect();
+        rays(file, &content, &eyes);
+    }
+}

@@ -35,7 +35,7 @@ impl Bvh {
     ///
     /// `touched` gets the nodes of which something has changed, and all those above them; of one that is there twice
     /// the last counts: then its children come before it.
-    pub(crate) fn insert(&mut self, thing: u32, boxes: &impl Fn(u32) -> Aabb, touched: &mut Vec<u32>) {
+    pub(super) fn insert(&mut self, thing: u32, boxes: &impl Fn(u32) -> Aabb, touched: &mut Vec<u32>) {
         let now = boxes(thing);
         if now.is_empty() {
             return;
@@ -57,17 +57,8 @@ impl Bvh {
         touched.push(0);
     }
 
-    /// Takes out a thing that stands in it. The rest as for [`Bvh::insert`].
-    pub(crate) fn remove(
-        &mut self,
-        thing: u32,
-        _was: &Aabb,
-        boxes: &impl Fn(u32) -> Aabb,
-        touched: &mut Vec<u32>,
-    ) {
-        let Some(leaf) = self.leaf_of(thing) else {
-            return;
-        };
+    /// Takes out a thing that stands in a leaf. The rest as for [`Bvh::insert`].
+    fn remove(&mut self, thing: u32, leaf: u32, boxes: &impl Fn(u32) -> Aabb, touched: &mut Vec<u32>) {
         self.changes += 1;
         self.count -= 1;
         if let Some(from) = self.take(thing, leaf, touched) {
@@ -75,7 +66,8 @@ impl Bvh {
         }
     }
 
-    /// Moves a thing to where it is now. The rest as for [`Bvh::insert`].
+    /// Moves a thing from where its box `was` to where it is now: from nowhere, or to nowhere, where that is empty. The rest
+    /// as for [`Bvh::insert`].
     pub(crate) fn shift(
         &mut self,
         thing: u32,
@@ -84,12 +76,14 @@ impl Bvh {
         touched: &mut Vec<u32>,
     ) {
         let now = boxes(thing);
-        if now.is_empty() {
-            return self.remove(thing, was, boxes, touched);
-        }
-        let Some(leaf) = self.leaf_of(thing) else {
+        // What stood nowhere may be remembered in a leaf that is none of its own any more.
+        let leaf = self.leaf_of(thing).filter(|_| !was.is_empty());
+        let Some(leaf) = leaf else {
             return self.insert(thing, boxes, touched);
         };
+        if now.is_empty() {
+            return self.remove(thing, leaf, boxes, touched);
+        }
         let held = *self.bounds(leaf);
         self.changes += 1;
         let grown = held.union(&now).half_area();
@@ -137,8 +131,8 @@ impl Bvh {
 
     fn leaf_of(&self, thing: u32) -> Option<u32> {
         let leaf = *self.leaves.get(thing as usize)?;
-        let stands = self.count > 0 && self.things(leaf).contains(&thing);
-        stands.then_some(leaf)
+        let is_node = self.count > 0 && (leaf as usize) < self.nodes.len();
+        (is_node && self.things(leaf).contains(&thing)).then_some(leaf)
     }
 
     fn parent(&self, node: u32) -> Option<u32> {

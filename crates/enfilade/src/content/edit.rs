@@ -17,7 +17,7 @@ use std::sync::{Arc, Mutex, Weak};
 #[derive(Clone, Debug)]
 pub(crate) struct Placing {
     pub(crate) mesh: Arc<Mesh>,
-    pub(crate) place: Transform,
+    pub(crate) place: [[f32; 3]; 4],
     pub(crate) hides: bool,
 }
 
@@ -80,7 +80,7 @@ impl Placing {
         let placed = content.item(item);
         Placing {
             mesh: Arc::clone(&content.meshes[placed.mesh.0 as usize]),
-            place: placed.transform(),
+            place: placed.fragment_from_item,
             hides: placed.hides,
         }
     }
@@ -95,9 +95,14 @@ impl Placing {
         if clusters.is_empty() {
             return Err(Unfit::NoFaces);
         }
-        let place = self.place.columns();
-        let bounds = placed_bounds(&Transform::from_columns(place), &self.mesh);
-        let values = || bounds.min.iter().chain(&bounds.max).chain(place.iter().flatten());
+        let bounds = placed_bounds(&Transform::from_columns(self.place), &self.mesh);
+        let values = || {
+            bounds
+                .min
+                .iter()
+                .chain(&bounds.max)
+                .chain(self.place.iter().flatten())
+        };
         if values().any(|value| value.is_nan()) {
             return Err(Unfit::NotFinite);
         }
@@ -110,7 +115,7 @@ impl Placing {
 
 impl Changes {
     /// An item as it will be; `None` where there will be none.
-    pub(crate) fn placing(&self, content: &Content, item: ItemId) -> Option<Placing> {
+    fn placing(&self, content: &Content, item: ItemId) -> Option<Placing> {
         match self.items.get(&item) {
             Some(change) => change.placing.clone(),
             None => content.holds(item).then(|| Placing::at(content, item)),
@@ -129,19 +134,31 @@ impl Changes {
         })
     }
 
-    /// Has an item be as `placing` says.
-    pub(crate) fn set(
+    /// Has an item be as `change` makes of it; `None` where there is no such item.
+    pub(crate) fn change(
         &mut self,
         content: &Content,
         item: ItemId,
+        change: impl FnOnce(Placing) -> Option<Placing>,
+    ) -> Option<Result<(), Unfit>> {
+        let was = self.placing(content, item)?;
+        let had = was.mesh.face_count();
+        Some(self.set(content, item, had, change(was)))
+    }
+
+    /// Has an item, of so many faces as yet, be as `placing` says.
+    fn set(
+        &mut self,
+        content: &Content,
+        item: ItemId,
+        had: u32,
         placing: Option<Placing>,
     ) -> Result<(), Unfit> {
         let bounds = placing
             .as_ref()
             .map_or(Ok(Aabb::EMPTY), |placing| placing.check(content))?;
-        let faces =
-            |placing: &Option<Placing>| placing.as_ref().map_or(0, |p| i64::from(p.mesh.face_count()));
-        let more_faces = self.more_faces + faces(&placing) - faces(&self.placing(content, item));
+        let faces = placing.as_ref().map_or(0, |placing| placing.mesh.face_count());
+        let more_faces = self.more_faces + i64::from(faces) - i64::from(had);
         if content.face_count() as i64 + more_faces > i64::from(u32::MAX) - MOST_OPENINGS as i64 {
             return Err(Unfit::TooManyFaces);
         }
@@ -164,7 +181,7 @@ impl Changes {
             .as_ref()
             .and_then(|slots| slots.free_items.range(next..).next().copied());
         let item = ItemId(free.unwrap_or(content.items.len() as u32 + self.appended));
-        self.set(content, item, Some(placing))?;
+        self.set(content, item, 0, Some(placing))?;
         match free {
             Some(number) => self.last_free = Some(number),
             None => self.appended += 1,
@@ -235,42 +252,47 @@ impl Content {
         done: &mut Exchanged,
     ) -> Option<MeshId> {
         let number = item.0 as usize;
+        let had = self.items[number].mesh;
+        if let Some(after) = &mut change.placing
+            && Arc::ptr_eq(&after.mesh, &self.meshes[had.0 as usize])
+        {
+            let Item {
+                fragment_from_item,
+                bounds,
+                hides,
+                ..
+            } = &mut self.items[number];
+            std::mem::swap(fragment_from_item, &mut after.place);
+            std::mem::swap(bounds, &mut change.bounds);
+            std::mem::swap(hides, &mut after.hides);
+            return None;
+        }
         let before = (!slots.free_items.contains(&item.0)).then(|| Placing::at(self, item));
-        let after = change.placing.take();
-        let Item {
-            mesh: had, bounds, ..
-        } = self.items[number];
-        let bounds = std::mem::replace(&mut change.bounds, bounds);
+        let after = std::mem::replace(&mut change.placing, before);
+        let bounds = std::mem::replace(&mut change.bounds, self.items[number].bounds);
         if let Some(name) = &mut change.name {
             let before = self.names.get(number).to_owned();
             self.names.set(number, &std::mem::replace(name, before));
         }
-        let stays = matches!((&before, &after), (Some(before), Some(after)) if Arc::ptr_eq(&before.mesh, &after.mesh));
-        let mesh = match &after {
-            Some(_) if stays => had,
+        self.items[number] = match after {
             Some(after) => {
                 let (mesh, is_new) = slots.take(&after.mesh, &mut self.meshes);
                 done.meshes.extend(is_new.then_some(mesh));
                 slots.free_items.remove(&item.0);
-                mesh
+                Item {
+                    mesh,
+                    fragment_from_item: after.place,
+                    bounds,
+                    hides: after.hides,
+                }
             }
             None => {
                 slots.free_items.insert(item.0);
-                slots.nothing
+                Item::nothing(slots.nothing)
             }
         };
-        self.items[number] = after.map_or_else(
-            || Item::nothing(mesh),
-            |after| Item {
-                mesh,
-                fragment_from_item: after.place.columns(),
-                bounds,
-                hides: after.hides,
-            },
-        );
-        let left = (!stays && before.is_some()).then_some(had);
+        let left = change.placing.is_some().then_some(had);
         left.into_iter().for_each(|mesh| slots.give_back(mesh));
-        change.placing = before;
         left
     }
 

@@ -10,7 +10,7 @@
 //! Where nothing is called hidden, the answer is that of measuring every polygon of every item, to the last of them.
 
 use super::measure::{Chooser, Entered, Measure};
-use super::{OccluderSet, Polygon, cofactor, greatest_stretch};
+use super::{OccluderSet, Polygon};
 use crate::content::{Content, ItemId};
 use crate::geom::Aabb;
 use crate::passage::Passage;
@@ -281,8 +281,7 @@ impl Chooser<'_> {
         }
         for &item in set.tree.things(node) {
             let placed = self.content.item(ItemId(item));
-            let largest = set.meshes[placed.mesh.0 as usize].largest[0];
-            let area = largest * greatest_stretch(cofactor(&placed.transform().0.matrix3));
+            let area = set.areas[item as usize];
             let most = self.most(screen, &placed.bounds, area, self.eye, 1.0);
             choice.push(most, What::Item(item));
         }

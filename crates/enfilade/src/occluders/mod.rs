@@ -60,7 +60,9 @@ pub struct OccluderSet {
     waste: usize,
     /// Over the items that have any.
     tree: Octree,
-    /// For each node of the tree, the area of the largest below it, in the space of the fragment, or more.
+    /// Of each item the area of its largest, in the space of the fragment, or more; 0 where it hides nothing.
+    areas: Vec<f64>,
+    /// For each node of the tree, the greatest of these below it.
     largest: Vec<f64>,
 }
 
@@ -151,21 +153,23 @@ impl OccluderSet {
             *self = OccluderSet::build(content);
             return self.tree.node_count() as u64;
         }
-        let mut tree = std::mem::take(&mut self.tree);
+        self.areas.resize(content.items().len(), 0.0);
+        for &Moved { item, .. } in &done.moved {
+            self.areas[item.0 as usize] = self.area_of(content, item);
+        }
+        let OccluderSet { tree, areas, .. } = self;
+        let boxes = |item: u32| box_of(content, areas, item);
         let mut touched = Vec::new();
-        let boxes = |item: u32| self.bounds_of(content, item);
         for Moved { item, was } in &done.moved {
             tree.shift(item.0, was, &boxes, &mut touched);
         }
-        let rebuilt = tree.tidy(content.items().len(), &boxes);
-        self.tree = tree;
-        if rebuilt {
-            self.largest = largest_below(&self.tree, |item| self.area_of(content, item));
+        if tree.tidy(content.items().len(), &boxes) {
+            self.largest = largest_below(&self.tree, |item| self.areas[item as usize]);
         } else {
             self.largest.resize(self.tree.node_count(), 0.0);
             // Of one that is there twice the last counts: then its children come before it.
             for &node in &touched {
-                self.largest[node as usize] = self.largest_in(content, node);
+                self.largest[node as usize] = self.largest_in(node);
             }
         }
         touched.len() as u64
@@ -174,40 +178,35 @@ impl OccluderSet {
     /// The tree over the items.
     fn place(&mut self, content: &Content) {
         let items = 0..content.items().len() as u32;
-        let bounds: Vec<Aabb> = items.map(|item| self.bounds_of(content, item)).collect();
+        self.areas = items
+            .clone()
+            .map(|item| self.area_of(content, ItemId(item)))
+            .collect();
+        let bounds: Vec<Aabb> = items.map(|item| box_of(content, &self.areas, item)).collect();
         self.tree = Octree::build(&bounds, FEW);
-        self.largest = largest_below(&self.tree, |item| self.area_of(content, item));
+        self.largest = largest_below(&self.tree, |item| self.areas[item as usize]);
     }
 
-    /// The area of an item's largest occluder, in the space of the fragment, or more; 0 where it hides nothing.
-    fn area_of(&self, content: &Content, item: u32) -> f64 {
-        let placed = content.item(ItemId(item));
+    /// The area of an item's largest occluder, in the space of the fragment, or more; 0 where it hides nothing. One that its
+    /// place flattens does not, and its areas are nothing.
+    fn area_of(&self, content: &Content, item: ItemId) -> f64 {
+        let placed = content.item(item);
         let largest = &self.meshes[placed.mesh.0 as usize].largest;
         match largest.first() {
-            Some(largest) if placed.hides => {
+            Some(largest) if placed.hides && placed.transform().inverse().is_some() => {
                 largest * greatest_stretch(cofactor(&placed.transform().0.matrix3)) * (1.0 + EXACT)
             }
             _ => 0.0,
         }
     }
 
-    /// The box of an item that hides something. One that its place flattens does not, and its areas are nothing.
-    fn bounds_of(&self, content: &Content, item: u32) -> Aabb {
-        let placed = content.item(ItemId(item));
-        if self.area_of(content, item) > 0.0 && placed.transform().inverse().is_some() {
-            placed.bounds
-        } else {
-            Aabb::EMPTY
-        }
-    }
-
     /// The greatest area in a node, where those of the nodes below it are known.
-    fn largest_in(&self, content: &Content, node: u32) -> f64 {
+    fn largest_in(&self, node: u32) -> f64 {
         let own = self
             .tree
             .things(node)
             .iter()
-            .map(|&item| self.area_of(content, item));
+            .map(|&item| self.areas[item as usize]);
         let below = self.tree.children(node).map(|child| self.largest[child as usize]);
         own.chain(below).fold(0.0, f64::max)
     }
@@ -281,6 +280,7 @@ impl OccluderSet {
         (size_of_val(&*self.polygons)
             + size_of_val(&*self.corners)
             + size_of_val(&*self.meshes)
+            + size_of_val(&*self.areas)
             + size_of_val(&*self.largest)) as u64
             + self.tree.bytes()
             + meshes.sum::<u64>()
@@ -327,6 +327,15 @@ fn found_in(soup: &Soup, sheet: &Sheet, least_area: f64, found: &mut Vec<(Polygo
             double_sided: sheet.double_sided,
         };
         found.push((polygon, piece.corners));
+    }
+}
+
+/// The box of an item that hides something; that of nothing where it does not.
+fn box_of(content: &Content, areas: &[f64], item: u32) -> Aabb {
+    if areas[item as usize] > 0.0 {
+        content.item(ItemId(item)).bounds
+    } else {
+        Aabb::EMPTY
     }
 }
 

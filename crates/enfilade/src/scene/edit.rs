@@ -108,7 +108,7 @@ impl Edit<'_> {
     ) -> Result<ItemId, EditError> {
         let placing = Placing {
             mesh: mesh.into(),
-            place: fragment_from_item,
+            place: fragment_from_item.columns(),
             hides: true,
         };
         let (scene, changes) = self.of(fragment)?;
@@ -137,7 +137,7 @@ impl Edit<'_> {
     ) -> Result<(), EditError> {
         self.change(fragment, item, |was| {
             Some(Placing {
-                place: fragment_from_item,
+                place: fragment_from_item.columns(),
                 ..was
             })
         })
@@ -206,14 +206,13 @@ impl Edit<'_> {
     ) -> Result<(), EditError> {
         let (scene, changes) = self.of(fragment)?;
         let content = scene.content(fragment).ok_or_else(|| not_ours(scene, fragment))?;
-        let was = changes
-            .placing(content, item)
+        let changed = changes
+            .change(content, item, change)
             .ok_or_else(|| EditError::NoSuchItem {
                 fragment: scene.fragment_name(fragment).to_owned(),
                 item: item.0,
             })?;
-        let set = changes.set(content, item, change(was));
-        set.map_err(|unfit| {
+        changed.map_err(|unfit| {
             told(
                 unfit,
                 changes.name(content, item).to_owned(),

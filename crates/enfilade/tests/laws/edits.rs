@@ -143,6 +143,7 @@ fn laws_hold_under_edits(subject: &Subject, methods: &[Method], rounds: u64, cou
         let mut view = camera.view(SIZE);
         view.fragment = edited.fragment_of(&subject.built.cameras[0].view(SIZE));
         let truth = Reference::new(edited).see(edited, &view, &limits());
+        let anywhere = Reference::new(edited).see_anywhere(edited, &view, &limits(), 2, round);
         looked_at += truth.visible().len();
         for (method, scene, viewer) in &mut scenes {
             let place = format!("{method} on @{} in round {round}", subject.name);
@@ -156,6 +157,10 @@ fn laws_hold_under_edits(subject: &Subject, methods: &[Method], rounds: u64, cou
             if method.contract() > Contract::Approximate {
                 assert_eq!(verdict.pixels_different, 0, "{place}: {why:?}");
                 assert_eq!(verdict.missed, [], "{place}");
+            }
+            if method.contract() == Contract::Strict {
+                let verdict = anywhere.check(viewer.visible(), None);
+                assert_eq!(verdict.missed, [], "{place}, anywhere in a pixel");
             }
             if method.contract() == Contract::Exact {
                 assert_eq!(verdict.extra, 0, "{place}");

@@ -65,10 +65,10 @@ impl VisibleSet {
             Some(if clusters.is_empty() {
                 mesh.triangle_count()
             } else {
-                clusters
-                    .iter()
-                    .map(|&cluster| mesh.triangles_in(cluster as usize))
-                    .sum()
+                // The item may be of another mesh by now.
+                let known = clusters.iter().map(|&cluster| cluster as usize);
+                let known = known.filter(|&cluster| cluster < mesh.clusters().len());
+                known.map(|cluster| mesh.triangles_in(cluster)).sum()
             })
         };
         self.items.iter().filter_map(triangles).sum()

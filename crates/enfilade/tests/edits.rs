@@ -231,3 +231,43 @@ fn an_edit_that_needs_too_much_memory_is_undone_in_every_fragment() {
     );
     assert_eq!(seen(&mut Viewer::new(), &scene).len(), 4);
 }
+
+#[test]
+fn a_mesh_too_large_for_its_occluders_to_be_found_is_refused() {
+    let source = hall(Method::ZBuffer);
+    for method in [Method::Masked, Method::Svbsp, Method::Mobsp] {
+        let mut builder = SceneBuilder::new();
+        builder.limit_bytes(100_000);
+        let content = (**source.content(HALL).expect("ours")).clone();
+        builder.add("hall", content, method);
+        let mut scene = builder.build().expect("small enough");
+        let side = 40_u32;
+        let positions: Vec<[f32; 3]> = (0..side * side)
+            .map(|i| [(i % side) as f32, (i / side) as f32, -3.0])
+            .collect();
+        let triangles = (0..side * (side - 1)).filter(|i| i % side != side - 1);
+        let corners: Vec<u32> = triangles.flat_map(|i| [i, i + 1, i + side]).collect();
+        let sheet = Mesh::triangles(&positions, &corners, MaterialId(0)).expect("a sheet");
+        let mut edit = scene.edit();
+        edit.set_mesh(HALL, ItemId(2), sheet).expect("it may be");
+        let refused = edit.finish().expect_err("the limit is small");
+        assert!(
+            matches!(refused, SceneError::TooLarge { .. }),
+            "{method}: {refused}"
+        );
+        assert_eq!(seen(&mut Viewer::new(), &scene).len(), 4, "{method}");
+    }
+}
+
+#[test]
+fn a_set_of_the_scene_before_can_still_be_asked() {
+    let (mut scene, mut viewer) = (hall(Method::HierarchicalZ), Viewer::new());
+    seen(&mut viewer, &scene);
+    let before = viewer.visible().triangle_count(&scene);
+    let mut edit = scene.edit();
+    edit.remove(HALL, ItemId(0)).expect("it is there");
+    edit.remove(HALL, ItemId(3)).expect("it is there");
+    edit.finish().expect("little");
+    assert_eq!(viewer.visible().triangle_count(&scene), before - 2);
+    assert_eq!(viewer.visible().blend_order(&scene), []);
+}

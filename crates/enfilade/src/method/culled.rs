@@ -183,8 +183,14 @@ where
     }
 
     fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, TooLarge> {
-        let (mut edited, done) = edit_order(&mut self.order, &mut self.content, changes, limit)
-            .map_err(|needs_bytes| TooLarge::new(self.method, needs_bytes, limit))?;
+        let (mut edited, done) = edit_order(
+            &mut self.order,
+            &mut self.content,
+            changes,
+            limit,
+            OccluderSet::needs_bytes,
+        )
+        .map_err(|needs_bytes| TooLarge::new(self.method, needs_bytes, limit))?;
         edited.nodes += Arc::make_mut(&mut self.occluders).follow(&self.content, &done);
         Ok(edited)
     }

@@ -35,17 +35,18 @@ impl Edited {
     }
 }
 
-/// Edits a content and has an order over it follow, or builds it anew. Where that needs more than `limit` bytes, all stays
-/// as it was, and the error is how many.
+/// Edits a content and has an order over it follow, or builds it anew. Where that, and what `beside` says is needed besides,
+/// is more than `limit` bytes, all stays as it was, and the error is how many.
 pub(super) fn edit_order<O: Order>(
     order: &mut O,
     content: &mut Arc<Content>,
     changes: &mut Changes,
     limit: u64,
+    beside: impl Fn(&Content) -> u64,
 ) -> Result<(Edited, Exchanged), u64> {
     let edited = Arc::make_mut(content);
     let done = edited.exchange(changes);
-    let mut needs = O::needs_bytes(edited);
+    let mut needs = O::needs_bytes(edited) + beside(edited);
     let mut touched = Vec::new();
     let follows = needs <= limit && order.follow(edited, &done.moved, &mut touched);
     if !follows {

@@ -249,7 +249,7 @@ where
     }
 
     fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, TooLarge> {
-        edit_order(&mut self.order, &mut self.content, changes, limit)
+        edit_order(&mut self.order, &mut self.content, changes, limit, |_| 0)
             .map(|(edited, _)| edited)
             .map_err(|needs_bytes| TooLarge::new(self.method, needs_bytes, limit))
     }

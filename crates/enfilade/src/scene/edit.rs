@@ -73,7 +73,7 @@ impl Scene {
     ///
     /// ```
     /// # use enfilade::*;
-    /// # let mut scene = enfilade_scenes::scene("two-rooms").expect("a scene").scene;
+    /// # let mut scene = enfilade_scenes::built_in("two-rooms").expect("a scene").scene;
     /// # let hall = FragmentId(0);
     /// let mut edit = scene.edit();
     /// edit.place(hall, ItemId(0), Transform::translation([0.0, 1.0, 0.0]))?;

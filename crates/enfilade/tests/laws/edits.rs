@@ -149,8 +149,23 @@ fn laws_hold_under_edits(subject: &Subject, methods: &[Method], rounds: u64, cou
             let place = format!("{method} on @{} in round {round}", subject.name);
             viewer.look(scene, &view);
             let looked = names(scene, viewer.visible());
+            let mut forgetful = crate::subject::viewer();
+            forgetful.look(scene, &view);
+            assert_eq!(
+                looked,
+                names(scene, forgetful.visible()),
+                "{place}: remembered what is no more"
+            );
             let picture = drawn(viewer, scene, &view);
+            assert_eq!(looked, names(scene, viewer.visible()), "{place}: drawn");
             let verdict = truth.check(viewer.visible(), Some(&picture));
+            for budget in [0, 1, 100_000] {
+                forgetful.set_occluders(Some(budget));
+                let verdict = truth.check(forgetful.look(scene, &view), None);
+                if method.contract() > Contract::Approximate {
+                    assert_eq!(verdict.missed, [], "{place} with {budget} occluders");
+                }
+            }
             let first = truth.different(&picture).next();
             let why =
                 first.map(|at| format!("{at:?} is {:?}, not {}", picture.owner(at), truth.describe(at)));
@@ -168,6 +183,12 @@ fn laws_hold_under_edits(subject: &Subject, methods: &[Method], rounds: u64, cou
                 let mut viewer = crate::subject::viewer();
                 viewer.look(&fresh, &view);
                 assert_eq!(looked, names(&fresh, viewer.visible()), "{place}: built afresh");
+                // Of the same focal length: all samples of this screen are among those of the wide one.
+                let mut wide = view;
+                wide.size[0] *= 3;
+                viewer.look(scene, &wide);
+                let wide = names(scene, viewer.visible());
+                assert!(looked.is_subset(&wide), "{place}: less in a wider aperture");
             }
         }
     }

@@ -5,9 +5,10 @@
 #![allow(clippy::print_stdout, reason = "a command prints what it finds")]
 
 use anyhow::{Context, Result, bail, ensure};
-use enfilade::laws::{OwnerPicture, Reference, Verdict};
+use enfilade::laws::{LayerPicture, OwnerPicture, Reference, Verdict};
 use enfilade::{Contract, Method, Scene, View, Viewer, survey};
 use enfilade_import::{ReadOptions, read};
+use enfilade_scenes::{Random, random_edits};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -33,10 +34,18 @@ pub(crate) struct Args {
     /// Columns and rows of covers that can have fewer than the screen; then only methods that have such covers
     #[arg(long, num_args = 2)]
     cover_size: Option<Vec<u32>>,
+    /// Edits by chance between every eighth view and the next: items come, go, move and change
+    #[arg(long, default_value_t = 0)]
+    edits: usize,
+    /// Hold what is painted of glass against rays, too, layer by layer
+    #[arg(long)]
+    glass: bool,
     /// Methods by name; none: all
     #[arg(long)]
     method: Vec<String>,
 }
+
+const VIEWS_BETWEEN_EDITS: usize = 8;
 
 /// A method at work on a scene, and what it did wrong so far.
 struct Candidate {
@@ -46,6 +55,8 @@ struct Candidate {
     viewer: Viewer,
     missed: usize,
     different: u64,
+    /// Samples with other glass, or in another order.
+    glass: usize,
     extra: usize,
     items: usize,
 }
@@ -129,13 +140,13 @@ fn contract(method: Method, args: &Args) -> Contract {
 /// Gives the number of views that are seen wrongly, each method's counted.
 fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
     let start = Instant::now();
-    let scene = open(name)?;
+    let mut scene = open(name)?;
     let places = survey(&scene, args.views.max(args.strict_views));
     if places.is_empty() {
         println!("\n{name}: there is no place to stand");
         return Ok(0);
     }
-    let reference = Reference::new(&scene);
+    let mut reference = Reference::new(&scene);
     let mut candidates = Vec::new();
     for &method in methods {
         match scene.with_method(method, Method::DEFAULT_LIMIT) {
@@ -146,6 +157,7 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
                 viewer: viewer(args),
                 missed: 0,
                 different: 0,
+                glass: 0,
                 extra: 0,
                 items: 0,
             }),
@@ -154,16 +166,40 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
     }
     let [size, strict_size] = [&args.size, &args.strict_size].map(|size| [size[0], size[1]]);
     let limits = Viewer::new().limits();
-    let (mut wrong, mut visible) = (0, 0);
+    let at_first: Vec<usize> = (scene.fragments())
+        .map(|id| scene.content(id).map_or(0, |content| content.item_count()))
+        .collect();
+    let (mut wrong, mut visible, mut edited, mut glass) = (0, 0, 0, 0);
     for (number, place) in places[..args.views.min(places.len())].iter().enumerate() {
-        let view = View::new(place.eye, place.toward, size);
+        if args.edits > 0 && number % VIEWS_BETWEEN_EDITS == VIEWS_BETWEEN_EDITS - 1 {
+            let scenes = candidates.iter_mut().map(|candidate| &mut candidate.scene);
+            for scene in scenes.chain([&mut scene]) {
+                let mut random = Random::new(number as u64);
+                edited += random_edits(scene, args.edits, &at_first, &mut random)?.items;
+            }
+            reference = Reference::new(&scene);
+        }
+        let mut view = View::new(place.eye, place.toward, size);
+        // Things that move may take the boxes of fragments along.
+        view.fragment = Some(place.fragment);
         let truth = reference.see(&scene, &view, &limits);
+        let layers = args.glass.then(|| reference.layers(&scene, &view, &limits));
         visible += truth.visible().len();
         for candidate in &mut candidates {
             let mut picture = OwnerPicture::new(size);
             let set = candidate.viewer.draw(&candidate.scene, &view, &mut picture);
             let verdict = truth.check(set, Some(&picture));
-            wrong += usize::from(candidate.take(&verdict, name, number, &view));
+            let mut is_wrong = candidate.take(&verdict, name, number, &view);
+            if let Some(layers) = &layers {
+                let mut picture = LayerPicture::new(size);
+                candidate.viewer.draw(&candidate.scene, &view, &mut picture);
+                let verdict = layers.check(&picture);
+                glass += verdict.compared;
+                candidate.glass += verdict.different.len();
+                let different = candidate.contract > Contract::Approximate && !verdict.different.is_empty();
+                is_wrong |= different;
+            }
+            wrong += usize::from(is_wrong);
         }
     }
     for (number, place) in places[..args.strict_views.min(places.len())].iter().enumerate() {
@@ -183,13 +219,20 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
         args.views.min(places.len()),
         start.elapsed().as_secs_f64()
     );
+    if args.edits > 0 {
+        println!("  {edited} items edited, over all methods");
+    }
+    if args.glass {
+        println!("  {glass} samples of glass compared, over all methods");
+    }
     for candidate in &candidates {
         println!(
-            "  {:16}{:>14}{:8} missed{:8} pixels different{:8} too many of {}",
+            "  {:16}{:>14}{:8} missed{:8} pixels different{:8} of glass{:8} too many of {}",
             candidate.method.name(),
             candidate.contract.to_string(),
             candidate.missed,
             candidate.different,
+            candidate.glass,
             candidate.extra,
             candidate.items,
         );

@@ -3,17 +3,20 @@
 //! A counter with odd steps, scrambled by two multiplications: small, fast, and any seed is a good one.
 //! Source: Steele, Lea, Flood. Fast splittable pseudorandom number generators. OOPSLA 2014 (SplitMix64).
 
+use enfilade::Aabb;
+
 /// A sequence of random numbers that follows from a seed.
 #[derive(Clone, Debug)]
-pub(crate) struct Random(u64);
+pub struct Random(u64);
 
 impl Random {
-    pub(crate) fn new(seed: u64) -> Random {
+    /// The sequence of a seed; any is a good one.
+    pub fn new(seed: u64) -> Random {
         Random(seed)
     }
 
     /// 64 random bits.
-    pub(crate) fn bits(&mut self) -> u64 {
+    pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut bits = self.0;
         bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -22,32 +25,37 @@ impl Random {
     }
 
     /// From 0 up to, not including, 1.
-    pub(crate) fn unit(&mut self) -> f32 {
+    pub fn unit(&mut self) -> f32 {
         (self.bits() >> 40) as f32 / (1_u64 << 24) as f32
     }
 
     /// From `low` to `high`.
-    pub(crate) fn between(&mut self, low: f32, high: f32) -> f32 {
+    pub fn between(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * self.unit()
     }
 
     /// From 0 to `count - 1`; `count` must not be 0.
-    pub(crate) fn below(&mut self, count: usize) -> usize {
+    pub fn below(&mut self, count: usize) -> usize {
         (self.bits() % count as u64) as usize
     }
 
     /// True once in `times`.
-    pub(crate) fn once_in(&mut self, times: usize) -> bool {
+    pub fn once_in(&mut self, times: usize) -> bool {
         self.below(times) == 0
     }
 
     /// One of `choices`; there must be one.
-    pub(crate) fn pick<T: Copy>(&mut self, choices: &[T]) -> T {
+    pub fn pick<T: Copy>(&mut self, choices: &[T]) -> T {
         choices[self.below(choices.len())]
     }
 
+    /// A point in a box.
+    pub fn point_in(&mut self, bounds: &Aabb) -> [f32; 3] {
+        std::array::from_fn(|axis| bounds.min[axis] + (bounds.max[axis] - bounds.min[axis]) * self.unit())
+    }
+
     /// A point whose coordinates lie between `-reach` and `reach`.
-    pub(crate) fn point(&mut self, reach: f32) -> [f32; 3] {
+    pub fn point(&mut self, reach: f32) -> [f32; 3] {
         std::array::from_fn(|_| self.between(-reach, reach))
     }
 }

@@ -11,7 +11,7 @@ use enfilade::{
     Aabb, Between, Capsule, Content, ContentBuilder, FragmentId, ItemId, Material, MaterialId, Mesh, Method,
     OccluderSet, Place, Ray, Scene, SceneBuilder, Transform, View,
 };
-use enfilade_scenes::built_in;
+use enfilade_scenes::{Random, built_in};
 use pairs::pairs;
 use parry3d::math::Vector;
 use parry3d::query::RayCast;
@@ -25,29 +25,6 @@ use std::time::Instant;
 /// Each is asked so many times a round, and the median of the rounds is told.
 const QUESTIONS: usize = 1000;
 const ROUNDS: usize = 21;
-
-/// Numbers by chance, the same every time. Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, 2014.
-struct Chance(u64);
-
-impl Chance {
-    /// From 0 to just below 1.
-    fn part(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((mixed ^ mixed >> 31) >> 40) as f32 / (1_u64 << 24) as f32
-    }
-
-    /// From -1 to 1 on each axis.
-    fn vector(&mut self) -> [f32; 3] {
-        [(); 3].map(|()| 2.0 * self.part() - 1.0)
-    }
-
-    fn point_in(&mut self, bounds: &Aabb) -> [f32; 3] {
-        let size = bounds.size();
-        [0, 1, 2].map(|axis| bounds.min[axis] + self.part() * size[axis])
-    }
-}
 
 fn cube(middle: [f32; 3], half: f32) -> Aabb {
     Aabb {
@@ -78,10 +55,10 @@ fn city() -> Content {
     let block = builder.mesh(block);
     let ground = Transform::translation([-10.0, -1.0, -10.0]) * Transform::scaling([1020.0, 1.0, 1020.0]);
     builder.item("ground", block, ground);
-    let mut chance = Chance(3);
+    let mut chance = Random::new(3);
     for number in 0..10_000_u16 {
         let [x, z] = [number % 100, number / 100].map(|street| 10.0 * f32::from(street));
-        let [width, height, depth] = [(); 3].map(|()| 1.0 + 8.0 * chance.part());
+        let [width, height, depth] = [(); 3].map(|()| 1.0 + 8.0 * chance.unit());
         let at = Transform::translation([x, 0.0, z]) * Transform::scaling([width, 3.0 * height, depth]);
         builder.item("block", block, at);
     }
@@ -133,7 +110,7 @@ fn items(bench: &Bench, place: &str, content: &Content) {
         (!item.bounds.is_empty()).then(|| Boxed::new(Rectangle::from_corners(min, max), number))
     };
     let tree = RTree::bulk_load((0..).zip(content.items()).filter_map(boxed).collect());
-    let (whole, mut chance) = (content.bounds(), Chance(1));
+    let (whole, mut chance) = (content.bounds(), Random::new(1));
     let half = 0.02 * whole.longest_side();
     let points: Vec<[f32; 3]> = (0..bench.questions).map(|_| chance.point_in(&whole)).collect();
     let each = bench.questions as f64;
@@ -245,11 +222,11 @@ fn soup(content: &Content) -> TriMesh {
 
 fn rays(bench: &Bench, place: &str, content: &Content) {
     let soup = soup(content);
-    let (whole, mut chance) = (content.bounds(), Chance(2));
+    let (whole, mut chance) = (content.bounds(), Random::new(2));
     let rays: Vec<Ray> = (0..bench.questions)
         .map(|_| Ray {
             origin: chance.point_in(&whole),
-            direction: chance.vector(),
+            direction: chance.point(1.0),
         })
         .collect();
     let theirs = |ray: &Ray| {
@@ -296,8 +273,8 @@ fn rays(bench: &Bench, place: &str, content: &Content) {
 
 fn between(bench: &Bench, place: &str, content: &Content) {
     let occluders = OccluderSet::build(content);
-    let mut chance = Chance(5);
-    let mut item = || content.items()[(chance.part() * content.items().len() as f32) as usize].bounds;
+    let mut chance = Random::new(5);
+    let mut item = || content.items()[(chance.unit() * content.items().len() as f32) as usize].bounds;
     let boxes: Vec<[Aabb; 2]> = (0..bench.questions).map(|_| [item(), item()]).collect();
     let answers: Vec<Between> = boxes
         .iter()
@@ -319,12 +296,12 @@ fn between(bench: &Bench, place: &str, content: &Content) {
 }
 
 fn capsule(bench: &Bench, place: &str, scene: &Scene, from: Place) {
-    let mut chance = Chance(6);
+    let mut chance = Random::new(6);
     let mut capsule = Capsule::new(0.25, 1.2);
     let (mut place_now, mut course, mut touched) = (from, [0.0; 3], 0_u64);
     let mut step = |i: usize| {
         if i.is_multiple_of(50) {
-            course = chance.vector().map(|part| 0.05 * part);
+            course = chance.point(1.0).map(|part| 0.05 * part);
             course[1] = -0.02;
         }
         let slid = scene.slide(place_now, capsule, course);

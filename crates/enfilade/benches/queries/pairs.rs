@@ -1,7 +1,8 @@
 //! Which of many moving boxes overlap, beside `parry3d`.
 
-use super::{Bench, Chance, cube};
+use super::{Bench, cube};
 use enfilade::{Aabb, Pairs};
+use enfilade_scenes::Random;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 use std::hint::black_box;
 use std::time::Instant;
@@ -11,7 +12,7 @@ const BOXES: u32 = 10_000;
 const MOVED: u32 = 1_000;
 
 pub(crate) fn pairs(bench: &Bench, place: &str, sides: [f32; 3]) {
-    let mut chance = Chance(4);
+    let mut chance = Random::new(4);
     let whole = Aabb {
         min: [0.0; 3],
         max: sides,
@@ -47,7 +48,7 @@ pub(crate) fn pairs(bench: &Bench, place: &str, sides: [f32; 3]) {
     for update in 0..updates {
         let moved: Vec<u32> = (0..MOVED).map(|i| (i * 10 + update) % BOXES).collect();
         for &id in &moved {
-            let by = chance.vector().map(|part| 0.1 * part);
+            let by = chance.point(1.0).map(|part| 0.1 * part);
             let held = &mut boxes[id as usize];
             *held = cube([0, 1, 2].map(|axis| held.center()[axis] + by[axis]), 0.5);
         }

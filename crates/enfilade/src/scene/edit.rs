@@ -94,6 +94,11 @@ impl Scene {
 }
 
 impl Edit<'_> {
+    /// The scene as it is until [`Edit::finish`].
+    pub fn scene(&self) -> &Scene {
+        self.scene
+    }
+
     /// Adds an item to a fragment. Its number is the lowest that is free: that of one removed in an earlier edit, if any.
     /// The mesh is known by its address, so that copies share it; one that no item is a copy of any more is let go.
     ///

@@ -1,7 +1,8 @@
 //! Whether two boxes see each other, held against lines by chance.
 
-use crate::{Chance, contents};
+use crate::{about, contents, length};
 use enfilade::{Aabb, Alpha, Between, Content, Hit, OccluderSet, Ray};
+use enfilade_scenes::Random;
 
 /// Where a line is in a box, as parts of its length; `None` where it is not.
 fn within(bounds: &Aabb, [from, to]: [[f32; 3]; 2]) -> Option<[f64; 2]> {
@@ -35,13 +36,13 @@ fn stops(content: &Content, [from, to]: [&Aabb; 2], line: [[f32; 3]; 2], hits: &
     distances.filter(|&at| leaves < at && at < enters).collect()
 }
 
-fn point_in(bounds: &Aabb, chance: &mut Chance) -> [f32; 3] {
+fn point_in(bounds: &Aabb, chance: &mut Random) -> [f32; 3] {
     let corner = chance.below(4) == 0;
     [0, 1, 2].map(|axis| {
         let part = if corner {
-            chance.part().round()
+            chance.unit().round()
         } else {
-            chance.part()
+            chance.unit()
         };
         let [min, max] = [bounds.min[axis], bounds.max[axis]];
         (min + part * (max - min)).clamp(min, max)
@@ -56,7 +57,7 @@ fn boxes_that_are_visible_have_a_free_line_and_hidden_ones_none_in_many() {
     let mut hits = Vec::new();
     for (name, content) in contents().chain(crate::city()) {
         let occluders = OccluderSet::build(&content);
-        let mut chance = Chance(8);
+        let mut chance = Random::new(8);
         let whole = content.bounds();
         // Far from the origin, f32 directions of test lines lose too much to tell faces that boxes touch.
         let slack = if name == "far-away" { 1e-3 } else { 1e-5 };
@@ -65,8 +66,8 @@ fn boxes_that_are_visible_have_a_free_line_and_hidden_ones_none_in_many() {
                 if question % 2 == 0 {
                     return content.items()[chance.below(content.items().len())].bounds;
                 }
-                let middle = chance.about(&whole);
-                let half: [f32; 3] = [(); 3].map(|()| chance.length(0.2 * whole.longest_side()));
+                let middle = about(&mut chance, &whole);
+                let half: [f32; 3] = [(); 3].map(|()| length(&mut chance, 0.2 * whole.longest_side()));
                 Aabb {
                     min: [0, 1, 2].map(|axis| middle[axis] - half[axis]),
                     max: [0, 1, 2].map(|axis| middle[axis] + half[axis]),

@@ -1,11 +1,11 @@
 //! A capsule that walks about: held against the distance to every face.
 
-use crate::{Chance, affine, triangles};
+use crate::{affine, triangles};
 use enfilade::{
     Aabb, Capsule, Content, ContentBuilder, ConvexPolygon, FragmentId, Material, MaterialId, Mesh, Method,
     OpeningId, Place, PortalId, Scene, SceneBuilder, Transform,
 };
-use enfilade_scenes::built_in;
+use enfilade_scenes::{Random, built_in};
 use glam::DVec3;
 
 const SIDES: [[u32; 4]; 6] = [
@@ -106,14 +106,14 @@ fn axis(place: &Place, capsule: &Capsule) -> [DVec3; 2] {
 
 /// Walks about by chance; gives how often something was touched, and how far it came in all.
 fn walk(scene: &Scene, from: Place, capsule: Capsule, steps: usize, longest: f32, seed: u64) -> (usize, f64) {
-    let mut chance = Chance(seed);
+    let mut chance = Random::new(seed);
     let mut place = from;
-    let mut course = chance.vector();
+    let mut course = chance.point(1.0);
     let (mut touched, mut length) = (0, 0.0);
     let all = faces(scene.content(from.fragment).expect("ours"));
     for step in 0..steps {
         if step % 7 == 0 {
-            course = chance.vector().map(|value| value * longest);
+            course = chance.point(1.0).map(|value| value * longest);
         }
         let slid = scene.slide(place, capsule, course);
         assert!(
@@ -253,11 +253,11 @@ fn it_walks_through_the_doors_of_a_palace_and_nowhere_else() {
             position: camera.eye,
         };
         let mut capsule = Capsule::new(0.2, 0.5);
-        let mut chance = Chance(seed);
+        let mut chance = Random::new(seed);
         let mut course = [0.0; 3];
         for step in 0..400 {
             if step % 20 == 0 {
-                course = chance.vector().map(|value| 0.3 * value);
+                course = chance.point(1.0).map(|value| 0.3 * value);
                 course[1] *= 0.1;
             }
             let slid = scene.slide(place, capsule, course);

@@ -1,8 +1,8 @@
 //! Items in boxes, spheres and frusta, and the nearest ones.
 
-use crate::{Chance, QUESTIONS, affine, contents};
+use crate::{QUESTIONS, about, affine, contents, length};
 use enfilade::{Aabb, Content, ItemId, Nearest, View, Viewer};
-use enfilade_scenes::built_in;
+use enfilade_scenes::{Random, built_in};
 use glam::DVec3;
 
 fn all(content: &Content) -> impl Iterator<Item = ItemId> {
@@ -31,11 +31,11 @@ fn distance(bounds: &Aabb, point: [f32; 3]) -> f64 {
 fn the_items_in_a_box_are_those_whose_boxes_meet_it() {
     let mut some = 0;
     for (name, content) in contents() {
-        let mut chance = Chance(1);
+        let mut chance = Random::new(1);
         let whole = content.bounds();
         for question in 0..QUESTIONS {
-            let middle = chance.about(&whole);
-            let half: [f32; 3] = [(); 3].map(|()| chance.length(whole.longest_side()));
+            let middle = about(&mut chance, &whole);
+            let half: [f32; 3] = [(); 3].map(|()| length(&mut chance, whole.longest_side()));
             let mut bounds = Aabb {
                 min: [0, 1, 2].map(|axis| middle[axis] - half[axis]),
                 max: [0, 1, 2].map(|axis| middle[axis] + half[axis]),
@@ -63,11 +63,11 @@ fn the_items_in_a_box_are_those_whose_boxes_meet_it() {
 fn the_items_in_a_sphere_are_those_whose_boxes_are_within_its_radius() {
     let mut some = 0;
     for (name, content) in contents() {
-        let mut chance = Chance(2);
+        let mut chance = Random::new(2);
         let whole = content.bounds();
         for _ in 0..QUESTIONS {
-            let center = chance.about(&whole);
-            let radius = chance.length(whole.longest_side());
+            let center = about(&mut chance, &whole);
+            let radius = length(&mut chance, whole.longest_side());
             let square = f64::from(radius) * f64::from(radius);
             let within = |&item: &ItemId| {
                 let off = distance(&content.item(item).bounds, center);
@@ -97,13 +97,13 @@ fn the_items_in_a_sphere_are_those_whose_boxes_are_within_its_radius() {
 #[test]
 fn the_nearest_items_are_the_first_of_all_by_distance() {
     for (name, content) in contents() {
-        let mut chance = Chance(3);
+        let mut chance = Random::new(3);
         let whole = content.bounds();
         let mut nearest = Vec::new();
         for _ in 0..QUESTIONS {
-            let point = chance.about(&whole);
+            let point = about(&mut chance, &whole);
             let count = [1, 3, 10, usize::MAX][chance.below(4)];
-            let radius = [chance.length(whole.longest_side()), f32::INFINITY][chance.below(2)];
+            let radius = [length(&mut chance, whole.longest_side()), f32::INFINITY][chance.below(2)];
             let mut expected: Vec<(f64, ItemId)> = all(&content)
                 .map(|item| (distance(&content.item(item).bounds, point), item))
                 .filter(|&(distance, _)| distance < f64::INFINITY && distance <= f64::from(radius))
@@ -155,7 +155,7 @@ fn in_frustum(view: &View, corners: &[DVec3; 8]) -> Option<bool> {
 fn the_items_in_a_frustum_are_those_not_wholly_behind_one_of_its_planes() {
     let [mut some, mut close] = [0; 2];
     for (name, content) in contents() {
-        let mut chance = Chance(4);
+        let mut chance = Random::new(4);
         let whole = content.bounds();
         // Each item's box, and that of its mesh at its place.
         let boxes: Vec<Option<[[DVec3; 8]; 2]>> = all(&content)
@@ -169,11 +169,11 @@ fn the_items_in_a_frustum_are_those_not_wholly_behind_one_of_its_planes() {
             .collect();
         for _ in 0..QUESTIONS {
             let mut view = View::new(
-                chance.about(&whole),
-                chance.about(&whole),
+                about(&mut chance, &whole),
+                about(&mut chance, &whole),
                 [64 + chance.below(64) as u32, 64],
             );
-            view.fov_y = 0.1 + 2.5 * chance.part();
+            view.fov_y = 0.1 + 2.5 * chance.unit();
             let items = found(|visit| content.items_in_frustum(&view, visit));
             for (item, corners) in all(&content).zip(&boxes) {
                 let Some(corners) = corners else {

@@ -7,9 +7,9 @@ mod items;
 mod pairs;
 mod rays;
 
-use chance::Chance;
+use chance::{about, length};
 use enfilade::{Aabb, Content, ContentBuilder, Material, MaterialId, Mesh, Transform};
-use enfilade_scenes::built_in;
+use enfilade_scenes::{Random, built_in};
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
 
@@ -55,10 +55,10 @@ fn city() -> Option<(&'static str, Arc<Content>)> {
     let block = Mesh::triangles(&unit.corners(), faces.as_flattened(), MaterialId(0)).expect("a cube");
     let mut builder = ContentBuilder::new([Material::opaque([0.5; 3])]);
     let block = builder.mesh(block);
-    let mut chance = Chance(11);
+    let mut chance = Random::new(11);
     for place in 0..400_u16 {
         let [x, z] = [place % 20, place / 20].map(|street| 10.0 * f32::from(street));
-        let [width, height, depth] = [(); 3].map(|()| 1.0 + 8.0 * chance.part());
+        let [width, height, depth] = [(); 3].map(|()| 1.0 + 8.0 * chance.unit());
         let at = Transform::translation([x, 0.0, z]) * Transform::rotation([0.0, 1.0, 0.0], f64::from(place));
         builder.item(
             "block",

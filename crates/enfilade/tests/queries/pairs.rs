@@ -1,7 +1,7 @@
 //! Overlapping pairs of boxes that move, come and go.
 
-use crate::Chance;
 use enfilade::{Aabb, BoxError, Pairs};
+use enfilade_scenes::Random;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// All pairs, one against all others.
@@ -16,10 +16,10 @@ fn every(boxes: &BTreeMap<u32, Aabb>) -> BTreeSet<[u32; 2]> {
 
 /// Boxes that wander about on a grid of halves, so that many touch, within these sides.
 fn wander(sides: [f32; 3], count: u32, seed: u64) -> [usize; 2] {
-    let mut chance = Chance(seed);
+    let mut chance = Random::new(seed);
     let mut place = || {
-        let min = chance.vector().map(|value| value * 0.5 + 0.5);
-        let size: [f32; 3] = [(); 3].map(|()| (chance.part() * 4.0).floor() * 0.5);
+        let min = chance.point(1.0).map(|value| value * 0.5 + 0.5);
+        let size: [f32; 3] = [(); 3].map(|()| (chance.unit() * 4.0).floor() * 0.5);
         let min = [0, 1, 2].map(|axis| (2.0 * sides[axis] * min[axis]).round() * 0.5);
         let max = [0, 1, 2].map(|axis| min[axis] + size[axis].min(sides[axis]));
         Aabb { min, max }
@@ -28,7 +28,7 @@ fn wander(sides: [f32; 3], count: u32, seed: u64) -> [usize; 2] {
     let mut boxes = BTreeMap::new();
     let mut before = BTreeSet::new();
     let [mut began, mut ended] = [0; 2];
-    let mut dice = Chance(seed + 100);
+    let mut dice = Random::new(seed + 100);
     for update in 0..60 {
         for _ in 0..if update % 20 == 0 {
             count

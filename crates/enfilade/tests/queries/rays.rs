@@ -1,7 +1,8 @@
 //! Rays: the first hit and all hits.
 
-use crate::{Chance, QUESTIONS, affine, contents, triangles};
+use crate::{QUESTIONS, about, affine, contents, triangles};
 use enfilade::{Content, Hit, ItemId, Ray};
+use enfilade_scenes::Random;
 use glam::{DAffine3, DVec3};
 
 /// A triangle in its item's space, and what it belongs to.
@@ -77,9 +78,9 @@ impl All {
     }
 }
 
-fn ray(chance: &mut Chance, content: &Content) -> Ray {
+fn ray(chance: &mut Random, content: &Content) -> Ray {
     let whole = content.bounds();
-    let mut direction = chance.vector();
+    let mut direction = chance.point(1.0);
     match chance.below(6) {
         0 => direction[chance.below(3)] = 0.0,
         1 => {
@@ -90,7 +91,7 @@ fn ray(chance: &mut Chance, content: &Content) -> Ray {
         _ => {}
     }
     Ray {
-        origin: chance.about(&whole),
+        origin: about(chance, &whole),
         direction,
     }
 }
@@ -107,7 +108,7 @@ fn a_ray_meets_first_what_is_nearest_of_all_faces() {
                 .map(|v| f64::from(v.abs()))
                 .iter()
                 .sum::<f64>();
-        let mut chance = Chance(5);
+        let mut chance = Random::new(5);
         // Everything is gone through for each: the larger the scene, the fewer.
         let questions = QUESTIONS.min(40_000_000 / all.faces.len());
         for _ in 0..questions {
@@ -149,7 +150,7 @@ fn a_ray_meets_first_what_is_nearest_of_all_faces() {
 fn all_hits_of_a_ray_begin_with_the_first_and_are_in_order() {
     let mut many = 0;
     for (name, content) in contents() {
-        let mut chance = Chance(6);
+        let mut chance = Random::new(6);
         let mut hits: Vec<Hit> = Vec::new();
         let mut shorter: Vec<Hit> = Vec::new();
         for _ in 0..QUESTIONS {
@@ -184,7 +185,7 @@ fn all_hits_are_all_that_any_face_meets() {
                 .map(|v| f64::from(v.abs()))
                 .iter()
                 .sum::<f64>();
-        let mut chance = Chance(7);
+        let mut chance = Random::new(7);
         let mut found = Vec::new();
         for _ in 0..QUESTIONS.min(10_000_000 / all.faces.len()) {
             let ray = ray(&mut chance, &content);

@@ -2,6 +2,7 @@
 
 use enfilade::{Aabb, Content, Hit, ItemId, Method, Ray, survey};
 use enfilade_import::{ReadOptions, read};
+use enfilade_scenes::Random;
 use glam::{DAffine3, DMat3, DVec3};
 use std::path::Path;
 use std::sync::Arc;
@@ -10,24 +11,6 @@ const QUESTIONS: usize = 10_000;
 
 /// Of these every triangle is gone through for each.
 const RAYS: usize = 300;
-
-/// Numbers by chance, the same every time. Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, 2014.
-struct Chance(u64);
-
-impl Chance {
-    /// From 0 to just below 1.
-    fn part(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((mixed ^ mixed >> 31) >> 40) as f32 / (1_u64 << 24) as f32
-    }
-
-    fn point_in(&mut self, bounds: &Aabb) -> [f32; 3] {
-        let size = bounds.size();
-        [0, 1, 2].map(|axis| bounds.min[axis] + self.part() * size[axis])
-    }
-}
 
 fn all(content: &Content) -> impl Iterator<Item = ItemId> {
     (0..content.items().len() as u32).map(ItemId)
@@ -42,11 +25,11 @@ fn distance(bounds: &Aabb, point: [f32; 3]) -> f64 {
 }
 
 fn boxes_and_nearest(file: &str, content: &Content) {
-    let (whole, mut chance) = (content.bounds(), Chance(1));
+    let (whole, mut chance) = (content.bounds(), Random::new(1));
     let mut nearest = Vec::new();
     for _ in 0..QUESTIONS {
         let middle = chance.point_in(&whole);
-        let half = 0.2 * chance.part() * whole.longest_side();
+        let half = 0.2 * chance.unit() * whole.longest_side();
         let bounds = Aabb {
             min: middle.map(|side| side - half),
             max: middle.map(|side| side + half),
@@ -123,12 +106,12 @@ fn first(triangles: &[(ItemId, [DVec3; 3])], ray: &Ray) -> [f64; 2] {
 fn rays(file: &str, content: &Content, eyes: &[[f32; 3]]) {
     let triangles = triangles(content);
     let far = f64::from(content.bounds().longest_side());
-    let mut chance = Chance(2);
+    let mut chance = Random::new(2);
     let (mut met, mut hits) = (0, Vec::<Hit>::new());
     for question in 0..QUESTIONS {
         let ray = Ray {
             origin: eyes[question % eyes.len()],
-            direction: [(); 3].map(|()| 2.0 * chance.part() - 1.0),
+            direction: [(); 3].map(|()| 2.0 * chance.unit() - 1.0),
         };
         let hit = content.cast(&ray);
         content.cast_all(&ray, f64::INFINITY, &mut hits);

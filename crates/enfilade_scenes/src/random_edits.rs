@@ -1,0 +1,75 @@
+//! Edits at random, for properties that must hold of a scene however it was changed.
+
+use crate::random::Random;
+use enfilade::{Content, Edited, FragmentId, ItemId, Scene, SceneError, Transform};
+use std::sync::Arc;
+
+/// So many edits at random, all done at once: things go, come as copies of others, move near and far, turn, are mirrored and
+/// flattened, become copies of other meshes, and hide or do not. The same for the same scene and numbers. Where a fragment
+/// has more items than `at_first`, by fragment, more go than come.
+///
+/// # Errors
+/// As [`Edit::finish`](enfilade::Edit::finish).
+pub fn random_edits(
+    scene: &mut Scene,
+    count: usize,
+    at_first: &[usize],
+    random: &mut Random,
+) -> Result<Edited, SceneError> {
+    let has_items = |id: &FragmentId| {
+        scene
+            .content(*id)
+            .is_some_and(|content| !content.items().is_empty())
+    };
+    let fragments: Vec<FragmentId> = scene.fragments().filter(has_items).collect();
+    let mut edit = scene.edit();
+    for _ in 0..count {
+        let fragment = random.pick(&fragments);
+        let Some(content) = edit.scene().content(fragment) else {
+            continue;
+        };
+        let item = ItemId(random.below(content.items().len()) as u32);
+        let other = ItemId(random.below(content.items().len()) as u32);
+        let [mesh, other_mesh] =
+            [item, other].map(|item| Arc::clone(&content.meshes()[content.item(item).mesh.0 as usize]));
+        let name = content.name(item).to_owned();
+        let there = elsewhere(content, item, random);
+        let is_there = content.holds(item);
+        let crowded = content.item_count() > at_first[fragment.0 as usize];
+        // Some cannot be: of what has gone already, or would have no faces. Then nothing is asked for.
+        let _ = match random.below(10) {
+            0 if crowded => edit.remove(fragment, item),
+            0 | 1 if is_there => edit.add(fragment, &name, mesh, there).map(|_| ()),
+            2 => edit.remove(fragment, item),
+            3 => edit.set_mesh(fragment, item, other_mesh),
+            4 => edit.set_hides(fragment, item, random.below(3) > 0),
+            _ => edit.place(fragment, item, there),
+        };
+    }
+    edit.finish()
+}
+
+/// Where something may be moved to: near, anywhere in the fragment or a little outside, turned, mirrored, flattened.
+fn elsewhere(content: &Content, item: ItemId, random: &mut Random) -> Transform {
+    let held = content.bounds();
+    let size = held.size();
+    let place = content.item(item).transform();
+    let step = match random.below(3) {
+        0 => size.map(|side| (random.unit() - 0.5) * 0.02 * side),
+        _ => {
+            let middle = content.item(item).bounds.center();
+            [0, 1, 2].map(|axis| held.min[axis] + (1.2 * random.unit() - 0.1) * size[axis] - middle[axis])
+        }
+    };
+    let turn = match random.below(12) {
+        0 => Transform::rotation([1.0, 2.0, 3.0], f64::from(random.unit()) * 6.0),
+        1 => Transform::from_columns([[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]]),
+        2 => Transform::from_columns([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]]),
+        _ => Transform::IDENTITY,
+    };
+    // Turned where it stands.
+    let middle = content.item(item).bounds.center();
+    let there = [0, 1, 2].map(|axis| middle[axis] + step[axis]);
+    let back = middle.map(|value| -value);
+    Transform::translation(there) * turn * Transform::translation(back) * place
+}

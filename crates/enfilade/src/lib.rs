@@ -66,8 +66,8 @@ mod visible;
 pub use aperture::{Aperture, Rect, Rows};
 pub use canvas::{Canvas, CoverShape, CoverSpan, HiddenBy, Span};
 pub use content::{
-    Alpha, Content, ContentBuilder, ContentError, Item, ItemId, Material, MaterialId, MeshId, Moved, Opening,
-    OpeningId, Owner,
+    Alpha, Content, ContentBuilder, ContentError, Filter, Item, ItemId, Material, MaterialId, MeshId, Minify,
+    Moved, Opening, OpeningId, Owner, Texture, TextureError, TextureId, Wrap,
 };
 pub use detail::{
     BezierError, BezierPatch, BezierSurface, DetailError, DetailOptions, DetailSource, Details, Refined,
@@ -76,7 +76,7 @@ pub use faces::{Faces, Of};
 pub use fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
 pub use geom::{Aabb, ConvexPolygon, Transform};
 pub use memory::Memory;
-pub use mesh::{Cluster, Mesh, MeshError, Part};
+pub use mesh::{Attributes, Cluster, Mesh, MeshError, Part};
 pub use method::{
     BspFront, BspPainter, Culled, Edited, HierarchicalS, HierarchicalZ, Masked, Method, Mobsp, PainterMean,
     PainterMin, Paired, SBuffer, Svbsp, TooLarge, ZBuffer,
@@ -89,8 +89,8 @@ pub use query::{
 };
 pub use region::{Region, Sight};
 pub use scene::{
-    Edit, EditError, End, FragmentId, Light, LightId, NestedId, Portal, PortalId, Scene, SceneBuilder,
-    SceneError, Way,
+    Edit, EditError, End, FragmentId, Light, LightId, LightShape, NestedId, Portal, PortalId, Scene,
+    SceneBuilder, SceneError, Way,
 };
 pub use seen::Seen;
 pub use simd::simd_level;

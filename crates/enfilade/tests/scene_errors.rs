@@ -186,12 +186,7 @@ fn a_transform_that_shears() {
 
 #[test]
 fn a_lamp_that_cannot_shine() {
-    let lamp = |fragment, range| Light {
-        fragment,
-        position: [0.0; 3],
-        color: [1.0; 3],
-        range,
-    };
+    let lamp = |fragment, range| Light::point(fragment, [0.0; 3], [1.0; 3], range);
     let error = refused(|scene, hall| {
         scene.light(lamp(hall, 1.0));
         scene.light(lamp(hall, 0.0));

@@ -45,6 +45,7 @@ mod budget;
 mod camera;
 mod error;
 mod gltf;
+mod images;
 #[cfg(feature = "levels")]
 mod levels;
 mod rooms;
@@ -59,7 +60,7 @@ pub use levels::{Levels, details_of};
 pub use warning::{Warning, WarningKind};
 
 use budget::Budget;
-use enfilade::{Content, Method, Portal, Scene, SceneBuilder, SceneError};
+use enfilade::{Content, Light, Method, Portal, Scene, SceneBuilder, SceneError};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -78,6 +79,9 @@ pub struct Import {
     pub portals: Vec<Portal>,
     /// The perspective cameras of that scene, in the order of their nodes, named as items are.
     pub cameras: Vec<Camera>,
+    /// Its lights, each in the room that it stands in. Their colors are in the units of the file, whatever its author meant by
+    /// them: whoever draws chooses an exposure.
+    pub lights: Vec<Light>,
     /// What the file has that was not read, or that is odd: one warning of each kind, worst first.
     pub warnings: Vec<Warning>,
 }
@@ -112,6 +116,9 @@ impl Import {
         for portal in &self.portals {
             builder.portal((portal.from, portal.opening), portal.to, portal.there_from_here);
         }
+        for &light in &self.lights {
+            builder.light(light);
+        }
         builder.build()
     }
 }
@@ -125,6 +132,8 @@ pub struct ReadOptions {
     /// Take everything as one room: portals are plain holes, and a mirror is what its mesh is. Where rooms and portals are
     /// is not asked then, so a file in which they make no sense can still be looked at.
     pub flat: bool,
+    /// Read images on faces? Who only asks what can be seen needs none, and reads faster without.
+    pub textures: bool,
 }
 
 impl Default for ReadOptions {
@@ -132,6 +141,7 @@ impl Default for ReadOptions {
         ReadOptions {
             limit_bytes: 1 << 30,
             flat: false,
+            textures: true,
         }
     }
 }

@@ -54,6 +54,8 @@ pub enum WarningKind {
     Skins,
     /// Movements.
     Animations,
+    /// Images that cannot be had.
+    BadImages,
     /// Images on faces.
     Textures,
     /// Primitives with normals.
@@ -91,6 +93,7 @@ impl WarningKind {
             WarningKind::MorphTargets => "morph targets are not read yet: shapes are those before any morph",
             WarningKind::Skins => "skins are not read yet: meshes are in their rest pose",
             WarningKind::Animations => "animations are not read yet: everything stands still",
+            WarningKind::BadImages => "images cannot be read, and are grey",
             WarningKind::Textures => "textures are not read yet: faces have their base color",
             WarningKind::Normals => "normals are not read yet: faces are flat",
             WarningKind::VertexColors => "vertex colors are not read yet",

@@ -147,12 +147,7 @@ fn a_lamp_reaches_no_farther_than_its_range() {
 
 #[test]
 fn light_fades_to_nothing_at_its_range_and_stays_finite_at_the_lamp() {
-    let lamp = Light {
-        fragment: FragmentId(0),
-        position: [0.0; 3],
-        color: [1.0; 3],
-        range: 10.0,
-    };
+    let lamp = Light::point(FragmentId(0), [0.0; 3], [1.0; 3], 10.0);
     assert!((lamp.falloff(1.0) - (1.0 - 1e-4)).abs() < 1e-12);
     assert_eq!([lamp.falloff(10.0), lamp.falloff(11.0)], [0.0; 2]);
     assert!(lamp.falloff(0.0).is_finite());

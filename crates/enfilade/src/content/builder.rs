@@ -1,7 +1,7 @@
 //! Puts a content together, and refuses one that cannot be.
 
 use super::names::Names;
-use super::{Content, Item, ItemId, Material, MeshId, Opening, OpeningId};
+use super::{Content, Item, ItemId, Material, MeshId, Opening, OpeningId, Texture};
 use crate::geom::{Aabb, ConvexPolygon, Octree, Transform};
 use crate::mesh::Mesh;
 use std::sync::{Arc, Mutex, OnceLock, Weak};
@@ -12,6 +12,7 @@ use thiserror::Error;
 pub struct ContentBuilder {
     meshes: Vec<Arc<Mesh>>,
     materials: Arc<[Material]>,
+    textures: Arc<[Arc<Texture>]>,
     items: Vec<(MeshId, Transform, bool)>,
     names: Names,
     openings: Vec<Opening>,
@@ -24,6 +25,11 @@ impl ContentBuilder {
             materials: materials.into(),
             ..ContentBuilder::default()
         }
+    }
+
+    /// The images that its materials name, which fragments may share; none unless told.
+    pub fn textures(&mut self, textures: impl Into<Arc<[Arc<Texture>]>>) {
+        self.textures = textures.into();
     }
 
     /// Adds a mesh that items can be copies of.
@@ -64,6 +70,7 @@ impl ContentBuilder {
         let ContentBuilder {
             meshes,
             materials,
+            textures,
             items: placed,
             names,
             openings,
@@ -79,6 +86,15 @@ impl ContentBuilder {
                     mesh,
                     material,
                     materials: materials.len(),
+                });
+            }
+        }
+        for (material, named) in materials.iter().enumerate() {
+            if let Some(texture) = named.textures().find(|t| t.0 as usize >= textures.len()) {
+                return Err(ContentError::NoSuchTexture {
+                    material,
+                    texture: texture.0,
+                    textures: textures.len(),
                 });
             }
         }
@@ -128,6 +144,7 @@ impl ContentBuilder {
         Ok(Content {
             meshes,
             materials,
+            textures,
             items,
             names,
             slots: None,
@@ -188,6 +205,16 @@ pub enum ContentError {
         material: u32,
         /// How many there are.
         materials: usize,
+    },
+    /// A material names a texture that is not there.
+    #[error("material {material} has texture {texture}, but there are only {textures}")]
+    NoSuchTexture {
+        /// Which material.
+        material: usize,
+        /// The texture it names.
+        texture: u32,
+        /// How many there are.
+        textures: usize,
     },
     /// A place is NaN or infinite.
     #[error("the transform of item {0} is not finite")]

@@ -347,6 +347,7 @@ impl Clone for Content {
         Content {
             meshes: self.meshes.clone(),
             materials: Arc::clone(&self.materials),
+            textures: Arc::clone(&self.textures),
             items: self.items.clone(),
             names: self.names.clone(),
             slots: self.slots.clone(),

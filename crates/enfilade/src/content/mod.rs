@@ -2,12 +2,16 @@
 
 mod builder;
 mod edit;
+mod material;
 mod names;
 mod slots;
+mod texture;
 
 pub use builder::{ContentBuilder, ContentError};
 pub use edit::Moved;
 pub(crate) use edit::{Changes, Exchanged, FARTHEST, Placing, Unfit};
+pub use material::{Alpha, Material, MaterialId};
+pub use texture::{Filter, Minify, Texture, TextureError, TextureId, Wrap};
 
 use crate::geom::{Aabb, ConvexPolygon, Octree, Transform};
 use crate::mesh::{Cluster, Mesh};
@@ -24,56 +28,9 @@ pub struct ItemId(pub u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MeshId(pub u32);
 
-/// A material, by its place in [`Content::materials`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct MaterialId(pub u32);
-
 /// An opening of a fragment, by its place in [`Content::openings`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct OpeningId(pub u16);
-
-/// What a face is made of.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Material {
-    /// Red, green, blue and coverage, linear, 0 to 1.
-    pub base_color: [f32; 4],
-    /// What light does with it.
-    pub alpha: Alpha,
-    /// Is it seen from both sides? If not, it is neither seen nor hides from behind.
-    pub double_sided: bool,
-    /// Is it of small things: plants, crockery, railings? Exact methods see no difference; those that choose what hides
-    /// never choose this, nor let it in.
-    pub detail: bool,
-}
-
-/// Whether a face hides what is behind it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Alpha {
-    /// It does.
-    Opaque,
-    /// A cut-out: it may have holes, so it never hides; it is judged by its geometry.
-    Mask,
-    /// Glass: it never hides, and is painted over what is behind it.
-    Blend,
-}
-
-impl Material {
-    /// Opaque, seen from one side, of a linear color.
-    pub const fn opaque(color: [f32; 3]) -> Material {
-        let [r, g, b] = color;
-        Material {
-            base_color: [r, g, b, 1.0],
-            alpha: Alpha::Opaque,
-            double_sided: false,
-            detail: false,
-        }
-    }
-
-    /// May a method that chooses what hides choose it?
-    pub(crate) fn may_be_chosen(&self) -> bool {
-        self.alpha == Alpha::Opaque && !self.detail
-    }
-}
 
 /// A mesh at a place: what an engine draws.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,6 +66,7 @@ pub struct Opening {
 pub struct Content {
     meshes: Vec<Arc<Mesh>>,
     materials: Arc<[Material]>,
+    textures: Arc<[Arc<Texture>]>,
     items: Vec<Item>,
     names: Names,
     /// What is free and what is used, once items were edited.
@@ -136,6 +94,11 @@ impl Content {
     /// What faces are made of.
     pub fn materials(&self) -> &[Material] {
         &self.materials
+    }
+
+    /// The images that materials name.
+    pub fn textures(&self) -> &[Arc<Texture>] {
+        &self.textures
     }
 
     /// The items, by [`ItemId`]. Those that an edit removed are there still, of an empty mesh, until an item that is added
@@ -220,7 +183,7 @@ impl Content {
         &self.materials[cluster.material.0 as usize]
     }
 
-    /// Memory in bytes; meshes that other fragments share are counted in each.
+    /// Memory in bytes, without textures; meshes that other fragments share are counted in each.
     pub fn bytes(&self) -> u64 {
         self.meshes.iter().map(|mesh| mesh.bytes()).sum::<u64>()
             + self.item_tree.get().map_or(0, Octree::bytes)

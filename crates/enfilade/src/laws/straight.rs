@@ -2,7 +2,7 @@
 //! lit pictures are held against.
 
 use crate::query::Place;
-use crate::scene::{FragmentId, Light, PortalId, Scene};
+use crate::scene::{FragmentId, Light, LightShape, PortalId, Scene};
 use glam::{DAffine3, DVec3};
 
 /// All chains of open portals that begin in a fragment, none longer than `most`, and where each leads.
@@ -76,7 +76,7 @@ pub fn goes_straight(scene: &Scene, from: Place, chain: &[PortalId], to: [f64; 3
     (!unsure).then_some(true)
 }
 
-/// The light of a scene's lamps, along all chains of portals.
+/// The light of a scene's lamps, along all chains of portals; not that of suns.
 pub struct Lamplight<'a> {
     scene: &'a Scene,
     ways: Vec<Way>,
@@ -89,6 +89,8 @@ struct Way {
     fragment: FragmentId,
     /// Where the lamp is, as seen from there, and lengths there for one where it hangs.
     lamp: DVec3,
+    /// Where the middle of its light goes there, of unit length; zero of a point.
+    onwards: DVec3,
     scale: f64,
 }
 
@@ -105,14 +107,23 @@ impl Lamplight<'_> {
                     chain,
                     fragment,
                     lamp: there_from_here.transform_point3(DVec3::from(light.position.map(f64::from))),
+                    onwards: there_from_here
+                        .transform_vector3(
+                            light
+                                .direction()
+                                .map_or(DVec3::ZERO, |d| DVec3::from(d.map(f64::from))),
+                        )
+                        .normalize_or_zero(),
                     scale: there_from_here.matrix3.x_axis.length(),
                 }
             };
             chains(scene, light.fragment, most).into_iter().map(way)
         };
+        let is_lamp = |light: &&Light| !matches!(light.shape, LightShape::Sun { .. });
+        let lamps = scene.lights().iter().filter(is_lamp);
         Lamplight {
             scene,
-            ways: scene.lights().iter().flat_map(ways_of).collect(),
+            ways: lamps.flat_map(ways_of).collect(),
         }
     }
 
@@ -127,7 +138,9 @@ impl Lamplight<'_> {
             };
             let to_lamp = way.lamp - DVec3::from(point);
             let cosine = DVec3::from(normal).dot(to_lamp.normalize());
-            let strength = way.light.falloff(to_lamp.length() / way.scale) * cosine.max(0.0);
+            let strength = way.light.falloff(to_lamp.length() / way.scale)
+                * way.light.cone(way.onwards.dot(-to_lamp.normalize()))
+                * cosine.max(0.0);
             if strength > 0.0 && goes_straight(self.scene, from, &way.chain, point)? {
                 sum += DVec3::from(way.light.color.map(f64::from)) * strength;
             }

@@ -1,5 +1,6 @@
 //! Checks faces, and sorts them into clusters by place and material.
 
+use super::attributes::Carried;
 use super::neighbours::{NONE, SmallMap, neighbours, neighbours_together};
 use super::{Cluster, Mesh, Part};
 use crate::geom::{Aabb, ConvexPolygon, Octree, PolygonError};
@@ -28,6 +29,26 @@ pub enum MeshError {
         index: u32,
         /// How many there are.
         positions: usize,
+    },
+    /// Normals, texture coordinates or colors are not as many as positions.
+    #[error("part {part} has {count} {what}, but {positions} positions; give one for each, or none")]
+    AttributeCount {
+        /// Which part.
+        part: usize,
+        /// Which of them.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many there should be.
+        positions: usize,
+    },
+    /// A normal, a texture coordinate or a color is NaN or infinite.
+    #[error("{what} of part {part} are not all finite")]
+    AttributeNotFinite {
+        /// Which part.
+        part: usize,
+        /// Which of them.
+        what: &'static str,
     },
     /// The numbers of corners do not add up to faces.
     #[error("the faces of part {part} do not use all of its {corners} corners")]
@@ -71,6 +92,7 @@ pub(super) fn check(number: usize, part: &Part, faces: &mut Vec<Source>) -> Resu
         });
     }
     let positions = part.positions.len();
+    part.attributes.check(number, positions)?;
     if let Some(corner) = part.corners.iter().position(|&index| index as usize >= positions) {
         let index = part.corners[corner];
         return Err(MeshError::IndexOutOfRange {
@@ -141,6 +163,7 @@ pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
     let polygons = faces.iter().any(|face| face.sides != 3);
     let mut mesh = Mesh {
         positions: Vec::new(),
+        carried: Carried::default(),
         corners: Vec::new(),
         starts: Vec::new(),
         neighbours: Vec::new(),
@@ -153,6 +176,8 @@ pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
         .iter()
         .map(|part| vec![(0, 0); part.positions.len()])
         .collect();
+    // Which part and position each position of the mesh is.
+    let mut sources: Vec<(u32, u32)> = Vec::new();
     let mut tree = std::mem::take(&mut mesh.tree);
     tree.renumber(|members, things| {
         let mut members = members.to_vec();
@@ -184,6 +209,7 @@ pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
                             *place = (stamp, mesh.positions.len() as u32);
                             mesh.positions
                                 .push(parts[source.part as usize].positions[index as usize]);
+                            sources.push((source.part, index));
                         }
                         mesh.corners.push(place.1);
                     }
@@ -198,6 +224,7 @@ pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
         }
     });
     mesh.tree = tree;
+    mesh.carried = Carried::gather(parts, &sources);
     if polygons {
         mesh.starts.push(mesh.corners.len() as u32);
     }

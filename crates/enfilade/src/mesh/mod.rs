@@ -1,13 +1,16 @@
 //! Meshes: flat indexed arrays of faces, shared by all items that are copies of one thing.
 
+mod attributes;
 mod build;
 mod neighbours;
 
+pub use attributes::Attributes;
 pub use build::MeshError;
 pub(crate) use neighbours::NONE;
 
 use crate::content::MaterialId;
 use crate::geom::{Aabb, Octree, Step};
+use attributes::Carried;
 use build::{build, check};
 use std::ops::Range;
 
@@ -17,6 +20,7 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub struct Mesh {
     positions: Vec<[f32; 3]>,
+    carried: Carried,
     corners: Vec<u32>,
     /// Where each face's corners begin, and the end of the last; empty where all faces are triangles.
     starts: Vec<u32>,
@@ -51,6 +55,8 @@ pub struct Part<'a> {
     pub sides: Option<&'a [u32]>,
     /// What the faces are made of.
     pub material: MaterialId,
+    /// What its corners carry for who draws them.
+    pub attributes: Attributes<'a>,
 }
 
 impl Mesh {
@@ -86,12 +92,30 @@ impl Mesh {
             corners,
             sides: None,
             material,
+            attributes: Attributes::default(),
         }])
     }
 
     /// Corner positions, cluster after cluster.
     pub fn positions(&self) -> &[[f32; 3]] {
         &self.positions
+    }
+
+    /// The normals of corners, by position; zero where a corner has none, and no list where none has
+    /// ([`Attributes::normals`]).
+    pub fn normals(&self) -> &[[f32; 3]] {
+        &self.carried.normals
+    }
+
+    /// Where corners are in their texture, by position; no list where none says so ([`Attributes::texture`]).
+    pub fn texture(&self) -> &[[f32; 2]] {
+        &self.carried.texture
+    }
+
+    /// The colors of corners, by position; white where a corner has none, and no list where none has
+    /// ([`Attributes::colors`]).
+    pub fn colors(&self) -> &[[f32; 4]] {
+        &self.carried.colors
     }
 
     /// The clusters, in the order of their faces.
@@ -145,7 +169,8 @@ impl Mesh {
             + size_of_val(&*self.corners)
             + size_of_val(&*self.starts)
             + size_of_val(&*self.neighbours)
-            + size_of_val(&*self.clusters)) as u64
+            + size_of_val(&*self.clusters)
+            + self.carried.bytes()) as u64
             + self.tree.bytes()
     }
 
@@ -249,6 +274,7 @@ mod tests {
             corners: &corners,
             sides: None,
             material,
+            attributes: Attributes::default(),
         };
         let mesh = Mesh::new(&[part(STONE), part(GLASS)]).expect("a sound pair");
         let materials: Vec<_> = mesh.clusters().iter().map(|cluster| cluster.material).collect();
@@ -279,6 +305,7 @@ mod tests {
             corners: &[0, 1, 3, 2],
             sides: Some(&[4]),
             material: STONE,
+            attributes: Attributes::default(),
         };
         assert!(matches!(
             Mesh::new(&[bent]),

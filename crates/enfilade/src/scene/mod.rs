@@ -14,7 +14,7 @@ mod portal;
 pub use builder::{End, NestedId, SceneBuilder};
 pub use edit::{Edit, EditError};
 pub use error::{SceneError, Way};
-pub use light::{Light, LightId};
+pub use light::{Light, LightId, LightShape};
 pub use portal::{FragmentId, Portal, PortalId};
 
 use crate::content::{Content, OpeningId};

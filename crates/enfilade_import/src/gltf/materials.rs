@@ -45,6 +45,7 @@ fn material(number: usize, source: &Source) -> Result<Material, BrokenRule> {
         alpha,
         double_sided: source.double_sided,
         detail: is_detail(source.extras),
+        ..Material::opaque([r, g, b])
     })
 }
 

@@ -12,7 +12,7 @@ use super::topology::Topology;
 use crate::BrokenRule;
 use crate::budget::Budget;
 use crate::warning::{WarningKind, Warnings};
-use enfilade::{MaterialId, Mesh, Part};
+use enfilade::{Attributes, MaterialId, Mesh, Part};
 
 /// A mesh of the document, everything about it checked that can be without its bytes.
 #[derive(Debug)]
@@ -118,6 +118,7 @@ impl MeshPlan {
                 corners,
                 sides: None,
                 material: plan.material,
+                attributes: Attributes::default(),
             })
             .collect();
         Mesh::new(&parts).map_err(|why| BrokenRule::Mesh {

@@ -87,6 +87,7 @@ pub(crate) fn import(
         rooms,
         portals,
         cameras,
+        lights: Vec::new(),
         warnings: warnings.into_list(),
     })
 }

@@ -9,7 +9,9 @@
 
 mod measure;
 
-use enfilade::{Aabb, DetailError, DetailOptions, DetailSource, Details, MaterialId, Mesh, Part, Scene};
+use enfilade::{
+    Aabb, Attributes, DetailError, DetailOptions, DetailSource, Details, MaterialId, Mesh, Part, Scene,
+};
 use glam::DVec3;
 use measure::within;
 use meshopt::{SimplifyOptions, simplify_with_locks_decoder};
@@ -66,6 +68,7 @@ impl Levels {
                 corners,
                 sides: None,
                 material: *material,
+                attributes: Attributes::default(),
             })
             .collect();
         Ok(Mesh::new(&parts)?)

@@ -25,6 +25,7 @@ fn hills(n: u32) -> Arc<Mesh> {
         corners: &halves[material as usize],
         sides: None,
         material: MaterialId(material),
+        attributes: Attributes::default(),
     };
     Arc::new(Mesh::new(&[part(0), part(1)]).expect("hills"))
 }

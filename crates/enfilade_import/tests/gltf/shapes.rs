@@ -167,7 +167,7 @@ fn materials_say_what_hides_and_from_which_side() {
         base_color,
         alpha,
         double_sided,
-        detail: false,
+        ..Material::opaque([1.0; 3])
     };
     for (source, expected) in [
         (json!({}), Material::opaque([1.0; 3])),

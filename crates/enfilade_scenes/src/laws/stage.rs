@@ -213,12 +213,8 @@ pub(crate) fn alone(stage: Stage, cameras: Vec<Camera>) -> BuiltIn {
 /// Hangs a white lamp up in a fragment: it lights all within a few metres of it.
 pub(crate) fn lamp(scene: &mut SceneBuilder, fragment: FragmentId, position: [f32; 3], range: f32) {
     let strength = 0.05 * range * range;
-    scene.light(Light {
-        fragment,
-        position,
-        color: [strength, 0.92 * strength, 0.78 * strength],
-        range,
-    });
+    let color = [strength, 0.92 * strength, 0.78 * strength];
+    scene.light(Light::point(fragment, position, color, range));
 }
 
 /// Two fragments in one space, with a door between an opening of each.

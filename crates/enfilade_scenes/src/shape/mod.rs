@@ -12,7 +12,7 @@ pub(crate) use loft::{around, ball, band, fluted, knot, lathe, loft, round_tube,
 pub(crate) use solid::{block, cuboid, prism, superquadric, taper};
 pub(crate) use sweep::{frame, moulding, surround};
 
-use enfilade::{ConvexPolygon, MaterialId, Mesh, Part, Transform};
+use enfilade::{Attributes, ConvexPolygon, MaterialId, Mesh, Part, Transform};
 use glam::Vec3;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -140,6 +140,7 @@ impl Shape {
                     .any(|&sides| sides != 3)
                     .then_some(&*sheet.sides),
                 material: sheet.material,
+                attributes: Attributes::default(),
             })
             .collect();
         Arc::new(Mesh::new(&parts).expect("faces are checked as they are added"))

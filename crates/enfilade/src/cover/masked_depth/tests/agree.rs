@@ -7,7 +7,7 @@ use crate::cover::triangle::Triangle;
 use crate::cover::{DepthBuffer, Paints};
 use crate::faces::Faces;
 use crate::geom::Transform;
-use crate::mesh::{Mesh, Part};
+use crate::mesh::{Attributes, Mesh, Part};
 use crate::seen::Seen;
 use std::collections::BTreeSet;
 
@@ -38,6 +38,7 @@ fn lost(corners: &[[f32; 3]], passage: &Passage) -> (Vec<bool>, Polygon, usize) 
         corners: &order,
         sides: Some(&[corners.len() as u32]),
         material: MaterialId(0),
+        attributes: Attributes::default(),
     };
     let mesh = builder.mesh(Mesh::new(&[part]).expect("flat and convex"));
     builder.item("face", mesh, Transform::IDENTITY);

@@ -60,6 +60,12 @@ pub(crate) struct DrawArgs {
     /// What the picture shows: image, overdraw, items, order, fragments or cover
     #[arg(long, value_name = "WHAT", default_value = "image", value_parser = values::show)]
     pub(crate) show: Show,
+    /// Samples of each pixel: 1, or 4 for smooth edges
+    #[arg(long, value_name = "N", default_value = "1", value_parser = values::samples)]
+    pub(crate) samples: u32,
+    /// Show what lights shine on brighter by so many stops, or darker where it is below 0
+    #[arg(long, value_name = "STOPS", default_value = "0", value_parser = values::stops, allow_negative_numbers = true)]
+    pub(crate) exposure: f32,
     /// Draw large items by coarser levels, made on demand, that are off by no more than so many pixels
     #[cfg(feature = "levels")]
     #[arg(long, value_name = "PIXELS", value_parser = values::pixels, conflicts_with = "file")]

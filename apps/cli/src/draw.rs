@@ -16,7 +16,7 @@ use crate::text::{count, ms, plural};
 use crate::values::Choice;
 use anyhow::{Result, bail};
 use enfilade::{Method, View, Viewer};
-use enfilade_draw::{Painter, RgbImage, Show};
+use enfilade_draw::{Exposure, Picture, RgbImage, Samples, Settings, Show};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use std::fs::File;
 use std::io::BufWriter;
@@ -54,6 +54,11 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
     for Skipped { method, why } in &skipped {
         out::warn(format_args!("{method} is skipped: {why}"));
     }
+    let mut settings = settings(args.show);
+    settings.exposure = Exposure::Eye(args.exposure);
+    if args.samples == 4 {
+        settings.samples = Samples::Four;
+    }
     let measured = args.json.file.is_some();
     let passes = if measured { 2 + 3 * PASSES } else { 1 };
     let progress = Progress::steps("drawing", prepared.len() * views.len() * passes);
@@ -81,16 +86,18 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
             };
             #[cfg(not(feature = "levels"))]
             let by_levels = String::new();
+            // What all pictures share is made once, and is no part of what one takes.
+            prepared.stage();
             let start = Instant::now();
-            let (image, lights) = painted(prepared, &mut viewer, view, args.show);
+            let picture = draw(prepared, &mut viewer, view, &settings);
             let took = start.elapsed().as_secs_f64() * 1e3;
-            save(&image, file)?;
-            let lights = (args.show == Show::Image).then_some(lights);
+            save(&picture.image, file)?;
+            let lights = (args.show == Show::Image).then_some(picture.lights_shining);
             said += &line(file, prepared, &viewer, lights, took, &by_levels);
             progress.step();
         }
         if measured {
-            let draws = measure::draws(prepared, &views, &mut viewer, args.show, &progress);
+            let draws = measure::draws(prepared, &views, &mut viewer, &settings, &progress);
             let walks = measure::walks(prepared, &views, &mut viewer, &progress);
             let looks = measure::looks(prepared, &views, &mut prepared.viewer(), &progress);
             let mut report = Report::new(&opened, prepared, &views, args.cameras.size, looks);
@@ -181,17 +188,17 @@ fn numbered(file: &Path, number: usize, of: usize) -> PathBuf {
     }
 }
 
-/// Draws a view, shading included.
-pub(crate) fn draw(prepared: &Prepared, viewer: &mut Viewer, view: &View, show: Show) -> RgbImage {
-    painted(prepared, viewer, view, show).0
+/// How the program paints: lights as an eye sees them that has got used to where it stands.
+pub(crate) fn settings(show: Show) -> Settings {
+    let mut settings = Settings::default();
+    settings.show = show;
+    settings.exposure = Exposure::Eye(0.0);
+    settings
 }
 
-/// Draws a view; also tells how many lights shine on what is seen.
-fn painted(prepared: &Prepared, viewer: &mut Viewer, view: &View, show: Show) -> (RgbImage, usize) {
-    let mut painter = Painter::new(&prepared.scene, view, show);
-    viewer.draw(&prepared.scene, view, &mut painter);
-    let lights = painter.lights_shining();
-    (painter.into_image(), lights)
+/// Draws a view, shading included.
+pub(crate) fn draw(prepared: &Prepared, viewer: &mut Viewer, view: &View, settings: &Settings) -> Picture {
+    prepared.stage().draw(viewer, &prepared.scene, view, settings)
 }
 
 /// Writes a picture, whole or not at all.

@@ -6,7 +6,7 @@ use crate::draw::draw;
 use crate::prepare::Prepared;
 use crate::progress::Progress;
 use enfilade::{Contract, FragmentId, ItemId, OpeningId, Passage, Scene, View, Viewer, VisibleSet};
-use enfilade_draw::Show;
+use enfilade_draw::Settings;
 use std::time::Instant;
 
 /// Passes that count.
@@ -69,11 +69,11 @@ pub(crate) fn draws(
     prepared: &Prepared,
     views: &[View],
     viewer: &mut Viewer,
-    show: Show,
+    settings: &Settings,
     progress: &Progress,
 ) -> Vec<f64> {
     timed(views, progress, |_, view| {
-        draw(prepared, viewer, view, show);
+        draw(prepared, viewer, view, settings);
     })
 }
 

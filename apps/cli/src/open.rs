@@ -7,10 +7,12 @@ use crate::progress::Progress;
 use crate::values::{Choice, among};
 use anyhow::{Context, Result, anyhow, bail};
 use enfilade::{Method, Scene};
+use enfilade_draw::Stage;
 use enfilade_import::ReadOptions;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 /// A scene and what came with it.
@@ -24,6 +26,8 @@ pub(crate) struct Opened {
     /// What was left out or is odd, a line each; printed already.
     pub(crate) warnings: Vec<String>,
     pub(crate) load_ms: f64,
+    /// What its pictures share, once one was drawn.
+    pub(crate) stage: Arc<OnceLock<Stage>>,
 }
 
 /// Opens a scene. Rooms of a file whose author says no method are seen by hierarchical-z unless another is chosen and
@@ -62,6 +66,7 @@ fn open_built_in(file: &str, name: &str) -> Result<Opened> {
         cameras: built.cameras.into_iter().map(Camera::from).collect(),
         warnings: Vec::new(),
         load_ms: 0.0,
+        stage: Arc::default(),
     })
 }
 
@@ -98,6 +103,7 @@ fn open_file(file: &str, choice: Choice, flat: bool, limits: &LimitArgs) -> Resu
         cameras: import.cameras.into_iter().map(Camera::from).collect(),
         warnings: import.warnings.iter().map(ToString::to_string).collect(),
         load_ms: 0.0,
+        stage: Arc::default(),
     })
 }
 

@@ -7,7 +7,8 @@ use crate::report::Skipped;
 use crate::values::Choice;
 use anyhow::{Result, anyhow, bail, ensure};
 use enfilade::{Contract, Method, Scene, TooLarge, View, Viewer};
-use std::sync::Arc;
+use enfilade_draw::Stage;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 /// A scene ready to be looked at by a method.
@@ -18,12 +19,18 @@ pub(crate) struct Prepared {
     pub(crate) contract: Contract,
     pub(crate) scene: Scene,
     pub(crate) build_ms: f64,
+    stage: Arc<OnceLock<Stage>>,
     coherence: bool,
     occluders: Option<u32>,
     pub(crate) cover_size: Option<[u32; 2]>,
 }
 
 impl Prepared {
+    /// What its pictures share: those of all methods over one scene.
+    pub(crate) fn stage(&self) -> &Stage {
+        self.stage.get_or_init(|| Stage::new(&self.scene))
+    }
+
     /// A viewer that remembers nothing yet.
     pub(crate) fn viewer(&self) -> Viewer {
         let mut viewer = Viewer::new();
@@ -77,7 +84,7 @@ pub(crate) fn prepare(
         },
     );
     let build = |choice| {
-        let built = build(&opened.scene, choice, how, view);
+        let built = build(opened, choice, how, view);
         progress.step();
         built
     };
@@ -129,8 +136,9 @@ fn check_cover_size(opened: &Opened, choice: Choice, how: &HowArgs, view: Option
     )
 }
 
-fn build(scene: &Scene, choice: Choice, how: &HowArgs, view: Option<&View>) -> Result<Prepared, TooLarge> {
+fn build(opened: &Opened, choice: Choice, how: &HowArgs, view: Option<&View>) -> Result<Prepared, TooLarge> {
     let limit = how.limits.memory.unwrap_or(Method::DEFAULT_LIMIT);
+    let scene = &opened.scene;
     let start = Instant::now();
     let built = match choice {
         Choice::One(method) => scene.with_method(method, limit)?,
@@ -169,6 +177,7 @@ fn build(scene: &Scene, choice: Choice, how: &HowArgs, view: Option<&View>) -> R
             .unwrap_or(Contract::Exact),
         scene: if how.flat { built.without_portals() } else { built },
         build_ms,
+        stage: Arc::clone(&opened.stage),
         coherence: !how.no_coherence,
         occluders: how.occluders,
         cover_size,
@@ -181,6 +190,7 @@ pub(crate) fn drawn_by(prepared: &Prepared, method: Method) -> Result<Prepared, 
         method: method.name(),
         contract: method.contract(),
         scene: prepared.scene.with_method(method, u64::MAX)?,
+        stage: Arc::clone(&prepared.stage),
         ..*prepared
     })
 }

@@ -105,6 +105,24 @@ pub(crate) fn pixels(text: &str) -> Result<f32, String> {
     }
 }
 
+/// Samples of each pixel.
+pub(crate) fn samples(text: &str) -> Result<u32, String> {
+    match text {
+        "1" => Ok(1),
+        "4" => Ok(4),
+        _ => Err("a pixel has 1 sample or 4".to_owned()),
+    }
+}
+
+/// Stops of exposure: each doubles the light.
+pub(crate) fn stops(text: &str) -> Result<f32, String> {
+    const MOST: f32 = 30.0;
+    let stops: Option<f32> = text.parse().ok();
+    stops
+        .filter(|stops| stops.abs() <= MOST)
+        .ok_or_else(|| format!("a number of stops from -{MOST} to {MOST} is wanted, such as 1 or -0.5"))
+}
+
 /// Bytes, plain or with a unit: `2GB`, `500MB`, `1.5 GiB`.
 pub(crate) fn bytes(text: &str) -> Result<u64, String> {
     let wants = || "a number of bytes is wanted, such as 2GB, 500MB or 1000000".to_owned();

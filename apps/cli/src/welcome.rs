@@ -3,7 +3,7 @@
 use crate::Outcome;
 use crate::args::{Args, LookArgs, Verb};
 use crate::cameras;
-use crate::draw::{draw, save};
+use crate::draw::{draw, save, settings};
 use crate::measure::{self, PASSES};
 use crate::open::open;
 use crate::out;
@@ -45,7 +45,7 @@ pub(crate) fn run() -> Result<Outcome> {
         let mut viewer = prepared.viewer();
         let looks = measure::looks(prepared, &views, &mut viewer, &progress);
         let draws = measure::timed(&views, &progress, |_, view| {
-            let drawn = draw(prepared, &mut viewer, view, Show::Image);
+            let drawn = draw(prepared, &mut viewer, view, &settings(Show::Image)).image;
             // One that may be wrong is not what a newcomer should see.
             if prepared.contract != Contract::Approximate {
                 picture = Some(drawn);

@@ -19,8 +19,12 @@ pub struct View {
     pub up: [f32; 3],
     /// Vertical angle of the lens, in radians, above 0 and below π.
     pub fov_y: f32,
-    /// Columns and rows of the screen, 1 to [`View::MOST_PIXELS`] each. Sample (x, y) stands at (x + ½, y + ½).
+    /// Columns and rows of the screen, 1 to [`View::MOST_PIXELS`] each. Sample (x, y) stands at (x + ½, y + ½), moved by
+    /// `sample`.
     pub size: [u32; 2],
+    /// Where in each pixel its sample stands, from the pixel's middle, in pixels: −½ to ½. [`View::FOUR_SAMPLES`] are the
+    /// places of usual multisampling.
+    pub sample: [f32; 2],
     /// What is nearer than this along the line of sight neither is seen nor hides; above 0, in scene units.
     pub near: f32,
 }
@@ -41,6 +45,9 @@ pub enum ViewError {
     /// The lens is closed or flat.
     #[error("a lens of {0} degrees; it must be above 0 and below 180")]
     Lens(f32),
+    /// The sample stands outside of its pixel.
+    #[error("a sample at ({0}, {1}) from the middle of its pixel; it must be from -0.5 to 0.5")]
+    Sample(f32, f32),
     /// The near distance is zero or negative.
     #[error("a near distance of {0}; it must be above 0")]
     Near(f32),
@@ -49,6 +56,12 @@ pub enum ViewError {
 impl View {
     /// The greatest width and height, in pixels.
     pub const MOST_PIXELS: u32 = 16_384;
+
+    /// Where the samples of 4x multisampling stand.
+    ///
+    /// Source: Microsoft, Direct3D 11.3 Functional Specification, 19.2.4.1, standard sample patterns.
+    pub const FOUR_SAMPLES: [[f32; 2]; 4] =
+        [[-0.125, -0.375], [0.375, -0.125], [-0.375, 0.125], [0.125, 0.375]];
 
     /// A view with a lens of 60 degrees, y up, and near limit 10⁻³ of the distance from `eye` to `toward`, at most
     /// 0.01.
@@ -61,6 +74,7 @@ impl View {
             up: [0.0, 1.0, 0.0],
             fov_y: 60.0_f32.to_radians(),
             size,
+            sample: [0.0; 2],
             near: (1e-3 * distance).clamp(1e-6, 0.01),
         }
     }
@@ -94,6 +108,10 @@ impl View {
         if !(self.fov_y > 0.0 && self.fov_y < std::f32::consts::PI) {
             return Err(ViewError::Lens(self.fov_y.to_degrees()));
         }
+        let [dx, dy] = self.sample;
+        if !(dx.abs() <= 0.5 && dy.abs() <= 0.5) {
+            return Err(ViewError::Sample(dx, dy));
+        }
         if !(self.near > 0.0 && self.near.is_finite()) {
             return Err(ViewError::Near(self.near));
         }
@@ -121,15 +139,16 @@ impl View {
     }
 
     /// From eye space to (X, Y, W): the pixel is (X / W, Y / W), y down, and W the distance along the line of
-    /// sight.
+    /// sight. Moved so that the samples stand in the middles of pixels, wherever the view has them.
     pub(crate) fn screen_from_eye(&self) -> DMat3 {
         let [width, height] = self.size.map(f64::from);
+        let [dx, dy] = self.sample.map(f64::from);
         // Rounded to f32, so that machines whose tangents differ in the last bit of f64 make the same decisions.
         let focal = 0.5 * height / f64::from((0.5 * f64::from(self.fov_y)).tan() as f32);
         DMat3::from_cols(
             DVec3::new(focal, 0.0, 0.0),
             DVec3::new(0.0, -focal, 0.0),
-            DVec3::new(-0.5 * width, -0.5 * height, -1.0),
+            DVec3::new(dx - 0.5 * width, dy - 0.5 * height, -1.0),
         )
     }
 }
@@ -149,6 +168,11 @@ mod tests {
         assert!((middle.x - 320.0).abs() < 1e-9 && (middle.y - 240.0).abs() < 1e-9);
         assert!((distance - 109.0_f64.sqrt()).abs() < 1e-9);
         assert!(screen([4.0, 3.0, -7.0]).0.y < 240.0);
+        // A sample to the right and below sees what the middle of the pixel saw before: that moves left and up.
+        let mut moved = view;
+        moved.sample = [0.25, 0.5];
+        let off = moved.screen_from_eye() * DVec3::NEG_Z - view.screen_from_eye() * DVec3::NEG_Z;
+        assert_eq!(off, DVec3::new(-0.25, -0.5, 0.0));
     }
 
     #[test]
@@ -173,6 +197,8 @@ mod tests {
             ViewError::Size(100_000, 100_000)
         );
         assert!(matches!(error(|v| v.fov_y = 4.0), ViewError::Lens(_)));
+        assert_eq!(error(|v| v.sample[1] = 0.6), ViewError::Sample(0.0, 0.6));
+        assert!(matches!(error(|v| v.sample[0] = f32::NAN), ViewError::Sample(..)));
         assert!(matches!(error(|v| v.near = 0.0), ViewError::Near(_)));
         assert!(matches!(
             error(|v| v.eye[1] = f32::NAN),

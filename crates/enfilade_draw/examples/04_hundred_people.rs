@@ -1,7 +1,7 @@
 //! A hundred people walk through a palace whose doors open before them; two cameras look. Makes `people.png`, a clip.
 
 use enfilade::*;
-use enfilade_draw::{Clip, Painter, RgbImage, Show};
+use enfilade_draw::{Clip, RgbImage, Settings, Stage};
 use enfilade_scenes::{built_in, person};
 use glam::{Vec3, vec3};
 use image::imageops::replace;
@@ -40,6 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut people: Vec<Person> = (0..100).map(start).collect();
     let kinds: Vec<_> = (0..7).map(person).collect();
     // From the rotunda and from the red salon.
+    let stage = Stage::new(&scene);
     let mut viewers = [4, 2].map(|camera| (palace.cameras[camera].view(SIZE), Viewer::new()));
     let file = std::fs::File::create("people.png")?;
     let mut clip = Clip::new(file, [2 * SIZE[0], SIZE[1]], FRAMES, 12)?;
@@ -87,9 +88,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         edit.finish()?;
         let mut picture = RgbImage::new(2 * SIZE[0], SIZE[1]);
         for (left, (view, viewer)) in (0..).step_by(SIZE[0] as usize).zip(&mut viewers) {
-            let mut painter = Painter::new(&scene, view, Show::Image);
-            viewer.draw(&scene, view, &mut painter);
-            replace(&mut picture, &painter.into_image(), left, 0);
+            let half = stage.draw(viewer, &scene, view, &Settings::default());
+            replace(&mut picture, &half.image, left, 0);
         }
         clip.add(&picture)?;
     }

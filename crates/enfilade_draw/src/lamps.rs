@@ -1,6 +1,7 @@
-//! The light of a scene's lamps, in every fragment that it reaches through openings.
+//! Where the light of a scene's lamps and suns goes: into which fragments, through which openings, and how much of it is
+//! sent back there by walls.
 
-use enfilade::{Aabb, FragmentId, Light, LightId, Limits, Passage, Reached, Scene, Surface};
+use enfilade::{Aabb, FragmentId, Light, LightId, LightShape, Limits, Passage, Ray, Reached, Scene};
 use glam::{DVec3, Vec3};
 
 /// Fragments that one lamp is followed into at most: two mirrors face to face would go on for ever.
@@ -8,24 +9,50 @@ const MOST_REACHED: u32 = 4096;
 /// Portals in a row that light goes through.
 const MOST_CROSSED: u16 = 8;
 
-/// Where lamps of a scene shine, and which of them shine on what is seen. None, for pictures without light.
-#[derive(Default)]
+/// Where the lights of a scene shine, and how bright it is in each fragment.
 pub(crate) struct Lamps {
     /// Fragment after fragment.
     all: Vec<Lamp>,
-    /// Those that may shine on what the passage at hand shows, by their places.
-    here: Vec<usize>,
-    /// Of each light, does it shine on anything seen?
-    shines: Vec<bool>,
+    /// By fragment: what faces send back, and what eyes get used to.
+    rooms: Vec<Brightness>,
+    /// How many lights there are.
+    pub(crate) lights: usize,
 }
 
-/// A lamp as it is seen from a fragment that it shines into.
+/// A light as it is seen from a fragment that it shines into.
 struct Lamp {
     light: usize,
     lamp: Light,
     reached: Reached,
+    /// Where the middle of its light goes, of unit length; zero of a point.
+    onwards: DVec3,
     /// Lengths in the fragment for one where the lamp hangs.
     scale: f64,
+}
+
+/// How bright it is in a fragment.
+#[derive(Clone, Copy, Default)]
+struct Brightness {
+    /// What surfaces get from others that are lit.
+    bounced: Vec3,
+    /// What a white surface that is lit well sends back, about.
+    lit: f32,
+}
+
+/// A light as it shines on what one passage shows: places are seen from the passage's eye.
+pub(crate) struct Near {
+    at: Vec3,
+    /// Towards a sun; zero for a lamp.
+    to_sun: Vec3,
+    onwards: Vec3,
+    color: Vec3,
+    lamp: Light,
+    /// Of a spot: what the cosine off its middle is multiplied by, and what is added, for the square root of its light.
+    cone: Option<[f32; 2]>,
+    per_length: f32,
+    reach: f32,
+    /// The beam holds points with n · x ≥ d for all.
+    planes: Vec<(Vec3, f32)>,
 }
 
 impl Lamps {
@@ -34,82 +61,245 @@ impl Lamps {
         let mut limits = Limits::default();
         limits.max_crossings = MOST_CROSSED;
         limits.max_passages = MOST_REACHED;
-        let lights = scene.lights().iter().enumerate();
-        let mut all: Vec<Lamp> = lights
-            .flat_map(|(light, &lamp)| {
-                let reached = scene.light_reach(LightId(light as u32), &limits).into_iter();
-                reached.map(move |reached| Lamp {
+        let mut all: Vec<Lamp> = Vec::new();
+        let mut rooms = vec![Brightness::default(); scene.fragments().count()];
+        for (light, lamp) in scene.lights().iter().enumerate() {
+            let usual = usual_distance(scene, lamp);
+            for reached in scene.light_reach(LightId(light as u32), &limits) {
+                brighten(scene, &mut rooms, lamp, &reached, usual);
+                let onwards = lamp
+                    .direction()
+                    .map_or([0.0; 3], |direction| reached.there_from_here.direction(direction));
+                all.push(Lamp {
                     light,
-                    lamp,
+                    lamp: *lamp,
+                    onwards: DVec3::from(onwards.map(f64::from)).normalize_or_zero(),
                     scale: reached.there_from_here.scale(),
                     reached,
-                })
-            })
-            .collect();
+                });
+            }
+        }
         all.sort_by_key(|lamp| lamp.reached.fragment);
         Lamps {
             all,
-            here: Vec::new(),
-            shines: vec![false; scene.lights().len()],
+            rooms,
+            lights: scene.lights().len(),
         }
     }
 
     /// Are there none at all?
     pub(crate) fn is_empty(&self) -> bool {
-        self.shines.is_empty()
+        self.lights == 0
     }
 
-    /// How many lights shine on something that was seen.
-    pub(crate) fn shining(&self) -> usize {
-        self.shines.iter().filter(|&&shines| shines).count()
+    /// What surfaces of a fragment get from others that are lit, linear: some even in the darkest.
+    pub(crate) fn bounced(&self, fragment: FragmentId) -> Vec3 {
+        const LEAST: f32 = 0.05;
+        self.rooms[fragment.0 as usize].bounced + Vec3::splat(LEAST * self.brightest())
     }
 
-    /// A passage comes: leaves out the lamps that shine on nothing it shows.
-    pub(crate) fn enter(&mut self, passage: &Passage) {
+    /// What a white surface that is lit well sends back in a fragment, about; above 0.
+    pub(crate) fn lit(&self, fragment: FragmentId) -> f32 {
+        const DARKEST: f32 = 0.1;
+        let here = self.rooms.get(fragment.0 as usize).map_or(0.0, |room| room.lit);
+        here.max(DARKEST * self.brightest()).max(f32::MIN_POSITIVE)
+    }
+
+    fn brightest(&self) -> f32 {
+        self.rooms.iter().fold(0.0, |most, room| most.max(room.lit))
+    }
+
+    /// The lights that may shine on what a passage shows, each with its number.
+    pub(crate) fn near<'a>(&'a self, passage: &'a Passage) -> impl Iterator<Item = (usize, Near)> + 'a {
         let first = self
             .all
             .partition_point(|lamp| lamp.reached.fragment < passage.fragment);
-        let in_fragment = |fragment: FragmentId| fragment == passage.fragment;
-        self.here.clear();
-        for (number, lamp) in (first..).zip(&self.all[first..]) {
-            if !in_fragment(lamp.reached.fragment) {
-                break;
+        let here = self.all[first..]
+            .iter()
+            .take_while(|lamp| lamp.reached.fragment == passage.fragment);
+        let eye = DVec3::from(passage.eye());
+        here.filter(|lamp| passage.may_show(&lamp.around()))
+            .map(move |lamp| (lamp.light, lamp.near(eye)))
+    }
+}
+
+impl Lamp {
+    /// Lengths of the fragment that it reaches.
+    fn range(&self) -> f64 {
+        match self.lamp.shape {
+            LightShape::Sun { .. } => f64::INFINITY,
+            _ => f64::from(self.lamp.range) * self.scale,
+        }
+    }
+
+    /// The box that it shines in.
+    fn around(&self) -> Aabb {
+        // Numbers of this size still leave room to calculate.
+        let range = self.range().min(1e30);
+        Aabb {
+            min: self.reached.origin.map(|value| (value - range) as f32),
+            max: self.reached.origin.map(|value| (value + range) as f32),
+        }
+    }
+
+    fn near(&self, eye: DVec3) -> Near {
+        let at = DVec3::from(self.reached.origin) - eye;
+        let is_sun = matches!(self.lamp.shape, LightShape::Sun { .. });
+        let planes = self.reached.planes().map(|(normal, distance)| {
+            let normal = DVec3::from(normal);
+            (normal.as_vec3(), (distance - normal.dot(eye)) as f32)
+        });
+        Near {
+            at: at.as_vec3(),
+            to_sun: if is_sun {
+                at.normalize_or_zero().as_vec3()
+            } else {
+                Vec3::ZERO
+            },
+            onwards: self.onwards.as_vec3(),
+            color: self.lamp.color.into(),
+            lamp: self.lamp,
+            cone: match self.lamp.shape {
+                LightShape::Spot { inner, outer, .. } => {
+                    let steepness = 1.0 / (inner.cos() - outer.cos()).max(1e-3);
+                    Some([steepness, -outer.cos() * steepness])
+                }
+                _ => None,
+            },
+            per_length: (1.0 / self.scale) as f32,
+            reach: self.range() as f32,
+            planes: planes.collect(),
+        }
+    }
+}
+
+impl Near {
+    /// May it shine on a face with these corners, whose normal is turned to the eye? `None`: not at all. Else: must it be
+    /// asked of each point whether the light comes through the openings so far?
+    pub(crate) fn shines_on(&self, corners: &[Vec3], normal: Option<Vec3>) -> Option<bool> {
+        let first = *corners.first()?;
+        let to_light = if self.to_sun == Vec3::ZERO {
+            self.at - first
+        } else {
+            self.to_sun
+        };
+        if normal.is_some_and(|normal| normal.dot(to_light) <= 0.0) {
+            return None;
+        }
+        let radius = corners
+            .iter()
+            .fold(0.0_f32, |most, corner| most.max(corner.distance(first)));
+        if self.to_sun == Vec3::ZERO && to_light.length() - radius >= self.reach {
+            return None;
+        }
+        let mut narrowed = false;
+        for &(normal, distance) in &self.planes {
+            let inside = |corner: &&Vec3| normal.dot(**corner) >= distance;
+            match corners.iter().filter(inside).count() {
+                0 => return None,
+                all if all == corners.len() => {}
+                _ => narrowed = true,
             }
-            let range = f64::from(lamp.lamp.range) * lamp.scale;
-            let bounds = Aabb {
-                min: lamp.reached.origin.map(|value| (value - range) as f32),
-                max: lamp.reached.origin.map(|value| (value + range) as f32),
+        }
+        Some(narrowed)
+    }
+
+    /// The light that it adds to a point of a white surface, seen from the eye; `narrowed` as [`Near::shines_on`] has it.
+    #[inline]
+    pub(crate) fn at(&self, point: Vec3, normal: Vec3, narrowed: bool) -> Vec3 {
+        let outside = |&(normal, distance): &(Vec3, f32)| normal.dot(point) < distance;
+        if self.to_sun != Vec3::ZERO {
+            let facing = normal.dot(self.to_sun);
+            if facing <= 0.0 || (narrowed && self.planes.iter().any(outside)) {
+                return Vec3::ZERO;
+            }
+            return self.color * facing;
+        }
+        let to_lamp = self.at - point;
+        let facing = normal.dot(to_lamp);
+        let distance = to_lamp.length();
+        if facing <= 0.0 || distance >= self.reach || (narrowed && self.planes.iter().any(outside)) {
+            return Vec3::ZERO;
+        }
+        let cosine = facing / distance;
+        let cone = self.cone.map_or(1.0, |[steepness, added]| {
+            let off = -self.onwards.dot(to_lamp) / distance;
+            (off * steepness + added).clamp(0.0, 1.0).powi(2)
+        });
+        let falloff = self.lamp.falloff(f64::from(distance * self.per_length)) as f32;
+        self.color * (falloff * cone * cosine)
+    }
+}
+
+/// How far from a lamp the surfaces are that it lights, as a rule: the middle one of several tried.
+fn usual_distance(scene: &Scene, lamp: &Light) -> f64 {
+    let fragment = scene.fragment(lamp.fragment);
+    let corner = 1.0 / 3.0_f32.sqrt();
+    let axes = [0, 1, 2].map(|axis| std::array::from_fn(|i| f32::from(u8::from(i == axis))));
+    let corners = [
+        [corner, corner, corner],
+        [corner, corner, -corner],
+        [corner, -corner, corner],
+        [corner, -corner, -corner],
+    ];
+    let directions: Vec<[f32; 3]> = match lamp.shape {
+        LightShape::Spot { direction, .. } => vec![direction],
+        _ => axes
+            .into_iter()
+            .chain(corners)
+            .flat_map(|direction| [direction, direction.map(|value: f32| -value)])
+            .collect(),
+    };
+    let size = DVec3::from(fragment.bounds().size().map(f64::from)).length();
+    let mut distances: Vec<f64> = directions
+        .into_iter()
+        .filter_map(|direction| {
+            let length = DVec3::from(direction.map(f64::from)).length();
+            let ray = Ray {
+                origin: lamp.position,
+                direction,
             };
-            if passage.may_show(&bounds) {
-                self.here.push(number);
-                self.shines[lamp.light] = true;
-            }
-        }
-    }
+            fragment.cast(&ray).map(|hit| hit.distance * length)
+        })
+        // The lamp's own shade is not what it lights.
+        .filter(|&distance| distance > 0.02 * size.min(20.0))
+        .collect();
+    distances.sort_unstable_by(f64::total_cmp);
+    let middle = distances.get(distances.len() / 2).copied();
+    middle.unwrap_or(0.25 * size).min(0.5 * f64::from(lamp.range))
+}
 
-    /// Does any lamp shine on what the passage at hand shows?
-    pub(crate) fn any_here(&self) -> bool {
-        !self.here.is_empty()
-    }
+/// Adds what a light does in a fragment that it reaches. What comes through an opening counts by how large that is beside
+/// the walls; what fills a small part of a large fragment, by that part.
+fn brighten(scene: &Scene, rooms: &mut [Brightness], lamp: &Light, reached: &Reached, usual: f64) {
+    const SENT_BACK: f32 = 0.35;
+    let size = DVec3::from(scene.fragment(reached.fragment).bounds().size().map(f64::from));
+    let walls = 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
+    let is_sun = matches!(lamp.shape, LightShape::Sun { .. });
+    let part = if reached.parent.is_some() {
+        let corners: Vec<DVec3> = reached.window.iter().map(|&corner| corner.into()).collect();
+        let middle = corners.iter().sum::<DVec3>() / corners.len().max(1) as f64;
+        let away = middle.distance(reached.origin.into()) / reached.there_from_here.scale();
+        lamp.falloff(away) * (area(&corners) / walls.max(f64::MIN_POSITIVE)).min(1.0)
+    } else if is_sun {
+        1.0
+    } else {
+        let filled = (4.0 * usual).powi(3) / (size.x * size.y * size.z).max(f64::MIN_POSITIVE);
+        0.6 * lamp.falloff(usual) * filled.min(1.0)
+    };
+    let light = Vec3::from(lamp.color) * part as f32;
+    let room = &mut rooms[reached.fragment.0 as usize];
+    room.bounced += light * SENT_BACK;
+    room.lit += light.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+}
 
-    /// What the lamps add to a point of a surface, whose normal is turned to the eye: linear light, sent back by it.
-    pub(crate) fn at(&self, point: DVec3, normal: Vec3, surface: &Surface) -> Vec3 {
-        let normal = normal.as_dvec3();
-        let [r, g, b, _] = surface.color;
-        let mut sum = Vec3::ZERO;
-        for &number in &self.here {
-            let lamp = &self.all[number];
-            let to_lamp = DVec3::from(lamp.reached.origin) - point;
-            let facing = normal.dot(to_lamp);
-            let distance = to_lamp.length();
-            if facing <= 0.0 || distance >= f64::from(lamp.lamp.range) * lamp.scale {
-                continue;
-            }
-            if lamp.reached.holds(point.into()) {
-                let strength = lamp.lamp.falloff(distance / lamp.scale) * facing / distance;
-                sum += Vec3::from(lamp.lamp.color) * strength as f32;
-            }
-        }
-        sum * Vec3::new(r, g, b)
-    }
+fn area(corners: &[DVec3]) -> f64 {
+    let Some((first, rest)) = corners.split_first() else {
+        return 0.0;
+    };
+    let twice: DVec3 = rest
+        .windows(2)
+        .map(|pair| (pair[0] - first).cross(pair[1] - first))
+        .sum();
+    0.5 * twice.length()
 }

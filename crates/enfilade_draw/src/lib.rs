@@ -1,9 +1,9 @@
-//! Draws what Enfilade sees, in software: base colours under a sun and an ambient sky, and pictures of how a method
-//! came to its answer.
+//! Draws what Enfilade sees, in software: textures with mipmaps, smooth normals, lamps, spots and suns whose light falls
+//! through openings, cut-outs, glass, one or four samples a pixel; and pictures of how a method came to its answer.
 //!
 //! ```
 //! use enfilade::{ContentBuilder, Material, Mesh, Method, SceneBuilder, Transform, View, Viewer};
-//! use enfilade_draw::{Painter, Show};
+//! use enfilade_draw::{Settings, Stage};
 //!
 //! let mut content = ContentBuilder::new([Material::opaque([0.8, 0.3, 0.2])]);
 //! let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
@@ -14,24 +14,33 @@
 //! let scene = scene.build()?;
 //!
 //! let view = View::new([0.0, 0.0, 3.0], [0.0, 0.0, 0.0], [64, 48]);
-//! let mut painter = Painter::new(&scene, &view, Show::Image);
-//! Viewer::new().draw(&scene, &view, &mut painter);
-//! let picture = painter.into_image();
-//! assert_ne!(picture.get_pixel(32, 24), picture.get_pixel(0, 0));
+//! // What all pictures of a scene share, made once.
+//! let stage = Stage::new(&scene);
+//! let picture = stage.draw(&mut Viewer::new(), &scene, &view, &Settings::default());
+//! assert_ne!(picture.image.get_pixel(32, 24), picture.image.get_pixel(0, 0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 #![forbid(unsafe_code)]
 
 mod clip;
 mod cover;
+mod face;
 mod lamps;
 mod light;
+mod mips;
 mod painter;
 mod palette;
+mod pending;
+mod pixels;
+mod samples;
+mod shade;
 mod show;
+mod sky;
+mod stage;
 
 pub use clip::Clip;
 pub use painter::Painter;
 pub use show::Show;
+pub use stage::{Exposure, Picture, Samples, Settings, Stage};
 
 pub use image::RgbImage;

@@ -1,7 +1,10 @@
-//! A sun, an ambient sky, and a little light from the eye, so that no corner of a closed room is flat.
+//! The light that is everywhere: a sun and a sky where the scene has no lights, what walls send back where it has, and a
+//! little from the eye, so that no corner of a closed room is flat.
 
-use enfilade::Surface;
-use glam::{DVec3, Vec3};
+use crate::lamps::Lamps;
+use crate::stage::Exposure;
+use enfilade::FragmentId;
+use glam::Vec3;
 
 /// Towards the sun, in the space of the fragment at hand; nothing casts a shadow.
 const SUN: Vec3 = Vec3::new(0.424, 0.755, 0.5);
@@ -10,41 +13,117 @@ const ZENITH: Vec3 = Vec3::new(0.36, 0.40, 0.48);
 const GROUND: Vec3 = Vec3::new(0.20, 0.18, 0.16);
 const FROM_THE_EYE: f32 = 0.22;
 
-/// Where a passage's eye stands and looks from, in the space of the fragment.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Eye {
-    pub(crate) at: DVec3,
-    /// Against the line of sight, unit length.
-    pub(crate) back: DVec3,
+/// The light in a fragment that comes from no lamp in particular, as it is shown.
+#[derive(Clone, Copy)]
+pub(crate) struct Daylight {
+    sun: Vec3,
+    above: Vec3,
+    below: Vec3,
+    from_the_eye: f32,
 }
 
-/// The light that a surface sends to an eye, linear.
-///
-/// It depends on the normal alone, not on the place, so that the triangles of a wall do not show.
-pub(crate) fn lit(surface: &Surface, eye: &Eye) -> [f32; 3] {
-    let normal = turned_to(eye, surface);
-    let upward = 0.5 + 0.5 * normal.y;
-    let ambient = GROUND * (1.0 - upward) + ZENITH * upward;
-    let sun = SUNLIGHT * normal.dot(SUN).max(0.0);
-    let [r, g, b, _] = surface.color;
-    (Vec3::new(r, g, b) * (ambient + sun + FROM_THE_EYE * normal.dot(eye.back.as_vec3()).abs())).into()
+/// How light becomes what is shown.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tone {
+    /// What is shown of one unit of a lamp's light.
+    pub(crate) exposure: f32,
+    /// Does what is too bright grow pale instead of being cut off?
+    pub(crate) soft: bool,
 }
 
-/// The normal of the side that an eye sees: from behind, a double-sided face is lit on that side.
-pub(crate) fn turned_to(eye: &Eye, surface: &Surface) -> Vec3 {
-    let normal = Vec3::from(surface.normal);
-    let behind = (eye.at - DVec3::from(surface.point.map(f64::from))).dot(normal.as_dvec3()) < 0.0;
-    if behind { -normal } else { normal }
+impl Daylight {
+    /// Lamps would be lost in the sun: where there are any, and it is not known how bright they are, it is evening.
+    pub(crate) fn of(lamps: &Lamps, fragment: FragmentId, exposure: Exposure, tone: &Tone) -> Daylight {
+        const EVENING: f32 = 0.4;
+        let day = |part: f32| Daylight {
+            sun: SUNLIGHT * part,
+            above: ZENITH * part,
+            below: GROUND * part,
+            from_the_eye: FROM_THE_EYE * part,
+        };
+        match exposure {
+            _ if lamps.is_empty() => day(1.0),
+            Exposure::Fixed(_) => day(EVENING),
+            Exposure::Eye(_) => {
+                let bounced = lamps.bounced(fragment) * tone.exposure;
+                Daylight {
+                    sun: Vec3::ZERO,
+                    above: bounced * Vec3::new(1.0, 1.05, 1.12),
+                    below: bounced * Vec3::new(0.72, 0.66, 0.60),
+                    from_the_eye: 0.05,
+                }
+            }
+        }
+    }
+
+    /// What a white surface sends to an eye whose direction is `to_eye`.
+    ///
+    /// It depends on the normal alone, not on the place, so that the triangles of a wall do not show.
+    #[inline]
+    pub(crate) fn at(&self, normal: Vec3, back: Vec3) -> Vec3 {
+        let upward = 0.5 + 0.5 * normal.y;
+        let ambient = self.below * (1.0 - upward) + self.above * upward;
+        ambient + self.sun * normal.dot(SUN).max(0.0) + self.from_the_eye * normal.dot(back).abs()
+    }
 }
 
-/// The sky in a direction whose y is up.
-pub(crate) fn sky(direction: DVec3) -> [f32; 3] {
-    let up = direction.normalize_or_zero().y as f32;
-    let horizon = Vec3::new(0.78, 0.84, 0.90);
-    let color = if up >= 0.0 {
-        horizon.lerp(Vec3::new(0.18, 0.36, 0.68), up.sqrt())
-    } else {
-        horizon.lerp(Vec3::new(0.28, 0.27, 0.26), (-3.0 * up).min(1.0))
-    };
-    color.into()
+impl Tone {
+    /// What an eye that stands in a fragment gets used to.
+    pub(crate) fn of(lamps: &Lamps, fragment: Option<FragmentId>, exposure: Exposure) -> Tone {
+        /// How bright a white surface that is lit well is shown.
+        const LIT_WELL: f32 = 0.72;
+        match (exposure, fragment) {
+            (Exposure::Fixed(exposure), _) => Tone {
+                exposure,
+                soft: false,
+            },
+            (Exposure::Eye(stops), Some(fragment)) if !lamps.is_empty() => Tone {
+                exposure: LIT_WELL / lamps.lit(fragment) * stops.exp2(),
+                soft: true,
+            },
+            _ => Tone {
+                exposure: 1.0,
+                soft: false,
+            },
+        }
+    }
+
+    /// Light as it is shown, 0 to 1.
+    #[inline]
+    pub(crate) fn shown(&self, light: Vec3) -> Vec3 {
+        /// Up to here colors are as they are.
+        const TRUE: f32 = 0.6;
+        if !self.soft || light.max_element() <= TRUE {
+            return light;
+        }
+        let soft = |value: f32| {
+            if value <= TRUE {
+                value
+            } else {
+                TRUE + (1.0 - TRUE) * (1.0 - (-(value - TRUE) / (1.0 - TRUE)).exp())
+            }
+        };
+        Vec3::new(soft(light.x), soft(light.y), soft(light.z))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_too_bright_grows_pale_and_never_passes_white_or_changes_places() {
+        let tone = Tone {
+            exposure: 1.0,
+            soft: true,
+        };
+        let shown = |value: f32| tone.shown(Vec3::new(value, 0.1, 0.1)).x;
+        assert_eq!(shown(0.5), 0.5);
+        let mut last = 0.0;
+        for step in 0..200 {
+            let value = shown(0.05 * step as f32);
+            assert!((last..=1.0).contains(&value), "{value} after {last}");
+            last = value;
+        }
+    }
 }

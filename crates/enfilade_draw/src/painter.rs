@@ -1,286 +1,343 @@
-//! A canvas that is a picture.
+//! A canvas that is a picture. Spans are gathered, and shaded many at a time, on all cores.
 
 use crate::cover::CoverPicture;
-use crate::lamps::Lamps;
-use crate::light::{Eye, lit, sky, turned_to};
-use crate::palette::{decode, distinct, encode, heat, rainbow};
+use crate::face::{Face, Rays};
+use crate::lamps::Near;
+use crate::light::{Daylight, Tone};
+use crate::palette::{distinct, heat, rainbow};
+use crate::pending::{Pending, Waiting};
+use crate::pixels::{self, Pixel, UNPAINTED, pixel, put};
+use crate::samples::{Known, Others};
+use crate::shade::{Illumination, Row, Shade};
 use crate::show::Show;
-use enfilade::{
-    Alpha, Canvas, CoverSpan, FragmentId, Method, Owner, Passage, PassageId, Scene, Span, Surface, Transform,
-    View,
-};
-use glam::{DVec3, Vec3};
+use crate::sky::Sky;
+use crate::stage::{Picture, Settings, Stage};
+use enfilade::{Alpha, Canvas, CoverSpan, FragmentId, Method, Owner, Passage, PassageId, Scene, Span, View};
+use glam::Vec3;
 use image::RgbImage;
+use rayon::prelude::*;
 
 /// A picture of what [`Viewer::draw`](enfilade::Viewer::draw) sees.
 ///
-/// Faces are shaded once for each passage; where a lamp may shine on them, once for each sample.
+/// Faces are worked out once for each passage; where texture, normals or lights vary over them, each sample is shaded.
 pub struct Painter<'a> {
     scene: &'a Scene,
-    show: Show,
+    stage: &'a Stage,
+    settings: Settings,
     size: [u32; 2],
-    /// sRGB, and 255 where painted; where not, the sky shows.
-    pixels: Vec<[u8; 4]>,
+    pixels: Vec<Pixel>,
     /// What [`Canvas::work`] counted; empty unless it is shown.
     counts: Vec<u32>,
     /// What [`Canvas::cover`] told, if that is shown.
     cover: Option<CoverPicture>,
     sky: Sky,
+    tone: Tone,
     fragment: FragmentId,
-    eye: Eye,
-    lamps: Lamps,
     rays: Rays,
-    shades: Vec<Shade>,
+    /// The lights that may shine on what the passage at hand shows.
+    near: Vec<Near>,
+    daylight: Daylight,
+    /// Of each light, does it shine on anything seen?
+    shines: Vec<bool>,
+    pending: Pending,
+    shaded: u64,
+    /// What the pixels' other samples have shown, where they have more than one.
+    others: Option<Others>,
+    /// Names what the passage at hand shows, and how it stands to the eye.
+    passage: u64,
 }
 
-/// The colour of a face through the passage at hand.
-#[derive(Clone, Copy)]
-struct Shade {
-    owner: Option<Owner>,
-    color: [f32; 3],
-    bytes: [u8; 4],
-    coverage: f32,
-    /// What lamps shine on, and the normal of the side that is seen.
-    lit: Option<(Surface, Vec3)>,
-}
-
-/// Colours kept, by a hash of the face: a face is met again in its next row.
-const SHADES: usize = 1 << 12;
-const NO_SHADE: Shade = Shade {
-    owner: None,
-    color: [0.0; 3],
-    bytes: [0; 4],
-    coverage: 1.0,
-    lit: None,
-};
+/// Rows that are shaded at once by one thread.
+const BAND: usize = 8;
+/// With fewer samples than this it is not worth it to ask other threads for help.
+const FEW_SAMPLES: u64 = 1 << 13;
 /// What is seen where an opening is closed, or no longer followed.
 const CLOSED: [f32; 3] = [0.10, 0.07, 0.05];
 
 impl<'a> Painter<'a> {
-    /// An empty picture of the view's size.
-    pub fn new(scene: &'a Scene, view: &View, show: Show) -> Painter<'a> {
+    /// An empty picture of the view's size. [`Stage::draw`] does all at once.
+    pub fn on(stage: &'a Stage, scene: &'a Scene, view: &View, settings: &Settings) -> Painter<'a> {
+        let show = settings.show;
         let samples = view.size[0] as usize * view.size[1] as usize;
-        let counts = if matches!(show, Show::Overdraw | Show::Order) {
-            samples
-        } else {
-            0
-        };
+        let counted = matches!(show, Show::Overdraw | Show::Order);
+        let tone = Tone::of(&stage.lamps, scene.fragment_of(view), settings.exposure);
         Painter {
             scene,
-            show,
+            stage,
+            settings: *settings,
             size: view.size,
-            pixels: vec![[0; 4]; samples],
-            counts: vec![0; counts],
+            pixels: vec![UNPAINTED; samples],
+            counts: vec![0; if counted { samples } else { 0 }],
             cover: (show == Show::Cover).then(|| CoverPicture::new(view.size)),
             sky: Sky::new(view),
             fragment: FragmentId(0),
-            eye: Eye::default(),
-            lamps: if show == Show::Image {
-                Lamps::of(scene)
-            } else {
-                Lamps::default()
-            },
             rays: Rays::default(),
-            shades: vec![NO_SHADE; SHADES],
+            near: Vec::new(),
+            daylight: Daylight::of(&stage.lamps, FragmentId(0), settings.exposure, &tone),
+            tone,
+            shines: vec![false; stage.lamps.lights],
+            pending: Pending::default(),
+            shaded: 0,
+            others: None,
+            passage: 0,
         }
+    }
+
+    /// Takes up what the pixels' other samples have shown.
+    pub(crate) fn beside(mut self, others: Others) -> Painter<'a> {
+        self.others = Some(others);
+        self
+    }
+
+    /// The pixels, the sky where nothing else was painted; what was shown before glass came over it; and how many samples
+    /// were shaded.
+    pub(crate) fn finish_samples(mut self) -> (Vec<Pixel>, Others, Picture) {
+        self.flush();
+        pixels::fill(&mut self.pixels, self.size, &self.sky);
+        let (pixels, others) = (
+            std::mem::take(&mut self.pixels),
+            self.others.take().unwrap_or_default(),
+        );
+        let told = self.picture(RgbImage::default());
+        (pixels, others, told)
     }
 
     /// Paints the sky where nothing else was, and gives the picture.
-    pub fn into_image(mut self) -> RgbImage {
-        if let Some(cover) = self.cover {
-            return cover.into_image();
-        }
+    pub fn finish(mut self) -> Picture {
+        self.flush();
         let greatest = self.counts.iter().copied().max().unwrap_or(0).max(1) as f32;
-        let count_color = |count: u32| match self.show {
-            Show::Overdraw => encode(heat(count as f32 / 16.0)),
-            _ if count == 0 => [20; 3],
-            _ => encode(rainbow(count as f32 / greatest)),
-        };
-        for (pixel, &count) in self.pixels.iter_mut().zip(&self.counts) {
-            let [r, g, b] = count_color(count);
-            *pixel = [r, g, b, 255];
+        for (at, &count) in self.pixels.iter_mut().zip(&self.counts) {
+            *at = pixel(Vec3::from(match self.settings.show {
+                Show::Overdraw => heat(count as f32 / 16.0),
+                _ if count == 0 => [0.007; 3],
+                _ => rainbow(count as f32 / greatest),
+            }));
         }
-        let mut image = RgbImage::new(self.size[0], self.size[1]);
-        for (i, (pixel, target)) in self.pixels.iter().zip(image.pixels_mut()).enumerate() {
-            let [r, g, b, painted] = *pixel;
-            target.0 = if painted > 0 {
-                [r, g, b]
+        let image = match self.cover.take() {
+            Some(cover) => cover.into_image(),
+            None => {
+                pixels::fill(&mut self.pixels, self.size, &self.sky);
+                pixels::image(&self.pixels, self.size)
+            }
+        };
+        self.picture(image)
+    }
+
+    fn picture(&self, image: RgbImage) -> Picture {
+        Picture {
+            image,
+            lights_shining: self.shines.iter().filter(|&&shines| shines).count(),
+            shaded: self.shaded,
+        }
+    }
+
+    /// Shades all that waits: the faces first, then the samples of each band of rows, in the order in which they came.
+    fn flush(&mut self) {
+        let mut pending = std::mem::take(&mut self.pending);
+        if !pending.is_empty() {
+            let light = Illumination {
+                rays: &self.rays,
+                lights: &self.near,
+                daylight: &self.daylight,
+                tone: &self.tone,
+            };
+            let one = |&owner: &Owner| self.paint_of(owner, &light);
+            let few = pending.samples() < FEW_SAMPLES;
+            let paints: Vec<Paint> = if few {
+                pending.owners().iter().map(one).collect()
             } else {
-                self.sky.at(i, self.size[0])
+                pending.owners().par_iter().with_min_len(64).map(one).collect()
             };
-        }
-        image
-    }
-
-    /// How many of the scene's lights shine on something that was seen; the others cost nothing. Only [`Show::Image`] has
-    /// light.
-    pub fn lights_shining(&self) -> usize {
-        self.lamps.shining()
-    }
-
-    fn start(&self, y: u16, x: u16) -> usize {
-        usize::from(y) * self.size[0] as usize + usize::from(x)
-    }
-
-    fn shade(&mut self, owner: Owner) -> Shade {
-        let slot = match owner {
-            Owner::Face(item, face) => item.0.wrapping_mul(0x9E37_79B1).wrapping_add(face) as usize % SHADES,
-            Owner::Opening(_) => 0,
-        };
-        if self.shades[slot].owner != Some(owner) {
-            let (color, coverage) = self.color(owner);
-            let [r, g, b] = encode(color);
-            let lit = match owner {
-                Owner::Face(item, face) if self.lamps.any_here() => {
-                    let surface = self.scene.fragment(self.fragment).surface(item, face);
-                    Some((surface, turned_to(&self.eye, &surface)))
+            let width = self.size[0] as usize;
+            pending.sort(self.size[1] as usize, BAND);
+            let work = Work {
+                light: &light,
+                paints: &paints,
+                pending: &pending,
+                width,
+                sky: &self.sky,
+                passage: self.passage,
+            };
+            let pixels = self.pixels.par_chunks_mut(BAND * width);
+            let jobs = pixels.zip(pending.bands()).enumerate();
+            let shaded = match &mut self.others {
+                None => jobs
+                    .with_min_len(if few { usize::MAX } else { 1 })
+                    .map(|(band, (pixels, spans))| work.shade(band, pixels, spans, None))
+                    .sum::<u64>(),
+                Some(others) => {
+                    let (number, known) = others.bands(BAND * width);
+                    jobs.zip(known)
+                        .map(|((band, (pixels, spans)), known)| {
+                            work.shade(band, pixels, spans, Some((number, known)))
+                        })
+                        .sum()
                 }
-                _ => None,
             };
-            self.shades[slot] = Shade {
-                owner: Some(owner),
-                color,
-                bytes: [r, g, b, 255],
-                coverage,
-                lit,
-            };
+            self.shaded += shaded;
         }
-        self.shades[slot]
+        pending.clear();
+        self.pending = pending;
     }
 
-    fn color(&self, owner: Owner) -> ([f32; 3], f32) {
+    /// How a face, or a closed opening, looks through the passage at hand.
+    fn paint_of(&self, owner: Owner, light: &Illumination) -> Paint<'a> {
         let Owner::Face(item, face) = owner else {
-            return (CLOSED, 1.0);
+            return Paint::Plain(Shade {
+                color: CLOSED.into(),
+                coverage: 1.0,
+            });
         };
         let surface = self.scene.fragment(self.fragment).surface(item, face);
-        // A cut-out has no texture here, so it is painted whole.
         let coverage = if surface.alpha == Alpha::Blend {
             surface.color[3]
         } else {
             1.0
         };
-        match self.show {
-            Show::Items => (
-                distinct(u64::from(self.fragment.0) << 32 | u64::from(item.0)),
+        let plain = |color: [f32; 3]| {
+            Paint::Plain(Shade {
+                color: color.into(),
                 coverage,
-            ),
-            Show::Fragments => {
-                let [r, g, b] = distinct(u64::from(self.fragment.0));
-                (
-                    lit(
-                        &Surface {
-                            color: [r, g, b, 1.0],
-                            ..surface
-                        },
-                        &self.eye,
-                    ),
-                    coverage,
-                )
-            }
-            _ => (self.by_daylight(&surface), coverage),
-        }
-    }
-
-    /// Lamps would be lost in the sun: where there are any, it is evening.
-    fn by_daylight(&self, surface: &Surface) -> [f32; 3] {
-        const EVENING: f32 = 0.4;
-        let part = if self.lamps.is_empty() { 1.0 } else { EVENING };
-        lit(surface, &self.eye).map(|value| value * part)
-    }
-
-    /// Paints one sample, over what is there if it is glass.
-    fn paint(&mut self, i: usize, color: [f32; 3], coverage: f32) {
-        let color = if coverage < 1.0 {
-            let [r, g, b, painted] = self.pixels[i];
-            let behind = decode(if painted > 0 {
-                [r, g, b]
-            } else {
-                self.sky.at(i, self.size[0])
-            });
-            std::array::from_fn(|c| behind[c] * (1.0 - coverage) + color[c] * coverage)
-        } else {
-            color
+            })
         };
-        let [r, g, b] = encode(color);
-        self.pixels[i] = [r, g, b, 255];
-    }
-
-    /// The colour of a sample of a face that lamps may shine on.
-    fn by_lamplight(&self, [x, y]: [u16; 2], shade: &Shade, (surface, normal): &(Surface, Vec3)) -> [f32; 3] {
-        let point = self.rays.meet([x, y], surface, *normal);
-        (Vec3::from(shade.color) + self.lamps.at(point, *normal, surface)).into()
-    }
-}
-
-/// Where the passage at hand sees samples: from an eye, in a direction that grows by the same from each to the next.
-#[derive(Default)]
-struct Rays {
-    eye: DVec3,
-    corner: DVec3,
-    right: DVec3,
-    down: DVec3,
-}
-
-impl Rays {
-    fn new(passage: &Passage) -> Rays {
-        let direction = |at| DVec3::from(passage.ray(at)[1]);
-        let corner = direction([0.5, 0.5]);
-        Rays {
-            eye: passage.ray([0.5, 0.5])[0].into(),
-            corner,
-            right: direction([1.5, 0.5]) - corner,
-            down: direction([0.5, 1.5]) - corner,
+        match self.settings.show {
+            Show::Items => plain(distinct(u64::from(self.fragment.0) << 32 | u64::from(item.0))),
+            Show::Fragments => {
+                let seen = Face::plain(&surface, light.rays);
+                let lit = light.daylight.at(seen.normal, light.rays.back);
+                plain((lit * Vec3::from(distinct(u64::from(self.fragment.0)))).into())
+            }
+            _ => {
+                let made = match self.scene.content(self.fragment) {
+                    Some(content) => {
+                        let of = (&**content, self.stage);
+                        Face::of_content(of, (item, face), &surface, light.rays, light.lights)
+                    }
+                    None => Face::plain(&surface, light.rays),
+                };
+                if made.is_plain() {
+                    Paint::Plain(Row::new(&made, light, 0).at(0))
+                } else {
+                    Paint::Varied(Box::new(made))
+                }
+            }
         }
     }
+}
 
-    /// Where the ray of a sample meets the plane of a surface.
-    fn meet(&self, [x, y]: [u16; 2], surface: &Surface, normal: Vec3) -> DVec3 {
-        let direction = self.corner + self.right * f64::from(x) + self.down * f64::from(y);
-        let normal = normal.as_dvec3();
-        let off = normal.dot(DVec3::from(surface.point.map(f64::from)) - self.eye);
-        self.eye + direction * (off / normal.dot(direction))
+/// How a face looks: the same at all its samples, or not.
+enum Paint<'s> {
+    Plain(Shade),
+    Varied(Box<Face<'s>>),
+}
+
+/// What threads share while they shade.
+struct Work<'a, 's> {
+    light: &'a Illumination<'a>,
+    paints: &'a [Paint<'s>],
+    pending: &'a Pending,
+    width: usize,
+    sky: &'a Sky,
+    passage: u64,
+}
+
+impl Work<'_, '_> {
+    /// Shades the spans of one band of rows; tells how many samples of opaque faces that were.
+    fn shade(
+        &self,
+        band: usize,
+        pixels: &mut [Pixel],
+        spans: &[Waiting],
+        mut others: Option<(usize, &mut [Known])>,
+    ) -> u64 {
+        let mut shaded = 0;
+        for span in spans {
+            let y = usize::from(span.y);
+            let start = (y - band * BAND) * self.width;
+            let run = start + usize::from(span.x0)..start + usize::from(span.x1);
+            let behind = |x: u16| self.sky.at([usize::from(x), y]);
+            let at = (span.x0..).zip(pixels[run.clone()].iter_mut());
+            let length = run.len() as u64;
+            match &self.paints[span.owner as usize] {
+                Paint::Plain(shade) if shade.coverage >= 1.0 => {
+                    pixels[run].fill(pixel(shade.color));
+                    shaded += length;
+                }
+                Paint::Plain(shade) => at.for_each(|(x, at)| put(at, *shade, || behind(x))),
+                Paint::Varied(face) => {
+                    let row = Row::new(face, self.light, span.y);
+                    let opaque = !span.see_through;
+                    match &mut others {
+                        Some((number, known)) if opaque => {
+                            let name = name(self.passage, self.pending.owners()[span.owner as usize]);
+                            for ((x, at), known) in at.zip(&mut known[run]) {
+                                let shown = known.of(name).unwrap_or_else(|| {
+                                    shaded += 1;
+                                    pixel(row.at(x).color)
+                                });
+                                known.keep(*number, name, shown);
+                                *at = shown;
+                            }
+                        }
+                        _ => {
+                            at.for_each(|(x, at)| put(at, row.at(x), || behind(x)));
+                            shaded += if opaque { length } else { 0 };
+                        }
+                    }
+                }
+            }
+        }
+        shaded
     }
+}
+
+/// Names a face as a passage shows it; different faces have different names, but by a chance of one in 2⁶⁴.
+fn name(passage: u64, owner: Owner) -> u64 {
+    let [high, low] = match owner {
+        Owner::Face(item, face) => [item.0, face],
+        Owner::Opening(opening) => [u32::MAX, u32::from(opening.0)],
+    };
+    mix(passage ^ mix(u64::from(high) << 32 | u64::from(low)))
+}
+
+fn mix(name: u64) -> u64 {
+    let name = (name ^ name >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let name = (name ^ name >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+    name ^ name >> 31
 }
 
 impl Canvas for Painter<'_> {
     fn enter(&mut self, _id: PassageId, passage: &Passage) {
+        self.flush();
         self.fragment = passage.fragment;
         if let Some(cover) = &mut self.cover {
             let method = self.scene.method(passage.fragment);
             return cover.enter(method.and_then(Method::cover_shape));
         }
-        let fragment_from_eye = passage
-            .eye_from_fragment()
-            .inverse()
-            .unwrap_or(Transform::IDENTITY);
-        let back =
-            DVec3::from(fragment_from_eye.direction([0.0, 0.0, 1.0]).map(f64::from)).normalize_or_zero();
-        self.eye = Eye {
-            at: passage.eye().into(),
-            back,
-        };
         self.rays = Rays::new(passage);
-        self.lamps.enter(passage);
-        self.shades.fill(NO_SHADE);
+        let exposure = self.settings.exposure;
+        self.daylight = Daylight::of(&self.stage.lamps, passage.fragment, exposure, &self.tone);
+        self.near.clear();
+        if self.settings.show == Show::Image {
+            for (light, near) in self.stage.lamps.near(passage) {
+                self.shines[light] = true;
+                self.near.push(near);
+            }
+        }
+        let columns = passage.eye_from_fragment().columns();
+        let bits = columns.iter().flatten().map(|value| u64::from(value.to_bits()));
+        self.passage = bits.fold(u64::from(passage.fragment.0), |name, bits| mix(name ^ bits));
     }
 
     fn row(&mut self, y: u16, spans: &[Span]) {
-        if self.cover.is_some() {
+        if self.cover.is_some() || !self.counts.is_empty() {
             return;
         }
         for span in spans {
-            let run = self.start(y, span.x0)..self.start(y, span.x1);
-            let shade = self.shade(span.owner);
-            if let Some(lit) = &shade.lit {
-                for (x, i) in (span.x0..).zip(run) {
-                    let color = self.by_lamplight([x, y], &shade, lit);
-                    self.paint(i, color, shade.coverage);
-                }
-            } else if shade.coverage >= 1.0 {
-                self.pixels[run].fill(shade.bytes);
-            } else {
-                run.for_each(|i| self.paint(i, shade.color, shade.coverage));
+            if self.pending.is_full() {
+                self.flush();
             }
+            self.pending.push(y, span);
         }
     }
 
@@ -289,9 +346,9 @@ impl Canvas for Painter<'_> {
     }
 
     fn work(&mut self, y: u16, x0: u16, tested: &[u16], batch: &[u32]) {
-        let start = self.start(y, x0);
+        let start = usize::from(y) * self.size[0] as usize + usize::from(x0);
         for (i, count) in self.counts[start..start + tested.len()].iter_mut().enumerate() {
-            if self.show == Show::Overdraw {
+            if self.settings.show == Show::Overdraw {
                 *count += u32::from(tested[i]);
             } else if batch[i] > 0 {
                 *count = batch[i];
@@ -307,34 +364,5 @@ impl Canvas for Painter<'_> {
         if let Some(cover) = &mut self.cover {
             cover.row(y, spans);
         }
-    }
-}
-
-/// Directions of samples, for what is behind everything.
-struct Sky {
-    corner: DVec3,
-    right: DVec3,
-    down: DVec3,
-}
-
-impl Sky {
-    fn new(view: &View) -> Sky {
-        let [eye, toward, up] = [view.eye, view.toward, view.up].map(|v| DVec3::from(v.map(f64::from)));
-        let forward = (toward - eye).normalize_or(DVec3::NEG_Z);
-        let right = forward.cross(up).normalize_or(forward.any_orthonormal_vector());
-        let down = forward.cross(right);
-        let [width, height] = view.size.map(f64::from);
-        let step = 2.0 * (0.5 * f64::from(view.fov_y)).tan() / height;
-        let corner = forward + right * (step * 0.5 * (1.0 - width)) + down * (step * 0.5 * (1.0 - height));
-        Sky {
-            corner,
-            right: right * step,
-            down: down * step,
-        }
-    }
-
-    fn at(&self, sample: usize, width: u32) -> [u8; 3] {
-        let [x, y] = [sample % width as usize, sample / width as usize];
-        encode(sky(self.corner + self.right * x as f64 + self.down * y as f64))
     }
 }

@@ -2,10 +2,13 @@
 
 use std::sync::LazyLock;
 
-/// Linear light, 0 to 1, in steps of 1/4095, as sRGB bytes.
+/// Steps of linear light from 0 to 1: several for each of the darkest bytes.
+const STEPS: u16 = 16383;
+
+/// Linear light, 0 to 1, in these steps, as sRGB bytes.
 static ENCODED: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let encode = |step: u16| {
-        let linear = f64::from(step) / 4095.0;
+        let linear = f64::from(step) / f64::from(STEPS);
         let srgb = if linear <= 0.003_130_8 {
             12.92 * linear
         } else {
@@ -13,7 +16,7 @@ static ENCODED: LazyLock<Vec<u8>> = LazyLock::new(|| {
         };
         (255.0 * srgb + 0.5) as u8
     };
-    (0..4096).map(encode).collect()
+    (0..=STEPS).map(encode).collect()
 });
 
 /// sRGB bytes as linear light, 0 to 1.
@@ -31,7 +34,7 @@ static DECODED: LazyLock<Vec<f32>> = LazyLock::new(|| {
 
 /// Linear light as sRGB bytes; what is out of range is clamped. IEC 61966-2-1.
 pub(crate) fn encode(linear: [f32; 3]) -> [u8; 3] {
-    linear.map(|value| ENCODED[(value.clamp(0.0, 1.0) * 4095.0 + 0.5) as usize])
+    linear.map(|value| ENCODED[(value.clamp(0.0, 1.0) * f32::from(STEPS) + 0.5) as usize])
 }
 
 /// sRGB bytes as linear light.

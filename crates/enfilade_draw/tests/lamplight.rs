@@ -2,17 +2,15 @@
 
 use enfilade::laws::Lamplight;
 use enfilade::{Light, LightId, Met, Ray, Scene, View, Viewer};
-use enfilade_draw::{Painter, RgbImage, Show};
+use enfilade_draw::{RgbImage, Settings, Stage};
 use enfilade_scenes::{BuiltIn, Camera, built_in};
 use glam::DVec3;
 
 const SIZE: [u32; 2] = [96, 64];
 
 fn drawn(scene: &Scene, view: &View) -> (RgbImage, usize) {
-    let mut painter = Painter::new(scene, view, Show::Image);
-    Viewer::new().draw(scene, view, &mut painter);
-    let shining = painter.lights_shining();
-    (painter.into_image(), shining)
+    let picture = Stage::new(scene).draw(&mut Viewer::new(), scene, view, &Settings::default());
+    (picture.image, picture.lights_shining)
 }
 
 /// The same scene with its lamps turned off.

@@ -14,7 +14,7 @@ use crate::Outcome;
 use crate::args::CompareArgs;
 use crate::cameras;
 use crate::check::{Found, hold};
-use crate::draw::draw;
+use crate::draw::{draw, settings};
 use crate::look::tell_what_is_wrong;
 use crate::measure::{self, PASSES};
 use crate::open::{allow_threads, open};
@@ -63,12 +63,12 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
     for (prepared, viewer) in prepared.iter().zip(&mut viewers) {
         views
             .first()
-            .map(|view| draw(prepared, viewer, view, Show::Image));
+            .map(|view| draw(prepared, viewer, view, &settings(Show::Image)));
     }
     let progress = Progress::steps("measuring", prepared.len() * views.len() * (1 + 3 * PASSES));
     for (prepared, viewer) in prepared.iter().zip(&mut viewers) {
         let looks = measure::looks(prepared, &views, viewer, &progress);
-        let draws = measure::draws(prepared, &views, viewer, Show::Image, &progress);
+        let draws = measure::draws(prepared, &views, viewer, &settings(Show::Image), &progress);
         let walks = measure::walks(prepared, &views, viewer, &progress);
         let mut report = Report::new(&opened, prepared, &views, args.cameras.size, looks);
         report.add_times(&draws, &walks);

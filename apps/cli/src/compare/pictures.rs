@@ -3,7 +3,7 @@
 use super::contested::Neighbours;
 use super::difference::{dimmed, marked};
 use super::embed::{data_uri, shrunk, step};
-use crate::draw::draw;
+use crate::draw::{draw, settings};
 use crate::prepare::{Prepared, drawn_by};
 use anyhow::Result;
 use enfilade::laws::{OwnerPicture, Truth};
@@ -74,8 +74,8 @@ impl<'a> Artist<'a> {
         let mut neighbours = Neighbours::new(view.size);
         viewer.draw(&baseline.scene, view, &mut neighbours);
         let step = step(view.size);
-        let image = shrunk(&draw(baseline, &mut viewer, view, Show::Image), step);
-        let items = shrunk(&draw(baseline, &mut viewer, view, Show::Items), step);
+        let image = shrunk(&picture(baseline, &mut viewer, view, Show::Image), step);
+        let items = shrunk(&picture(baseline, &mut viewer, view, Show::Items), step);
         let contested = neighbours.contested(truth);
         Ok(Sitting {
             view,
@@ -96,12 +96,17 @@ impl<'a> Artist<'a> {
     }
 }
 
+/// A view as a method draws it.
+fn picture(prepared: &Prepared, viewer: &mut Viewer, view: &View, show: Show) -> RgbImage {
+    draw(prepared, viewer, view, &settings(show)).image
+}
+
 impl Sitting<'_, '_> {
     /// Draws what the method of this number makes of the view; `owners` is what it painted when it was checked.
     pub(super) fn draw(&mut self, method: usize, viewer: &mut Viewer, owners: &OwnerPicture) -> Result<()> {
         let prepared = &self.artist.prepared[method];
-        let image = draw(prepared, viewer, self.view, Show::Image);
-        let overdraw = draw(
+        let image = picture(prepared, viewer, self.view, Show::Image);
+        let overdraw = picture(
             prepared,
             &mut self.artist.overdraw[method],
             self.view,

@@ -60,7 +60,10 @@ impl Lens {
             right,
             up: right.cross(forward),
             focal: 0.5 * height / half_tangent,
-            middle: [0.5 * width, 0.5 * height],
+            middle: [
+                0.5 * width - f64::from(view.sample[0]),
+                0.5 * height - f64::from(view.sample[1]),
+            ],
         }
     }
 

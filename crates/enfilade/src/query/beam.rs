@@ -34,6 +34,14 @@ pub struct Reached {
 }
 
 impl Reached {
+    /// The planes that the beam is between: it holds points with n · x ≥ d for all (n, d), in the fragment's space. None
+    /// where the point is.
+    pub fn planes(&self) -> impl Iterator<Item = ([f64; 3], f64)> {
+        self.planes
+            .iter()
+            .map(|&(normal, distance)| (normal.into(), distance))
+    }
+
     /// Does a straight line from the point, through all openings on the way, lead to a point of the fragment? What is in
     /// its way besides is not asked.
     pub fn holds(&self, point: [f64; 3]) -> bool {

@@ -1,0 +1,308 @@
+//! Textures as they are looked up: each with its halves, quarters, eighths … down to one texel.
+//!
+//! Source: Williams, Pyramidal parametrics, 1983. Cost: O(texels) once; a sample looks at 8 texels at most.
+
+use crate::palette::{decode, encode};
+use enfilade::{Filter, Texture, Wrap};
+use std::sync::Arc;
+
+/// A texture and its levels.
+pub(crate) struct Mips {
+    texture: Arc<Texture>,
+    /// From the halves on.
+    smaller: Vec<Level>,
+}
+
+struct Level {
+    size: [u32; 2],
+    texels: Vec<[u8; 4]>,
+}
+
+/// A level as it is looked into.
+#[derive(Clone, Copy)]
+struct Image<'a> {
+    size: [u32; 2],
+    texels: &'a [[u8; 4]],
+}
+
+impl Mips {
+    pub(crate) fn new(texture: &Arc<Texture>) -> Mips {
+        let mut smaller: Vec<Level> = Vec::new();
+        let first = Image {
+            size: texture.size(),
+            texels: texture.texels(),
+        };
+        // Only what is looked at when a texture is small on the screen.
+        if texture.minify.levels.is_some() {
+            while let Some(next) = half(smaller.last().map_or(first, Level::image)) {
+                smaller.push(next);
+            }
+        }
+        Mips {
+            texture: Arc::clone(texture),
+            smaller,
+        }
+    }
+
+    /// Columns and rows of the largest level.
+    pub(crate) fn size(&self) -> [f32; 2] {
+        self.texture.size().map(|side| side as f32)
+    }
+
+    /// Red, green and blue, linear, and coverage at a place, where a sample is `texels` texels wide.
+    pub(crate) fn at(&self, place: [f32; 2], texels: f32) -> [f32; 4] {
+        if texels.is_nan() || texels <= 1.0 {
+            return self.look(0, place, self.texture.magnify);
+        }
+        let minify = self.texture.minify;
+        let last = self.smaller.len() as f32;
+        let level = texels.log2().min(last);
+        match minify.levels {
+            None => self.look(0, place, minify.texels),
+            Some(Filter::Nearest) => self.look((level + 0.5) as usize, place, minify.texels),
+            Some(Filter::Linear) => {
+                let larger = self.look(level as usize, place, minify.texels);
+                let part = level.fract();
+                if part == 0.0 {
+                    return larger;
+                }
+                let smaller = self.look(level as usize + 1, place, minify.texels);
+                std::array::from_fn(|i| larger[i] + (smaller[i] - larger[i]) * part)
+            }
+        }
+    }
+
+    fn image(&self, level: usize) -> Image<'_> {
+        match level.checked_sub(1).and_then(|level| self.smaller.get(level)) {
+            Some(level) => level.image(),
+            None => Image {
+                size: self.texture.size(),
+                texels: self.texture.texels(),
+            },
+        }
+    }
+
+    fn look(&self, level: usize, [u, v]: [f32; 2], filter: Filter) -> [f32; 4] {
+        let image = self.image(level.min(self.smaller.len()));
+        let [wrap_u, wrap_v] = self.texture.wrap;
+        let [width, height] = image.size;
+        let [x, y] = [
+            into_range(u, wrap_u) * width as f32,
+            into_range(v, wrap_v) * height as f32,
+        ];
+        if filter == Filter::Nearest {
+            let column = wrapped(x.floor() as i32, width, wrap_u);
+            let row = wrapped(y.floor() as i32, height, wrap_v);
+            return decoded(image.texel(column, row));
+        }
+        let [x, y] = [x - 0.5, y - 0.5];
+        let [left, top] = [x.floor(), y.floor()];
+        let [part_x, part_y] = [x - left, y - top];
+        let columns = [0, 1].map(|step| wrapped(left as i32 + step, width, wrap_u));
+        let rows = [0, 1].map(|step| wrapped(top as i32 + step, height, wrap_v));
+        let row = |row: usize| {
+            let [a, b] = columns.map(|column| decoded(image.texel(column, row)));
+            std::array::from_fn(|i| a[i] + (b[i] - a[i]) * part_x)
+        };
+        let [above, below]: [[f32; 4]; 2] = rows.map(row);
+        std::array::from_fn(|i| above[i] + (below[i] - above[i]) * part_y)
+    }
+}
+
+impl Level {
+    fn image(&self) -> Image<'_> {
+        Image {
+            size: self.size,
+            texels: &self.texels,
+        }
+    }
+}
+
+impl Image<'_> {
+    fn texel(&self, column: usize, row: usize) -> [u8; 4] {
+        self.texels[row * self.size[0] as usize + column]
+    }
+}
+
+/// A coordinate near 0, so that those far out lose no digits where they are multiplied by the size.
+fn into_range(place: f32, wrap: Wrap) -> f32 {
+    let near = match wrap {
+        Wrap::Repeat => place - place.floor(),
+        Wrap::Mirror => place - 2.0 * (0.5 * place).floor(),
+        Wrap::Clamp => place.clamp(-1.0, 2.0),
+    };
+    if near.is_finite() { near } else { 0.0 }
+}
+
+/// The texel that a number stands for, which may lie beyond the sides.
+fn wrapped(texel: i32, size: u32, wrap: Wrap) -> usize {
+    let size = size as i32;
+    let texel = match wrap {
+        Wrap::Repeat if texel < 0 => texel + size,
+        Wrap::Repeat if texel >= size => texel - size,
+        Wrap::Repeat => texel,
+        Wrap::Mirror => {
+            let twice = texel.rem_euclid(2 * size);
+            twice.min(2 * size - 1 - twice)
+        }
+        Wrap::Clamp => texel,
+    };
+    texel.clamp(0, size - 1) as usize
+}
+
+fn decoded([r, g, b, a]: [u8; 4]) -> [f32; 4] {
+    let [r, g, b] = decode([r, g, b]);
+    [r, g, b, f32::from(a) * (1.0 / 255.0)]
+}
+
+/// An image of half the width and height, rounded down; `None` of one texel. What is seen through counts less.
+fn half(image: Image) -> Option<Level> {
+    if image.size == [1, 1] {
+        return None;
+    }
+    let size = image.size.map(|side| (side / 2).max(1));
+    let mut texels = Vec::with_capacity(size[0] as usize * size[1] as usize);
+    for y in 0..size[1] {
+        let rows = covered(y, size[1], image.size[1]);
+        for x in 0..size[0] {
+            let columns = covered(x, size[0], image.size[0]);
+            let mut color = [0.0; 3];
+            let [mut coverage, mut count] = [0.0, 0.0];
+            for row in rows.clone() {
+                for column in columns.clone() {
+                    let [r, g, b, a] = decoded(image.texel(column, row));
+                    // So that what is seen through whole still has the color of its surroundings.
+                    let weight = a + 1e-4;
+                    color = [
+                        color[0] + r * weight,
+                        color[1] + g * weight,
+                        color[2] + b * weight,
+                    ];
+                    coverage += a;
+                    count += 1.0;
+                }
+            }
+            let [r, g, b] = encode(color.map(|sum| sum / (coverage + 1e-4 * count)));
+            texels.push([r, g, b, (255.0 * coverage / count + 0.5) as u8]);
+        }
+    }
+    Some(Level { size, texels })
+}
+
+/// The texels of a larger row that one of a smaller row stands for: all are stood for.
+fn covered(place: u32, of: u32, larger: u32) -> std::ops::Range<usize> {
+    let at = |place: u32| (u64::from(place) * u64::from(larger) / u64::from(of)) as usize;
+    at(place)..at(place + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use enfilade::Minify;
+
+    fn texture(size: [u32; 2], texel: impl Fn(u32, u32) -> [u8; 4]) -> Texture {
+        let texels = (0..size[0] * size[1]).map(|i| texel(i % size[0], i / size[0]));
+        Texture::new("tile", size, texels.collect()).expect("texels for all")
+    }
+
+    /// Red grows by column, green by row.
+    fn numbered(change: impl FnOnce(&mut Texture)) -> Mips {
+        let mut texture = texture([4, 2], |x, y| [x as u8 * 10, y as u8 * 10, 0, 255]);
+        change(&mut texture);
+        Mips::new(&Arc::new(texture))
+    }
+
+    fn texel_at(mips: &Mips, place: [f32; 2]) -> [u8; 2] {
+        let [r, g, b, _] = mips.at(place, 0.5);
+        let [r, g, _] = encode([r, g, b]);
+        [r / 10, g / 10]
+    }
+
+    #[test]
+    fn what_is_beyond_the_sides_repeats_mirrors_or_stays() {
+        for (wrap, columns) in [
+            (Wrap::Repeat, [2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1]),
+            (Wrap::Mirror, [1, 0, 0, 1, 2, 3, 3, 2, 1, 0, 0, 1]),
+            (Wrap::Clamp, [0, 0, 0, 1, 2, 3, 3, 3, 3, 3, 3, 3]),
+        ] {
+            for filter in [Filter::Nearest, Filter::Linear] {
+                let mips = numbered(|texture| {
+                    texture.wrap = [wrap; 2];
+                    texture.magnify = filter;
+                });
+                for (step, column) in (-2..10).zip(columns) {
+                    // In the middle of a texel both filters give its own color.
+                    let place = [(step as f32 + 0.5) / 4.0, 0.25];
+                    assert_eq!(texel_at(&mips, place), [column, 0], "{wrap:?} {filter:?} {step}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn between_the_middles_of_texels_colors_blend_or_not() {
+        let black_and_white = |magnify| {
+            let mut texture = texture([2, 1], |x, _| [255 * x as u8, 0, 0, 255]);
+            texture.wrap = [Wrap::Clamp; 2];
+            texture.magnify = magnify;
+            Mips::new(&Arc::new(texture)).at([0.45, 0.5], 1.0)[0]
+        };
+        assert_eq!(black_and_white(Filter::Nearest), 0.0);
+        assert!((black_and_white(Filter::Linear) - 0.4).abs() < 1e-5);
+    }
+
+    #[test]
+    fn smaller_levels_are_means_of_light_and_what_is_seen_through_has_no_say() {
+        let mut checks = texture([64, 64], |x, y| {
+            if (x + y) % 2 == 0 {
+                [255, 255, 255, 255]
+            } else {
+                [0, 0, 0, 255]
+            }
+        });
+        let mean = Mips::new(&Arc::new(checks.clone())).at([0.3, 0.7], 64.0);
+        assert!((mean[0] - 0.5).abs() < 0.01, "{mean:?}");
+        checks.minify = Minify {
+            texels: Filter::Nearest,
+            levels: None,
+        };
+        let sharp = Mips::new(&Arc::new(checks)).at([0.3, 0.7], 64.0);
+        assert!(sharp[0] == 0.0 || sharp[0] == 1.0);
+        let leaf = texture([4, 4], |x, _| {
+            if x % 2 == 0 {
+                [0, 200, 0, 255]
+            } else {
+                [255, 0, 255, 0]
+            }
+        });
+        let [r, _, _, a] = Mips::new(&Arc::new(leaf)).at([0.5; 2], 4.0);
+        assert!(r < 0.01 && (a - 0.5).abs() < 0.01, "{r} {a}");
+    }
+
+    #[test]
+    fn a_sample_between_two_levels_blends_them_and_odd_sizes_lose_no_texel() {
+        let halves = texture([2, 2], |x, _| [255 * x as u8, 0, 0, 255]);
+        let mips = Mips::new(&Arc::new(halves));
+        let [sharp, mixed, flat] = [1.0, 1.5, 2.0].map(|texels| mips.at([0.75, 0.5], texels)[0]);
+        assert!(sharp > mixed && mixed > flat, "{sharp} {mixed} {flat}");
+        let odd = texture([3, 5], |x, y| {
+            if (x, y) == (2, 4) {
+                [255; 4]
+            } else {
+                [0, 0, 0, 255]
+            }
+        });
+        let dot = Mips::new(&Arc::new(odd)).at([0.5; 2], 8.0)[0];
+        assert!(dot > 0.01, "the last texel has a part in the whole: {dot}");
+    }
+
+    #[test]
+    fn places_that_are_no_numbers_or_far_out_do_no_harm() {
+        let mips = numbered(|_| {});
+        for place in [f32::NAN, f32::INFINITY, -f32::INFINITY, 1e30, -1e30] {
+            let color = mips.at([place, place], 3.0);
+            assert!(color.iter().all(|value| (0.0..=1.0).contains(value)), "{color:?}");
+        }
+        assert!(mips.at([0.5; 2], f32::NAN)[3] == 1.0);
+    }
+}

@@ -1,0 +1,63 @@
+//! The pixels of a picture while it is painted: linear, in steps of 1/65535, so that glass upon glass loses nothing.
+
+use crate::palette::encode;
+use crate::shade::Shade;
+use crate::sky::Sky;
+use glam::Vec3;
+use image::RgbImage;
+use rayon::prelude::*;
+
+/// Red, green and blue as they are shown, linear; and whether anything was painted.
+pub(crate) type Pixel = [u16; 4];
+
+pub(crate) const UNPAINTED: Pixel = [0; 4];
+
+/// A pixel of this color.
+#[inline]
+pub(crate) fn pixel(color: Vec3) -> Pixel {
+    let step = |value: f32| (value.clamp(0.0, 1.0) * 65535.0 + 0.5) as u16;
+    [step(color.x), step(color.y), step(color.z), 1]
+}
+
+/// The color of a pixel.
+#[inline]
+pub(crate) fn color([r, g, b, _]: Pixel) -> Vec3 {
+    Vec3::new(f32::from(r), f32::from(g), f32::from(b)) * (1.0 / 65535.0)
+}
+
+/// Paints a sample over what is there; `behind` is what is behind everything.
+#[inline]
+pub(crate) fn put(at: &mut Pixel, shade: Shade, behind: impl FnOnce() -> Vec3) {
+    if shade.coverage >= 1.0 {
+        *at = pixel(shade.color);
+    } else if shade.coverage > 0.0 {
+        let below = if *at == UNPAINTED { behind() } else { color(*at) };
+        let shown = shade.color.clamp(Vec3::ZERO, Vec3::ONE);
+        *at = pixel(below.lerp(shown, shade.coverage));
+    }
+}
+
+/// Paints the sky where nothing else was painted.
+pub(crate) fn fill(pixels: &mut [Pixel], size: [u32; 2], sky: &Sky) {
+    let rows = pixels.par_chunks_mut(size[0] as usize).enumerate();
+    rows.for_each(|(y, row)| {
+        for (x, at) in row.iter_mut().enumerate() {
+            if *at == UNPAINTED {
+                *at = pixel(sky.at([x, y]));
+            }
+        }
+    });
+}
+
+/// The picture of pixels.
+pub(crate) fn image(pixels: &[Pixel], size: [u32; 2]) -> RgbImage {
+    let mut image = RgbImage::new(size[0], size[1]);
+    let width = size[0] as usize;
+    let rows = image.par_chunks_mut(3 * width).zip(pixels.par_chunks(width));
+    rows.for_each(|(bytes, row)| {
+        for (bytes, &pixel) in bytes.chunks_exact_mut(3).zip(row) {
+            bytes.copy_from_slice(&encode(color(pixel).into()));
+        }
+    });
+    image
+}

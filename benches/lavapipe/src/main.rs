@@ -17,6 +17,7 @@ mod serve;
 mod stock;
 mod weld;
 
+use crate::ours::Ours;
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use clock::Clock;
@@ -139,8 +140,12 @@ fn bench(args: &Args, file: &Path, cores: &[usize]) -> Result<Report> {
         .collect::<Result<_>>()?;
     println!("{name}: {} views by {}", place.views.len(), peers[0].driver);
     let start = args.pictures.as_ref().map(|folder| folder.join(&name));
-    let drawn = measure::compare(&place, &scenes[0].1, &mut peers[0], start.as_deref())?;
-    let taken = measure::time(&place, &scenes, &mut peers, args.rounds.into())?;
+    let ours: Vec<Ours> = cores
+        .iter()
+        .map(|&cores| Ours::new(&scenes[0].1, cores))
+        .collect::<Result<_>>()?;
+    let drawn = measure::compare(&place, (&ours[0], &scenes[0].1), &mut peers[0], start.as_deref())?;
+    let taken = measure::time(&place, &ours, &scenes, &mut peers, args.rounds.into())?;
     Ok(Report {
         name,
         items: place.content()?.item_count(),

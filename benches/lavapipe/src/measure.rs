@@ -2,7 +2,7 @@
 
 use crate::clock::{Clock, Times, timed};
 use crate::differ::{differing, save};
-use crate::ours::{CORES, Picture, picture};
+use crate::ours::{Ours, Picture};
 use crate::peer::{Cost, Peer};
 use crate::place::Place;
 use crate::serve::What;
@@ -50,7 +50,7 @@ pub(crate) struct Drawn {
 /// Draws all views once on both sides, and compares; writes the pictures where a name to begin with is given.
 pub(crate) fn compare(
     place: &Place,
-    scene: &Scene,
+    (ours, scene): (&Ours, &Scene),
     peer: &mut Peer,
     pictures: Option<&Path>,
 ) -> Result<Vec<Drawn>> {
@@ -58,7 +58,7 @@ pub(crate) fn compare(
     let ours: Vec<Picture> = place
         .views
         .iter()
-        .map(|view| picture(&mut viewer, scene, view))
+        .map(|view| ours.picture(&mut viewer, scene, view))
         .collect();
     let size = place.views[0].size;
     let file = |view: usize, whose: &str| {
@@ -95,18 +95,21 @@ pub(crate) fn compare(
 /// to warm up, then `rounds`.
 pub(crate) fn time(
     place: &Place,
+    ours: &[Ours],
     scenes: &[(Method, Scene)],
     peers: &mut [Peer],
     rounds: usize,
 ) -> Result<Vec<Taken>> {
     let mut viewers: Vec<Viewer> = scenes.iter().map(|_| Viewer::new()).collect();
-    let turns = scenes.len() + peers.len() * What::ALL.len();
+    let turns = ours.len() * scenes.len() + peers.len() * What::ALL.len();
     let mut times = vec![vec![Vec::with_capacity(rounds); place.views.len()]; turns];
     for round in 0..=rounds {
         for (number, view) in place.views.iter().enumerate() {
             let mut taken = Vec::with_capacity(turns);
             for ((_, scene), viewer) in scenes.iter().zip(&mut viewers) {
-                taken.push(timed(|| std::hint::black_box(picture(viewer, scene, view))).1);
+                for ours in ours {
+                    taken.push(timed(|| std::hint::black_box(ours.picture(viewer, scene, view))).1);
+                }
             }
             for peer in &mut *peers {
                 for what in What::ALL {
@@ -121,7 +124,9 @@ pub(crate) fn time(
             }
         }
     }
-    let ours = scenes.iter().map(|(method, _)| (Who::Ours(*method), CORES));
+    let ours = scenes
+        .iter()
+        .flat_map(|(method, _)| ours.iter().map(|ours| (Who::Ours(*method), ours.cores)));
     let theirs = peers
         .iter()
         .flat_map(|peer| What::ALL.map(|what| (Who::Driver(what), peer.cores)));

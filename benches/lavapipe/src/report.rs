@@ -16,13 +16,13 @@ pub(crate) struct Report {
 }
 
 impl Report {
-    /// The fastest of ours.
-    fn best(&self, clock: Clock) -> Option<(Method, f64)> {
+    /// The fastest of ours, and on how many cores it is.
+    fn best(&self, clock: Clock) -> Option<(Method, usize, f64)> {
         let ours = self.taken.iter().filter_map(|taken| match taken.who {
-            Who::Ours(method) => Some((method, taken.median(clock))),
+            Who::Ours(method) => Some((method, taken.cores, taken.median(clock))),
             Who::Driver(_) => None,
         });
-        ours.min_by(|a, b| a.1.total_cmp(&b.1))
+        ours.min_by(|a, b| a.2.total_cmp(&b.2))
     }
 
     fn drawn(&self, what: What) -> Option<&Drawn> {
@@ -66,7 +66,7 @@ impl Report {
     /// Milliseconds, and how many times the best of ours they are.
     fn beside_best(&self, taken: &Taken, clock: Clock) -> (f64, f64) {
         let ms = taken.median(clock);
-        (ms, ms / self.best(clock).map_or(f64::NAN, |(_, best)| best))
+        (ms, ms / self.best(clock).map_or(f64::NAN, |(.., best)| best))
     }
 }
 
@@ -84,7 +84,7 @@ pub(crate) fn print_summary(reports: &[Report], cores: &[usize], clock: Clock) {
         .flat_map(|&what| cores.iter().map(move |&cores| (what, cores)));
     let columns: Vec<(What, usize)> = columns.collect();
     let unit = if clock == Clock::Wall { "ms" } else { "CPU ms" };
-    print!("\n| scene | triangles | in the frustum | seen | ours, best | {unit} |");
+    print!("\n| scene | triangles | in the frustum | seen | ours, best, cores | {unit} |");
     for (what, cores) in &columns {
         let title = if *what == What::Frustum {
             "lavapipe"
@@ -98,13 +98,13 @@ pub(crate) fn print_summary(reports: &[Report], cores: &[usize], clock: Clock) {
         "--:|".repeat(columns.len())
     );
     for report in reports {
-        let Some((method, best)) = report.best(clock) else {
+        let Some((method, cores, best)) = report.best(clock) else {
             continue;
         };
         let [frustum, seen] =
             What::ALL.map(|what| report.drawn(what).map_or(f64::NAN, |drawn| drawn.triangles));
         print!(
-            "| {} | {} | {frustum:.0} | {seen:.0} | {method} | {best:.1} |",
+            "| {} | {} | {frustum:.0} | {seen:.0} | {method}, {cores} | {best:.1} |",
             report.name, report.triangles
         );
         for (what, cores) in &columns {

@@ -14,4 +14,5 @@ mod shapes;
 mod unsound;
 mod villa;
 mod villa_doors;
+mod villa_walk;
 mod warnings;

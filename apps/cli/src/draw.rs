@@ -6,7 +6,7 @@ use crate::cameras;
 #[cfg(feature = "levels")]
 use crate::levels::Leveled;
 use crate::measure::{self, PASSES};
-use crate::open::{allow_threads, open};
+use crate::open::{For, allow_threads, open};
 use crate::out;
 use crate::prepare::{Prepared, prepare};
 use crate::progress::Progress;
@@ -42,6 +42,11 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
     let choice = args.methods.choice();
     let opened = open(
         &args.scene.scene,
+        if args.show == Show::Image {
+            For::Pictures
+        } else {
+            For::Answers
+        },
         choice,
         args.methods.how.flat,
         &args.methods.how.limits,

@@ -30,14 +30,29 @@ pub(crate) struct Opened {
     pub(crate) stage: Arc<OnceLock<Stage>>,
 }
 
+/// What a scene is opened for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum For {
+    /// Pictures of how it looks, which need the images on its faces.
+    Pictures,
+    /// Questions about what can be seen.
+    Answers,
+}
+
 /// Opens a scene. Rooms of a file whose author says no method are seen by hierarchical-z unless another is chosen and
 /// built from it. With `flat` a file is one room; the portals of a built-in scene are there and are not to be followed.
-pub(crate) fn open(name: &str, choice: Choice, flat: bool, limits: &LimitArgs) -> Result<Opened> {
+pub(crate) fn open(
+    name: &str,
+    wanted: For,
+    choice: Choice,
+    flat: bool,
+    limits: &LimitArgs,
+) -> Result<Opened> {
     let progress = Progress::spinner(&format!("loading {name}"));
     let start = Instant::now();
     let mut opened = match name.strip_prefix('@') {
         Some(built_in) => open_built_in(name, built_in),
-        None => open_file(name, choice, flat, limits),
+        None => open_file(name, wanted, choice, flat, limits),
     }?;
     opened.load_ms = start.elapsed().as_secs_f64() * 1e3;
     drop(progress);
@@ -70,10 +85,11 @@ fn open_built_in(file: &str, name: &str) -> Result<Opened> {
     })
 }
 
-fn open_file(file: &str, choice: Choice, flat: bool, limits: &LimitArgs) -> Result<Opened> {
+fn open_file(file: &str, wanted: For, choice: Choice, flat: bool, limits: &LimitArgs) -> Result<Opened> {
     let path = Path::new(file);
     let mut options = ReadOptions {
         flat,
+        textures: wanted == For::Pictures,
         ..ReadOptions::default()
     };
     options.limit_bytes = limits.memory.unwrap_or(options.limit_bytes);

@@ -160,7 +160,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
     let name = path
         .file_stem()
         .map_or("scene".into(), |stem| stem.to_string_lossy());
-    gltf::import(&bytes, path.parent(), &name, options.flat, budget).map_err(failed)
+    gltf::import(&bytes, path.parent(), &name, options, budget).map_err(failed)
 }
 
 /// Reads the bytes of a file. `folder` is where the buffers that a `.gltf` names lie; with `None`, naming one is an
@@ -177,7 +177,7 @@ pub fn read_bytes(bytes: &[u8], folder: Option<&Path>, options: &ReadOptions) ->
     budget
         .take(bytes.len() as u64, || "the file".to_owned())
         .map_err(failed)?;
-    gltf::import(bytes, folder, "scene", options.flat, budget).map_err(failed)
+    gltf::import(bytes, folder, "scene", options, budget).map_err(failed)
 }
 
 /// The first `most` bytes of a file, or all. Never waits on a pipe, and never reads more than the budget allows.

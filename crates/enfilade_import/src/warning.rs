@@ -44,10 +44,12 @@ pub enum WarningKind {
     Flattened,
     /// Nodes whose matrix shears, which glTF forbids.
     Sheared,
-    /// Cameras without perspective.
-    OrthographicCameras,
     /// Cameras whose angle, near distance or place makes no picture.
     BadCameras,
+    /// Lights whose color, range, cone or place makes no light.
+    BadLights,
+    /// Portals and mirrors that are to be there many times.
+    InstancedOpenings,
     /// Meshes that change their shape.
     MorphTargets,
     /// Nodes whose mesh follows a skeleton.
@@ -56,12 +58,18 @@ pub enum WarningKind {
     Animations,
     /// Images that cannot be had.
     BadImages,
-    /// Images on faces.
-    Textures,
-    /// Primitives with normals.
-    Normals,
-    /// Primitives with colors at their corners.
-    VertexColors,
+    /// Faces with a texture, but without places in it.
+    NoTextureCoordinates,
+    /// Primitives with normals that are NaN or infinite.
+    BadNormals,
+    /// Primitives with texture coordinates that are NaN or infinite.
+    BadTextureCoordinates,
+    /// Primitives with colors that are NaN or infinite.
+    BadColors,
+    /// Materials whose texture of the light they send out lies otherwise than that of their color.
+    EmissionElsewhere,
+    /// Maps of materials for what is not drawn.
+    OtherMaps,
 }
 
 impl WarningKind {
@@ -88,15 +96,27 @@ impl WarningKind {
                 "nodes flatten their mesh, which may then be seen as a line or not at all"
             }
             WarningKind::Sheared => "node matrices shear, which glTF forbids; they are taken as they are",
-            WarningKind::OrthographicCameras => "orthographic cameras are not read yet",
             WarningKind::BadCameras => "cameras that can make no picture are left out",
+            WarningKind::BadLights => "lights that can light nothing are left out",
+            WarningKind::InstancedOpenings => {
+                "portals and mirrors are there once, where their node stands: their instances are not read"
+            }
             WarningKind::MorphTargets => "morph targets are not read yet: shapes are those before any morph",
             WarningKind::Skins => "skins are not read yet: meshes are in their rest pose",
             WarningKind::Animations => "animations are not read yet: everything stands still",
             WarningKind::BadImages => "images cannot be read, and are grey",
-            WarningKind::Textures => "textures are not read yet: faces have their base color",
-            WarningKind::Normals => "normals are not read yet: faces are flat",
-            WarningKind::VertexColors => "vertex colors are not read yet",
+            WarningKind::NoTextureCoordinates => {
+                "faces have a texture, but no place in it: they have the color of its corner"
+            }
+            WarningKind::BadNormals => "normals are not finite: faces are flat there",
+            WarningKind::BadTextureCoordinates => "texture coordinates are not finite, and are 0",
+            WarningKind::BadColors => "colors are not finite, and are white",
+            WarningKind::EmissionElsewhere => {
+                "textures of what materials send out lie otherwise than those of their color: they send out nothing"
+            }
+            WarningKind::OtherMaps => {
+                "not drawn: maps of metal, roughness, normals, occlusion and transmission"
+            }
         }
     }
 }
@@ -162,7 +182,7 @@ mod tests {
     #[test]
     fn a_warning_names_few_and_counts_all() {
         let mut warnings = Warnings::default();
-        warnings.count(WarningKind::Textures, 21);
+        warnings.count(WarningKind::OtherMaps, 21);
         warnings.count(WarningKind::Skins, 0);
         (0..9).for_each(|n| warnings.name(WarningKind::Points, || format!("p{n}")));
         warnings.state(WarningKind::EmptyScene, true);
@@ -174,7 +194,7 @@ mod tests {
         );
         assert_eq!(
             texts[2],
-            "textures are not read yet: faces have their base color (21)"
+            "not drawn: maps of metal, roughness, normals, occlusion and transmission (21)"
         );
     }
 }

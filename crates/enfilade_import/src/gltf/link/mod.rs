@@ -11,7 +11,7 @@ mod shape;
 pub use error::LinkError;
 pub use shape::Shape;
 
-use super::buffers::Buffers;
+use super::buffers::{Buffers, Source};
 use super::container::Container;
 use super::document::Document;
 use super::hints::{self, Hint};
@@ -118,6 +118,7 @@ impl Linker {
         // As one room: what portals in it lead to is not known yet.
         let flat = ReadOptions {
             flat: true,
+            textures: false,
             ..self.options.clone()
         };
         crate::read(path, &flat)?;
@@ -163,7 +164,7 @@ impl Linker {
         let all = 0..document.buffers.len() as u32;
         let buffers = Buffers::load(
             &document,
-            all.clone(),
+            all.clone().map(Source::Buffer),
             container.binary,
             path.parent(),
             &mut budget,
@@ -172,9 +173,9 @@ impl Linker {
         let json: Value =
             serde_json::from_slice(container.json).map_err(|why| BrokenRule::Json(why.to_string()))?;
         let first = self.merged.count("nodes");
-        let bytes: Vec<&[u8]> = all.map(|buffer| buffers.bytes(buffer)).collect();
+        let bytes: Vec<&[u8]> = all.map(|buffer| buffers.bytes(Source::Buffer(buffer))).collect();
         self.merged.take_in(json, &bytes, &mut |uri, place| {
-            super::buffers::fetch_all(uri, place, path.parent(), &mut budget)
+            super::address::fetch_all(uri, place, path.parent(), &mut budget)
         })?;
         self.merged.rename(first, name);
         Ok((

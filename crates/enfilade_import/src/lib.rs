@@ -48,6 +48,7 @@ mod gltf;
 mod images;
 #[cfg(feature = "levels")]
 mod levels;
+mod obj;
 mod rooms;
 mod warning;
 
@@ -57,6 +58,7 @@ pub use error::{BrokenRule, ImportError};
 pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};
 #[cfg(feature = "levels")]
 pub use levels::{Levels, details_of};
+pub use obj::ObjError;
 pub use warning::{Warning, WarningKind};
 
 use budget::Budget;
@@ -160,7 +162,10 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
     let name = path
         .file_stem()
         .map_or("scene".into(), |stem| stem.to_string_lossy());
-    gltf::import(&bytes, path.parent(), &name, options.flat, budget).map_err(failed)
+    let is_called_obj = path
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("obj"));
+    import(&bytes, path.parent(), &name, is_called_obj, options, budget).map_err(failed)
 }
 
 /// Reads the bytes of a file. `folder` is where the buffers that a `.gltf` names lie; with `None`, naming one is an
@@ -177,7 +182,30 @@ pub fn read_bytes(bytes: &[u8], folder: Option<&Path>, options: &ReadOptions) ->
     budget
         .take(bytes.len() as u64, || "the file".to_owned())
         .map_err(failed)?;
-    gltf::import(bytes, folder, "scene", options.flat, budget).map_err(failed)
+    import(bytes, folder, "scene", false, options, budget).map_err(failed)
+}
+
+/// Finds out what the bytes are, and reads them. OBJ has no first bytes of its own, so what is not clearly something else
+/// is taken for OBJ where it is called so.
+fn import(
+    bytes: &[u8],
+    folder: Option<&Path>,
+    name: &str,
+    is_called_obj: bool,
+    options: &ReadOptions,
+    budget: Budget,
+) -> Result<Import, BrokenRule> {
+    if gltf::begins_like_gltf(bytes) {
+        return gltf::import(bytes, folder, name, options.flat, budget);
+    }
+    if !bytes.is_empty() && (is_called_obj || obj::begins_like_obj(bytes)) {
+        if let Some(import) = obj::import(bytes, folder, name, options, budget)? {
+            return Ok(import);
+        }
+    }
+    Err(BrokenRule::UnknownFormat {
+        begins: gltf::beginning(bytes),
+    })
 }
 
 /// The first `most` bytes of a file, or all. Never waits on a pipe, and never reads more than the budget allows.

@@ -36,6 +36,20 @@ pub enum WarningKind {
     Points,
     /// Primitives that are lines.
     Lines,
+    /// Objects of an OBJ file that are called like rooms, portals or mirrors.
+    NoRoomsInObj,
+    /// Lines of an OBJ file that are not read, by what they begin with.
+    UnreadStatements,
+    /// Files of materials that cannot be had.
+    MaterialFiles,
+    /// Materials that no file defines.
+    UnknownMaterials,
+    /// Lines of files of materials that are not read.
+    MaterialLines,
+    /// Polygons that cross themselves.
+    RoughPolygons,
+    /// Normals, texture coordinates and colors that are NaN or infinite.
+    NotFinite,
     /// Primitives without positions.
     NoPositions,
     /// Triangle lists whose last corners make no triangle.
@@ -80,6 +94,19 @@ impl WarningKind {
             WarningKind::Extensions => "extensions not read",
             WarningKind::Points => "points are not drawn",
             WarningKind::Lines => "lines are not drawn",
+            WarningKind::NoRoomsInObj => {
+                "objects are called like rooms, portals or mirrors, but OBJ cannot say what stands in a room: all is one"
+            }
+            WarningKind::UnreadStatements => "statements that are not read",
+            WarningKind::MaterialFiles => "files of materials cannot be read",
+            WarningKind::UnknownMaterials => "materials that are not defined are grey",
+            WarningKind::MaterialLines => "what is said of materials and not read",
+            WarningKind::RoughPolygons => {
+                "polygons cross themselves, and are cut into triangles as well as can be"
+            }
+            WarningKind::NotFinite => {
+                "normals, texture coordinates or colors are not finite, and are left out"
+            }
             WarningKind::NoPositions => "primitives without positions are not drawn",
             WarningKind::CornersLeft => {
                 "the last corners of a list of triangles make no triangle and are left out"
@@ -113,6 +140,9 @@ impl fmt::Display for Warning {
     }
 }
 
+/// Names in a warning, at most.
+const FEW: usize = 6;
+
 /// Gathers warnings, one of each kind.
 #[derive(Debug, Default)]
 pub(crate) struct Warnings(BTreeMap<WarningKind, Warning>);
@@ -127,7 +157,6 @@ impl Warnings {
 
     /// Notes one thing, which is named while there are few.
     pub(crate) fn name(&mut self, kind: WarningKind, name: impl FnOnce() -> String) {
-        const FEW: usize = 6;
         let warning = self.of(kind);
         warning.count += 1;
         if warning.first.len() < FEW {
@@ -139,6 +168,16 @@ impl Warnings {
     pub(crate) fn state(&mut self, kind: WarningKind, is_so: bool) {
         if is_so {
             self.of(kind);
+        }
+    }
+
+    /// Takes over the warnings of a later part of the file.
+    pub(crate) fn absorb(&mut self, later: Warnings) {
+        for (kind, more) in later.0 {
+            let warning = self.of(kind);
+            warning.count += more.count;
+            let room = FEW.saturating_sub(warning.first.len());
+            warning.first.extend(more.first.into_iter().take(room));
         }
     }
 

@@ -1,4 +1,5 @@
-//! Reads scenes from files: glTF 2.0, as `.glb` and as `.gltf` with its buffers beside it or inside it.
+//! Reads scenes from files: glTF 2.0, as `.glb` and as `.gltf` with its buffers beside it or inside it; and OBJ, with its
+//! MTL files and their images beside it.
 //!
 //! ```
 //! use enfilade::{FragmentId, Method};
@@ -35,6 +36,11 @@
 //! Which two rooms a portal joins is found from what stands at its two sides, unless `to` says it; the room that it is
 //! parented to comes first where it is one of them. Scales of a portal and its exit do not count in a teleport, which moves
 //! and turns only. What stands in no room is one more room.
+//!
+//! Of an OBJ file each `o` and `g` that has faces is an item, all in one room: OBJ has no tree of nodes, so it cannot say
+//! what stands in a room. Polygons of any shape are cut into triangles. Materials are seen from both sides, `d` and `Tr` make
+//! glass, `map_Kd` puts images on faces, and what lies outside the file's folder is not read.
+//!
 //! What changes only the
 //! look (textures, normals, lights) and what is not read yet is named in [`Import::warnings`], never silently
 //! dropped. A file that breaks a rule, however it does, gives an [`ImportError`] that names the place and the rule.
@@ -75,7 +81,8 @@ pub struct Import {
     /// otherwise. At least one; exactly one where none is marked, or where the file was read as [flat](ReadOptions::flat).
     ///
     /// An item is named for its node, `NAME#nodeIndex` where nodes with meshes share the name, `node#12` where it
-    /// has none. No two items of a file have the same name.
+    /// has none; of an OBJ file for its group, `NAME#itemIndex` where groups share the name, `default` where it has none. No
+    /// two items of a file have the same name.
     pub rooms: Vec<Room>,
     /// The ways between them; [`FragmentId`](enfilade::FragmentId) n is room n. A door is two, a mirror one that reflects.
     pub portals: Vec<Portal>,
@@ -148,7 +155,8 @@ impl Default for ReadOptions {
     }
 }
 
-/// Reads a file. Its first bytes say what it is, not its name.
+/// Reads a file. Its first bytes say what it is, not its name; but OBJ files may begin with anything, so what is none of the
+/// others is OBJ where it is called so, or begins with positions, materials or comments before them.
 ///
 /// # Errors
 /// An [`ImportError`] for the first broken rule that is met; the same one every time.
@@ -168,8 +176,8 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
     import(&bytes, path.parent(), &name, is_called_obj, options, budget).map_err(failed)
 }
 
-/// Reads the bytes of a file. `folder` is where the buffers that a `.gltf` names lie; with `None`, naming one is an
-/// error.
+/// Reads the bytes of a file. `folder` is where the files lie that it names; with `None`, naming a buffer is an error, and an
+/// image or a file of materials a warning.
 ///
 /// # Errors
 /// As [`read`].
@@ -198,10 +206,9 @@ fn import(
     if gltf::begins_like_gltf(bytes) {
         return gltf::import(bytes, folder, name, options.flat, budget);
     }
-    if !bytes.is_empty() && (is_called_obj || obj::begins_like_obj(bytes)) {
-        if let Some(import) = obj::import(bytes, folder, name, options, budget)? {
-            return Ok(import);
-        }
+    let may_be_obj = !bytes.is_empty() && (is_called_obj || obj::begins_like_obj(bytes));
+    if may_be_obj && let Some(import) = obj::import(bytes, folder, name, options, budget)? {
+        return Ok(import);
     }
     Err(BrokenRule::UnknownFormat {
         begins: gltf::beginning(bytes),

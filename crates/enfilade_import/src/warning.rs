@@ -81,7 +81,7 @@ pub enum WarningKind {
 impl WarningKind {
     fn text(self) -> &'static str {
         match self {
-            WarningKind::EmptyScene => "the scene is empty: none of its nodes has a triangle",
+            WarningKind::EmptyScene => "the scene is empty: it has no triangle",
             WarningKind::OtherScenes => "only the default scene is read, others are not",
             WarningKind::InNoRoom => {
                 "nodes stand in no room, and no portal leads to where they are: they are seen only from among them"
@@ -206,7 +206,7 @@ mod tests {
         (0..9).for_each(|n| warnings.name(WarningKind::Points, || format!("p{n}")));
         warnings.state(WarningKind::EmptyScene, true);
         let texts: Vec<String> = warnings.into_list().iter().map(Warning::to_string).collect();
-        assert_eq!(texts[0], "the scene is empty: none of its nodes has a triangle");
+        assert_eq!(texts[0], "the scene is empty: it has no triangle");
         assert_eq!(
             texts[1],
             "points are not drawn (p0, p1, p2, p3, p4, p5 and 3 more)"

@@ -94,7 +94,7 @@ fn faces_of_one_smoothing_group_are_smooth_where_they_meet() {
     }
     // One that is written goes before one that is made.
     assert_eq!(
-        ridge(&format!("vn 1 0 0\ns 1\nf 1 4 5//1 2//1\nf 2//1 5 6 3\n")),
+        ridge("vn 1 0 0\ns 1\nf 1 4 5//1 2//1\nf 2//1 5 6 3\n"),
         [Some([1.0, 0.0, 0.0])]
     );
 }

@@ -81,7 +81,7 @@ fn all_is_one_room_also_where_objects_are_called_like_rooms() {
 
 #[test]
 fn a_file_without_faces_is_called_empty() {
-    let empty = "the scene is empty: none of its nodes has a triangle";
+    let empty = "the scene is empty: it has no triangle";
     assert_eq!(warnings(&reads("o a\nv 0 0 0\ng b")), [empty]);
     assert_eq!(warnings(&reads("v 0 0 0\n")), [empty]);
 }

@@ -80,10 +80,12 @@ fn inside(corners: &[Point], [x, y]: [f64; 2]) -> bool {
     crossed.count() % 2 == 1
 }
 
-/// Ways to lay a plane into space without rounding, and back.
+/// Lays a plane into space without rounding.
 type Lay = fn(Point) -> [f32; 3];
+/// And back.
+type Unlay = fn([f32; 3]) -> Point;
 
-const LAID: [(Lay, fn([f32; 3]) -> Point); 4] = [
+const LAID: [(Lay, Unlay); 4] = [
     (|[x, y]| [x as f32, y as f32, 7.0], |p| [p[0] as i64, p[1] as i64]),
     (|[x, y]| [3.0, x as f32, y as f32], |p| [p[1] as i64, p[2] as i64]),
     (

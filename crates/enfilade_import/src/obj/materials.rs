@@ -74,7 +74,10 @@ impl Materials {
                 None => {
                     reader
                         .warnings
-                        .name(WarningKind::UnknownMaterials, || name.clone());
+                        .name(WarningKind::UnknownMaterials, || match &**name {
+                            "" => "(no name)".to_owned(),
+                            name => name.to_owned(),
+                        });
                     reader.push(Material::opaque(GREY), None);
                 }
             }

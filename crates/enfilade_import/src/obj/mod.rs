@@ -32,11 +32,10 @@ use materials::Materials;
 use mesh::{Built, Source};
 use parse::Tables;
 use rayon::prelude::*;
-use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 use survey::{Counts, survey};
-use text::{Lines, number};
+use text::{Lines, has_old_line_ends, number, with_line_ends, without_mark};
 
 impl From<ObjError> for BrokenRule {
     fn from(why: ObjError) -> BrokenRule {
@@ -144,25 +143,6 @@ fn read(
     })
 }
 
-/// What a byte order mark stands before.
-fn without_mark(bytes: &[u8]) -> &[u8] {
-    bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)
-}
-
-/// Those of very old files are carriage returns alone.
-fn has_old_line_ends(bytes: &[u8]) -> bool {
-    bytes.contains(&b'\r') && !bytes.contains(&b'\n')
-}
-
-/// The text with line ends that we know.
-fn with_line_ends(bytes: &[u8]) -> Cow<'_, [u8]> {
-    if !has_old_line_ends(bytes) {
-        return Cow::Borrowed(bytes);
-    }
-    let ends = |&byte: &u8| if byte == b'\r' { b'\n' } else { byte };
-    Cow::Owned(bytes.iter().map(ends).collect())
-}
-
 /// What is stored of the text, at most: each position may have a color.
 fn bytes_of_tables(all: &Counts) -> u64 {
     let bytes = all.positions * 24 + all.texture * 8 + all.normals * 12;
@@ -172,7 +152,7 @@ fn bytes_of_tables(all: &Counts) -> u64 {
 /// What a triangle takes in a mesh, at most: where it shares no corner with another.
 const BYTES_KEPT: u64 = 52;
 /// What it takes besides, while its mesh is built.
-const BYTES_AT_WORK: u64 = 172;
+const BYTES_AT_WORK: u64 = 220;
 
 /// What the corners of a triangle carry, at most.
 fn bytes_carried(tables: &Tables, any_smooth: bool) -> u64 {

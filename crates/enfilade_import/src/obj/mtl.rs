@@ -2,7 +2,7 @@
 //!
 //! Nothing in them keeps a scene from being opened: a line that makes no sense is left out, and a warning names it.
 
-use super::text::{Line, Lines, number, quoted};
+use super::text::{Line, Lines, number, quoted, with_line_ends, without_mark};
 use crate::warning::{WarningKind, Warnings};
 
 /// A material as its file has it.
@@ -61,7 +61,8 @@ const LEFT_ASIDE: [&[u8]; 16] = [
 /// The materials of a file; `file` is how warnings call it.
 pub(super) fn parse(text: &[u8], file: &str, warnings: &mut Warnings) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
-    for line in Lines::of(text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text), 0) {
+    let text = with_line_ends(without_mark(text));
+    for line in Lines::of(&text, 0) {
         if line.keyword() == b"newmtl" {
             entries.push(Entry {
                 name: line.rest().into_owned(),

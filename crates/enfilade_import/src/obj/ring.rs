@@ -11,6 +11,7 @@
 //! Exact: which way three corners turn is decided without rounding.
 
 use robust::{Coord, orient2d};
+use std::collections::VecDeque;
 
 /// A corner's place in the ring at the start.
 type Place = u32;
@@ -30,10 +31,12 @@ pub(super) struct Ring {
     changes: Vec<u32>,
     left: usize,
     /// Corners to be tried, with their changes at that time; what has changed since is in here again.
-    waiting: std::collections::VecDeque<(Place, u32)>,
+    waiting: VecDeque<(Place, u32)>,
     /// For each corner, the first in `held_up` that waits for it.
     holds_up: Vec<Option<u32>>,
     held_up: Vec<HeldUp>,
+    /// Places in `held_up` that are free again, so that it never has more than some for each corner.
+    free: Vec<u32>,
     grid: Grid,
     tests: u64,
 }
@@ -125,6 +128,7 @@ impl Ring {
         self.holds_up.clear();
         self.holds_up.resize(at.len(), None);
         self.held_up.clear();
+        self.free.clear();
         self.left = at.len();
         self.tests = 0;
         self.grid.fill(at, &self.turn);
@@ -174,14 +178,7 @@ impl Ring {
             }
             match self.in_the_way(corner) {
                 None => return Some(corner),
-                Some(other) => {
-                    let next = self.holds_up[other as usize].replace(self.held_up.len() as u32);
-                    self.held_up.push(HeldUp {
-                        corner,
-                        changes,
-                        next,
-                    });
-                }
+                Some(other) => self.wait(corner, other),
             }
         }
         None
@@ -267,12 +264,27 @@ impl Ring {
         }
     }
 
+    /// Lets a corner wait until another, which is in its way, is gone or sticks out.
+    fn wait(&mut self, corner: Place, other: Place) {
+        let place = self.free.pop().unwrap_or(self.held_up.len() as u32);
+        let held = HeldUp {
+            corner,
+            changes: self.changes[corner as usize],
+            next: self.holds_up[other as usize].replace(place),
+        };
+        match self.held_up.get_mut(place as usize) {
+            Some(free) => *free = held,
+            None => self.held_up.push(held),
+        }
+    }
+
     /// What has waited for a corner is asked again.
     fn let_go(&mut self, corner: Place) {
         let mut waits = self.holds_up[corner as usize].take();
         while let Some(number) = waits {
             let held = self.held_up[number as usize];
             self.waiting.push_back((held.corner, held.changes));
+            self.free.push(number);
             waits = held.next;
         }
     }

@@ -102,6 +102,25 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
+/// What a byte order mark stands before.
+pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)
+}
+
+/// Those of very old files are carriage returns alone.
+pub(super) fn has_old_line_ends(bytes: &[u8]) -> bool {
+    bytes.contains(&b'\r') && !bytes.contains(&b'\n')
+}
+
+/// The text with line ends that we know.
+pub(super) fn with_line_ends(bytes: &[u8]) -> Cow<'_, [u8]> {
+    if !has_old_line_ends(bytes) {
+        return Cow::Borrowed(bytes);
+    }
+    let ends = |&byte: &u8| if byte == b'\r' { b'\n' } else { byte };
+    Cow::Owned(bytes.iter().map(ends).collect())
+}
+
 /// Cuts a text where lines end that do not go on, into pieces of about `size` bytes.
 pub(super) fn pieces(text: &[u8], size: usize) -> Vec<&[u8]> {
     let mut pieces = Vec::new();

@@ -126,7 +126,7 @@ fn materials_that_are_not_defined_are_named() {
     let import = reads_among(&[("a.obj", text.as_bytes()), ("a.mtl", b"newmtl Oak\n")]);
     assert_eq!(
         warnings(&import),
-        ["materials that are not defined are grey (oak, )"]
+        ["materials that are not defined are grey (oak, (no name))"]
     );
 }
 

@@ -110,11 +110,7 @@ fn open_file(file: &str, wanted: For, choice: Choice, flat: bool, limits: &Limit
         .map_err(|why| anyhow!("{file}: {why}; {remedy}"))?;
     Ok(Opened {
         file: file.to_owned(),
-        format: if is_binary(path) {
-            "glTF 2.0, binary"
-        } else {
-            "glTF 2.0"
-        },
+        format: format(path),
         scene,
         cameras: import.cameras.into_iter().map(Camera::from).collect(),
         warnings: import.warnings.iter().map(ToString::to_string).collect(),
@@ -123,12 +119,18 @@ fn open_file(file: &str, wanted: For, choice: Choice, flat: bool, limits: &Limit
     })
 }
 
-fn is_binary(path: &Path) -> bool {
-    let mut first = [0; 4];
-    File::open(path)
-        .and_then(|mut file| file.read_exact(&mut first))
-        .is_ok()
-        && &first == b"glTF"
+/// How a file that could be read is stored, as its first bytes say.
+fn format(path: &Path) -> &'static str {
+    let mut first = Vec::new();
+    let opened = File::open(path);
+    // What cannot be read any more has been read.
+    let _ = opened.and_then(|file| file.take(1 << 12).read_to_end(&mut first));
+    let text = first.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&first);
+    match text.trim_ascii_start() {
+        [b'g', b'l', b'T', b'F', ..] => "glTF 2.0, binary",
+        [b'{', ..] => "glTF 2.0",
+        _ => "OBJ",
+    }
 }
 
 /// Lets the whole program use so many threads, and says how many these are.

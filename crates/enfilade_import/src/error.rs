@@ -1,6 +1,6 @@
 //! Why a file is not read.
 
-use crate::AuthoringError;
+use crate::{AuthoringError, ObjError};
 use enfilade::{ContentError, MeshError};
 use std::io;
 use thiserror::Error;
@@ -23,16 +23,28 @@ pub enum BrokenRule {
     #[error("cannot be read: {0}")]
     Unreadable(io::Error),
     /// A folder, a pipe or a device.
-    #[error("is not a file; name a .glb or .gltf file")]
+    #[error("is not a file, but a folder, a pipe or a device")]
     NotAFile,
     /// Neither the magic number of a `.glb` nor the start of a JSON object.
     #[error(
-        "is not glTF: it begins with {begins}. Only glTF 2.0 is read yet (.glb, or .gltf with its .bin files)"
+        "is not glTF: it begins with {begins}. glTF 2.0 is wanted here (.glb, or .gltf with its .bin files)"
     )]
     NotGltf {
         /// The first bytes, as text.
         begins: String,
     },
+    /// Neither glTF nor OBJ.
+    #[error(
+        "is neither glTF nor OBJ: it begins with {begins}. Scenes are read from glTF 2.0 (.glb, or .gltf with its .bin \
+         files) and from OBJ (.obj with its .mtl files)"
+    )]
+    UnknownFormat {
+        /// The first bytes, as text.
+        begins: String,
+    },
+    /// An OBJ file that breaks a rule.
+    #[error("{0}")]
+    Obj(Box<ObjError>),
     /// A `.glb` ends early.
     #[error(
         "is cut short: its {part} should end at byte {needs}, but the file has only {has}; copy or export it again"

@@ -36,6 +36,20 @@ pub enum WarningKind {
     Points,
     /// Primitives that are lines.
     Lines,
+    /// Objects of an OBJ file that are called like rooms, portals or mirrors.
+    NoRoomsInObj,
+    /// Lines of an OBJ file that are not read, by what they begin with.
+    UnreadStatements,
+    /// Files of materials that cannot be had.
+    MaterialFiles,
+    /// Materials that no file defines.
+    UnknownMaterials,
+    /// Lines of files of materials that are not read.
+    MaterialLines,
+    /// Polygons that cross themselves.
+    RoughPolygons,
+    /// Normals, texture coordinates and colors that are NaN or infinite.
+    NotFinite,
     /// Primitives without positions.
     NoPositions,
     /// Triangle lists whose last corners make no triangle.
@@ -75,7 +89,7 @@ pub enum WarningKind {
 impl WarningKind {
     fn text(self) -> &'static str {
         match self {
-            WarningKind::EmptyScene => "the scene is empty: none of its nodes has a triangle",
+            WarningKind::EmptyScene => "the scene is empty: it has no triangle",
             WarningKind::OtherScenes => "only the default scene is read, others are not",
             WarningKind::InNoRoom => {
                 "nodes stand in no room, and no portal leads to where they are: they are seen only from among them"
@@ -88,6 +102,19 @@ impl WarningKind {
             WarningKind::Extensions => "extensions not read",
             WarningKind::Points => "points are not drawn",
             WarningKind::Lines => "lines are not drawn",
+            WarningKind::NoRoomsInObj => {
+                "objects are called like rooms, portals or mirrors, but OBJ cannot say what stands in a room: all is one"
+            }
+            WarningKind::UnreadStatements => "statements that are not read",
+            WarningKind::MaterialFiles => "files of materials cannot be read",
+            WarningKind::UnknownMaterials => "materials that are not defined are grey",
+            WarningKind::MaterialLines => "what is said of materials and not read",
+            WarningKind::RoughPolygons => {
+                "polygons cross themselves, and are cut into triangles as well as can be"
+            }
+            WarningKind::NotFinite => {
+                "normals, texture coordinates or colors are not finite, and are left out"
+            }
             WarningKind::NoPositions => "primitives without positions are not drawn",
             WarningKind::CornersLeft => {
                 "the last corners of a list of triangles make no triangle and are left out"
@@ -133,6 +160,9 @@ impl fmt::Display for Warning {
     }
 }
 
+/// Names in a warning, at most.
+const FEW: usize = 6;
+
 /// Gathers warnings, one of each kind.
 #[derive(Debug, Default)]
 pub(crate) struct Warnings(BTreeMap<WarningKind, Warning>);
@@ -147,7 +177,6 @@ impl Warnings {
 
     /// Notes one thing, which is named while there are few.
     pub(crate) fn name(&mut self, kind: WarningKind, name: impl FnOnce() -> String) {
-        const FEW: usize = 6;
         let warning = self.of(kind);
         warning.count += 1;
         if warning.first.len() < FEW {
@@ -159,6 +188,16 @@ impl Warnings {
     pub(crate) fn state(&mut self, kind: WarningKind, is_so: bool) {
         if is_so {
             self.of(kind);
+        }
+    }
+
+    /// Takes over the warnings of a later part of the file.
+    pub(crate) fn absorb(&mut self, later: Warnings) {
+        for (kind, more) in later.0 {
+            let warning = self.of(kind);
+            warning.count += more.count;
+            let room = FEW.saturating_sub(warning.first.len());
+            warning.first.extend(more.first.into_iter().take(room));
         }
     }
 
@@ -187,7 +226,7 @@ mod tests {
         (0..9).for_each(|n| warnings.name(WarningKind::Points, || format!("p{n}")));
         warnings.state(WarningKind::EmptyScene, true);
         let texts: Vec<String> = warnings.into_list().iter().map(Warning::to_string).collect();
-        assert_eq!(texts[0], "the scene is empty: none of its nodes has a triangle");
+        assert_eq!(texts[0], "the scene is empty: it has no triangle");
         assert_eq!(
             texts[1],
             "points are not drawn (p0, p1, p2, p3, p4, p5 and 3 more)"

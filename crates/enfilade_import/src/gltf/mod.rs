@@ -28,6 +28,9 @@ mod plan;
 mod textures;
 mod topology;
 
+pub(crate) use container::{beginning, begins_like_gltf};
+pub(crate) use hints::is_called_like_an_opening_or_a_room;
+
 use crate::budget::Budget;
 use crate::warning::{WarningKind, Warnings};
 use crate::{BrokenRule, Import, ReadOptions};

@@ -18,7 +18,7 @@ fn a_plain_file_gives_no_warning() {
 
 #[test]
 fn a_scene_without_triangles_is_called_empty() {
-    let empty = "the scene is empty: none of its nodes has a triangle";
+    let empty = "the scene is empty: it has no triangle";
     warns(|file| file.json["nodes"] = json!([]), &[empty]);
     warns(
         |file| file.json["nodes"] = json!([{ "name": "Nothing" }]),

@@ -35,8 +35,10 @@ struct Lamp {
 struct Brightness {
     /// What surfaces get from others that are lit.
     bounced: Vec3,
-    /// What a white surface that is lit well sends back, about.
+    /// What a white surface that is lit as most are sends back, about.
     lit: f32,
+    /// What one sends back that its nearest lamp lights.
+    lit_best: f32,
 }
 
 /// A light as it shines on what one passage shows: places are seen from the passage's eye.
@@ -53,6 +55,13 @@ pub(crate) struct Near {
     reach: f32,
     /// The beam holds points with n · x ≥ d for all.
     planes: Vec<(Vec3, f32)>,
+}
+
+impl Brightness {
+    /// What an eye gets used to: pools of light in the dark must not be blinding.
+    fn used_to(&self) -> f32 {
+        self.lit.max(0.5 * self.lit_best)
+    }
 }
 
 impl Lamps {
@@ -101,12 +110,15 @@ impl Lamps {
     /// What a white surface that is lit well sends back in a fragment, about; above 0.
     pub(crate) fn lit(&self, fragment: FragmentId) -> f32 {
         const DARKEST: f32 = 0.1;
-        let here = self.rooms.get(fragment.0 as usize).map_or(0.0, |room| room.lit);
+        let here = self
+            .rooms
+            .get(fragment.0 as usize)
+            .map_or(0.0, Brightness::used_to);
         here.max(DARKEST * self.brightest()).max(f32::MIN_POSITIVE)
     }
 
     fn brightest(&self) -> f32 {
-        self.rooms.iter().fold(0.0, |most, room| most.max(room.lit))
+        self.rooms.iter().map(Brightness::used_to).fold(0.0, f32::max)
     }
 
     /// The lights that may shine on what a passage shows, each with its number.
@@ -287,10 +299,14 @@ fn brighten(scene: &Scene, rooms: &mut [Brightness], lamp: &Light, reached: &Rea
         let filled = (4.0 * usual).powi(3) / (size.x * size.y * size.z).max(f64::MIN_POSITIVE);
         0.6 * lamp.falloff(usual) * filled.min(1.0)
     };
-    let light = Vec3::from(lamp.color) * part as f32;
+    let color = Vec3::from(lamp.color);
+    let brightness = color.dot(Vec3::new(0.2126, 0.7152, 0.0722));
     let room = &mut rooms[reached.fragment.0 as usize];
-    room.bounced += light * SENT_BACK;
-    room.lit += light.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+    room.bounced += color * (SENT_BACK * part as f32);
+    room.lit += brightness * part as f32;
+    if reached.parent.is_none() && !is_sun {
+        room.lit_best = room.lit_best.max(brightness * lamp.falloff(usual) as f32);
+    }
 }
 
 fn area(corners: &[DVec3]) -> f64 {

@@ -48,11 +48,14 @@ pub(crate) struct Near {
     to_sun: Vec3,
     onwards: Vec3,
     color: Vec3,
-    lamp: Light,
     /// Of a spot: what the cosine off its middle is multiplied by, and what is added, for the square root of its light.
     cone: Option<[f32; 2]>,
-    per_length: f32,
+    /// Squares of lengths: one in the lamp's own space for one here; how far it shines, here; and there, and under how much
+    /// of it light grows no more.
+    per_square: f32,
     reach: f32,
+    per_range_square: f32,
+    nearest_square: f32,
     /// The beam holds points with n · x ≥ d for all.
     planes: Vec<(Vec3, f32)>,
 }
@@ -170,7 +173,6 @@ impl Lamp {
             },
             onwards: self.onwards.as_vec3(),
             color: self.lamp.color.into(),
-            lamp: self.lamp,
             cone: match self.lamp.shape {
                 LightShape::Spot { inner, outer, .. } => {
                     let steepness = 1.0 / (inner.cos() - outer.cos()).max(1e-3);
@@ -178,8 +180,10 @@ impl Lamp {
                 }
                 _ => None,
             },
-            per_length: (1.0 / self.scale) as f32,
+            per_square: (1.0 / self.scale.powi(2)) as f32,
             reach: self.range() as f32,
+            per_range_square: 1.0 / self.lamp.range.powi(2),
+            nearest_square: (1.0 / self.lamp.falloff(0.0)) as f32,
             planes: planes.collect(),
         }
     }
@@ -229,17 +233,20 @@ impl Near {
         }
         let to_lamp = self.at - point;
         let facing = normal.dot(to_lamp);
-        let distance = to_lamp.length();
-        if facing <= 0.0 || distance >= self.reach || (narrowed && self.planes.iter().any(outside)) {
+        let square = to_lamp.length_squared();
+        let own_square = square * self.per_square;
+        let range_part = own_square * self.per_range_square;
+        if facing <= 0.0 || range_part >= 1.0 || (narrowed && self.planes.iter().any(outside)) {
             return Vec3::ZERO;
         }
-        let cosine = facing / distance;
+        let per_distance = 1.0 / square.sqrt();
         let cone = self.cone.map_or(1.0, |[steepness, added]| {
-            let off = -self.onwards.dot(to_lamp) / distance;
+            let off = -self.onwards.dot(to_lamp) * per_distance;
             (off * steepness + added).clamp(0.0, 1.0).powi(2)
         });
-        let falloff = self.lamp.falloff(f64::from(distance * self.per_length)) as f32;
-        self.color * (falloff * cone * cosine)
+        // As `Light::falloff` has it.
+        let falloff = (1.0 - range_part * range_part) / own_square.max(self.nearest_square);
+        self.color * (falloff * cone * facing * per_distance)
     }
 }
 

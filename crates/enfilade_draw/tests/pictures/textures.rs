@@ -83,7 +83,7 @@ fn a_cut_out_is_seen_through_where_its_texture_says_and_nowhere_else() {
 fn what_lies_far_off_is_even_and_does_not_flicker() {
     let checks = |levels| {
         let texel = |i: u32| {
-            if (i + i / 64) % 2 == 0 {
+            if (i + i / 64).is_multiple_of(2) {
                 [255; 4]
             } else {
                 [0, 0, 0, 255]

@@ -112,7 +112,7 @@ mod tests {
             sum += piece.within;
         }
         assert_eq!(sum, all);
-        let times = |n| 60_000 * n;
+        let times = |n: usize| 60_000 * n;
         assert_eq!(
             [all.lines, all.positions, all.corners],
             [times(7), times(1), times(3)]

@@ -236,4 +236,25 @@ mod tests {
             "not drawn: maps of metal, roughness, normals, occlusion and transmission (21)"
         );
     }
+
+    #[test]
+    fn warnings_of_parts_of_a_file_become_one() {
+        let part = |first: usize| {
+            let mut warnings = Warnings::default();
+            (first..first + 4).for_each(|n| warnings.name(WarningKind::Lines, || format!("line {n}")));
+            warnings.count(WarningKind::NotFinite, 2);
+            warnings
+        };
+        let mut warnings = part(1);
+        warnings.absorb(part(11));
+        warnings.absorb(part(21));
+        let texts: Vec<String> = warnings.into_list().iter().map(Warning::to_string).collect();
+        assert_eq!(
+            texts,
+            [
+                "lines are not drawn (line 1, line 2, line 3, line 4, line 11, line 12 and 6 more)",
+                "normals, texture coordinates or colors are not finite, and are left out (6)"
+            ]
+        );
+    }
 }

@@ -12,6 +12,7 @@ use super::text::Lines;
 use crate::BrokenRule;
 use enfilade::{Attributes, MaterialId, Mesh, Part};
 use rayon::prelude::*;
+use std::ops::AddAssign;
 
 /// All that meshes are made from.
 pub(super) struct Source<'a> {
@@ -20,6 +21,20 @@ pub(super) struct Source<'a> {
     pub(super) tables: &'a Tables,
     /// One for each material, that of faces without one included.
     pub(super) placings: &'a [Option<Placing>],
+}
+
+/// Triangles, and corners of the polygons that they are cut from.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Size {
+    pub(super) triangles: u64,
+    pub(super) corners: u64,
+}
+
+impl AddAssign for Size {
+    fn add_assign(&mut self, more: Size) {
+        self.triangles += more.triangles;
+        self.corners += more.corners;
+    }
 }
 
 /// A mesh, and the faces, by piece and number, that cross themselves.
@@ -45,15 +60,20 @@ type Key = (Corner, u32);
 type Keys = Vec<(Key, u32)>;
 
 impl Source<'_> {
-    /// The triangles that a group has at most.
-    pub(super) fn triangles(&self, group: &Group) -> u64 {
-        group.runs.iter().map(|run| self.triangles_of(run)).sum()
+    /// How large a group is, or larger.
+    pub(super) fn size(&self, group: &Group) -> Size {
+        let mut size = Size::default();
+        group.runs.iter().for_each(|run| size += self.size_of(run));
+        size
     }
 
-    fn triangles_of(&self, run: &Run) -> u64 {
+    fn size_of(&self, run: &Run) -> Size {
         let faces = &self.faces[run.piece];
-        let of_face = |face| faces.face(face).len() as u64 - 2;
-        run.faces.clone().map(of_face).sum()
+        let corners = run.faces.clone().map(|face| faces.face(face).len() as u64).sum();
+        Size {
+            triangles: corners - 2 * run.faces.len() as u64,
+            corners,
+        }
     }
 
     /// Builds the mesh of a group.
@@ -71,7 +91,10 @@ impl Source<'_> {
         let mut read = Vec::new();
         for of_one in runs.chunk_by(|(a, _), (b, _)| a == b) {
             let material = of_one[0].0;
-            let triangles = of_one.iter().map(|(_, run)| self.triangles_of(run)).sum::<u64>();
+            let triangles = of_one
+                .iter()
+                .map(|(_, run)| self.size_of(run).triangles)
+                .sum::<u64>();
             let mut keys = Keys::with_capacity(3 * triangles as usize);
             for (_, run) in of_one {
                 self.cut(run, &mut cutter, &mut keys, &mut rough)?;

@@ -29,7 +29,7 @@ use crate::{BrokenRule, Import, ReadOptions, Room, gltf};
 use enfilade::{ContentBuilder, Transform};
 use groups::{Group, Groups};
 use materials::Materials;
-use mesh::{Built, Source};
+use mesh::{Built, Size, Source};
 use parse::Tables;
 use rayon::prelude::*;
 use std::path::Path;
@@ -106,10 +106,13 @@ fn read(
     let mut content = ContentBuilder::new(materials.materials);
     content.textures(materials.textures);
     let crowds = crowds(&found.groups, &source);
-    let crowded = crowds.iter().map(|(_, triangles)| *triangles);
     let carried = bytes_carried(&tables, found.any_smooth());
-    let kept = (BYTES_KEPT + carried) * crowded.clone().sum::<u64>();
-    let at_work = (BYTES_AT_WORK + carried) * crowded.max().unwrap_or(0);
+    let mut kept = 0;
+    let mut at_work = 0;
+    for (_, size) in &crowds {
+        kept += size.triangles * BYTES_KEPT + size.corners * (12 + carried);
+        at_work = at_work.max(size.triangles * BYTES_AT_WORK + size.corners * (40 + carried));
+    }
     budget.take(kept + at_work, || "the triangles".to_owned())?;
     for (crowd, _) in crowds {
         let built: Vec<_> = crowd.par_iter().map(|group| source.build(group)).collect();
@@ -149,39 +152,39 @@ fn bytes_of_tables(all: &Counts) -> u64 {
     (bytes + all.corners * 12 + all.faces * 4 + all.marks * 64) as u64
 }
 
-/// What a triangle takes in a mesh, at most: where it shares no corner with another.
-const BYTES_KEPT: u64 = 52;
+/// What a triangle takes in a mesh, but for its corners, no two of which may be one.
+const BYTES_KEPT: u64 = 16;
 /// What it takes besides, while its mesh is built.
-const BYTES_AT_WORK: u64 = 220;
+const BYTES_AT_WORK: u64 = 120;
 
-/// What the corners of a triangle carry, at most.
+/// What a corner carries, at most.
 fn bytes_carried(tables: &Tables, any_smooth: bool) -> u64 {
     let bytes = |is_there: bool, bytes| if is_there { bytes } else { 0 };
-    bytes(!tables.normals.is_empty(), 36)
-        + bytes(any_smooth, 100)
-        + bytes(!tables.texture.is_empty(), 24)
-        + bytes(!tables.colors.is_empty(), 48)
+    bytes(!tables.normals.is_empty(), 12)
+        + bytes(any_smooth, 60)
+        + bytes(!tables.texture.is_empty(), 8)
+        + bytes(!tables.colors.is_empty(), 16)
 }
 
 /// Triangles of groups that are built at once, if it is not one group that has more. So memory does not grow with the
 /// number of threads, and there is still enough for each.
 const CROWD: u64 = 1_000_000;
 
-/// Runs of groups that are built at once, and how many triangles each has.
-fn crowds<'g>(groups: &'g [Group], source: &Source) -> Vec<(&'g [Group], u64)> {
-    let counts: Vec<u64> = groups.iter().map(|group| source.triangles(group)).collect();
+/// Runs of groups that are built at once, and how large each is.
+fn crowds<'g>(groups: &'g [Group], source: &Source) -> Vec<(&'g [Group], Size)> {
     let mut crowds = Vec::new();
     let mut start = 0;
-    let mut triangles = 0;
-    for (end, count) in counts.into_iter().enumerate() {
-        if triangles > 0 && triangles + count > CROWD {
-            crowds.push((&groups[start..end], triangles));
-            (start, triangles) = (end, 0);
+    let mut crowd = Size::default();
+    for (end, group) in groups.iter().enumerate() {
+        let size = source.size(group);
+        if crowd.triangles > 0 && crowd.triangles + size.triangles > CROWD {
+            crowds.push((&groups[start..end], crowd));
+            (start, crowd) = (end, Size::default());
         }
-        triangles += count;
+        crowd += size;
     }
     if start < groups.len() {
-        crowds.push((&groups[start..], triangles));
+        crowds.push((&groups[start..], crowd));
     }
     crowds
 }

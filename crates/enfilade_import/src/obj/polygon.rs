@@ -1,7 +1,8 @@
 //! Polygons in space: what they are seen as from in front of them is cut into triangles.
 //!
-//! A polygon is looked at along the axis that it faces most, in which nothing is rounded; where that makes it cross itself,
-//! as it may when it is not flat, along its mean normal. Triangles turn the way that the polygon does.
+//! A flat polygon is looked at along the axis that it faces most, so that nothing is rounded and corners in line stay in
+//! line; a bent one along its mean normal, from where it is the least bent. Where it crosses itself then, the other way is
+//! tried, too. Triangles turn the way that the polygon does.
 
 use super::ring::Ring;
 use glam::{DVec2, DVec3};
@@ -36,18 +37,34 @@ impl Cutter {
         }
         let start = triangles.len();
         let normal = self.normal(corners);
-        let rough = self.cut_along(&Axes::nearest(normal, &self.apart, corners), corners, triangles);
+        let mut ways = [Axes::nearest(normal, &self.apart, corners), Axes::along(normal)];
+        if self.is_bent(normal, corners) {
+            ways.reverse();
+        }
+        let rough = self.cut_along(&ways[0], corners, triangles);
         if rough == 0 || normal == DVec3::ZERO {
             return rough == 0;
         }
         let second = triangles.len();
-        let rougher = self.cut_along(&Axes::along(normal), corners, triangles);
+        let rougher = self.cut_along(&ways[1], corners, triangles);
         if rougher < rough {
             triangles.drain(start..second);
         } else {
             triangles.truncate(second);
         }
         rougher.min(rough) == 0
+    }
+
+    /// Is some corner farther off the plane of the others than rounding can have put it?
+    fn is_bent(&self, normal: DVec3, corners: &[[f32; 3]]) -> bool {
+        const ROUNDED: f64 = 1e-4;
+        let origin = place(corners, self.apart[0]);
+        let normal = unit(normal);
+        let arms = self.apart.iter().map(|&corner| place(corners, corner) - origin);
+        let (off, size) = arms.fold((0.0_f64, 0.0_f64), |(off, size), arm| {
+            (off.max(arm.dot(normal).abs()), size.max(arm.length()))
+        });
+        off > ROUNDED * size
     }
 
     /// The mean normal, twice as long as the polygon has area.
@@ -73,6 +90,16 @@ impl Cutter {
 
 fn place(corners: &[[f32; 3]], corner: u32) -> DVec3 {
     DVec3::from(corners[corner as usize].map(f64::from))
+}
+
+/// A direction of length 1, also of what is so long or short that its square is not a number; zero stays zero.
+fn unit(direction: DVec3) -> DVec3 {
+    let scale = direction.abs().max_element();
+    if scale > 0.0 {
+        (direction / scale).normalize()
+    } else {
+        DVec3::ZERO
+    }
 }
 
 /// Two directions across which a polygon is looked at, so that it turns counter-clockwise.

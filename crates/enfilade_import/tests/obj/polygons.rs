@@ -261,6 +261,34 @@ fn polygons_that_are_not_flat_are_cut_as_they_are_seen_from_in_front() {
 }
 
 #[test]
+fn a_bent_polygon_that_crosses_itself_along_an_axis_is_cut_along_its_normal() {
+    // A square with a slit, one side of which is pushed off the plane so far that from above it covers the other.
+    let normal = [0.7, 0.0, 0.714];
+    let place = |u: f32, v: f32, off: f32| [0.714 * u + off * normal[0], v, -0.7 * u + off * normal[2]];
+    let slit = [
+        place(0.0, 0.0, 0.0),
+        place(10.0, 0.0, 0.0),
+        place(10.0, 10.0, 0.0),
+        place(5.1, 10.0, -0.5),
+        place(5.1, 5.0, -0.5),
+        place(4.9, 5.0, 0.0),
+        place(4.9, 10.0, 0.0),
+        place(0.0, 10.0, 0.0),
+    ];
+    let import = reads(&polygon(&slit));
+    assert_eq!(warnings(&import), [""; 0]);
+    let all = triangles(&import, 0);
+    assert_eq!(all.len(), 6);
+    for (corners, _) in all {
+        let [a, b, c] = corners.map(|corner| corner.position);
+        let [p, q] = [b, c].map(|to| [0, 1, 2].map(|axis| to[axis] - a[axis]));
+        let cross = [0, 1, 2].map(|n| p[(n + 1) % 3] * q[(n + 2) % 3] - p[(n + 2) % 3] * q[(n + 1) % 3]);
+        let faces = (0..3).map(|axis| cross[axis] * normal[axis]).sum::<f32>();
+        assert!(faces > 0.0, "{:?}", [a, b, c]);
+    }
+}
+
+#[test]
 fn a_polygon_of_ten_thousand_corners_takes_no_time() {
     const PATIENCE: Duration = Duration::from_secs(20);
     let zigzag: Vec<[f32; 2]> = (0..5000)

@@ -35,13 +35,15 @@ pub(crate) enum Name {
     Study,
     Treasury,
     SecretPassage,
+    Terrace,
+    Orchard,
     /// Not in [`ROOMS`]: it is made anew for every moment.
     Fountain,
 }
 
 impl Name {
     /// The rooms, in the order of [`ROOMS`].
-    pub(crate) const ALL: [Name; 20] = [
+    pub(crate) const ALL: [Name; 22] = [
         Name::Vestibule,
         Name::GuardRoom,
         Name::RedSalon,
@@ -62,6 +64,8 @@ impl Name {
         Name::Study,
         Name::Treasury,
         Name::SecretPassage,
+        Name::Terrace,
+        Name::Orchard,
     ];
 }
 
@@ -100,8 +104,22 @@ const STONEWORK: Style = Style {
     reveal: STONE,
 };
 
+/// A garden behind walls, under the sky.
+const GARDEN: Design = Design {
+    name: "",
+    plan: Plan::Rectangle([0.0, 1.0], [0.0, 1.0]),
+    height: 5.6,
+    ceiling: Ceiling::Sky,
+    style: Style {
+        wall: PALE_ASHLAR,
+        trim: GRAVEL,
+        reveal: PALE_STONE,
+        ..STONEWORK
+    },
+};
+
 /// The rooms, in the order of [`Name`].
-pub(crate) const ROOMS: [Design; 20] = [
+pub(crate) const ROOMS: [Design; 22] = [
     Design {
         name: "Vestibule",
         plan: Plan::Rectangle([WALL - HALF, HALF - WALL], [DOORS_AT[0] + WALL, -WALL]),
@@ -110,6 +128,7 @@ pub(crate) const ROOMS: [Design; 20] = [
         style: Style {
             floor: Floor::Checker(0.7, [WHITE_MARBLE, BLACK_MARBLE]),
             dado: GREEN_MARBLE,
+            wall: PALE_ASHLAR,
             field: PLASTER,
             gilt: OLD_GOLD,
             ..STONEWORK
@@ -125,9 +144,9 @@ pub(crate) const ROOMS: [Design; 20] = [
             trim: OAK,
             gilt: WALNUT,
             dado: OAK,
-            wall: STONE,
+            wall: ASHLAR,
             field: PLASTER,
-            ceiling: PALE_OAK,
+            ceiling: PLANKS,
             reveal: OAK,
         },
     },
@@ -290,7 +309,7 @@ pub(crate) const ROOMS: [Design; 20] = [
         height: 9.0,
         ceiling: Ceiling::Sky,
         style: Style {
-            wall: PLASTER,
+            wall: PALE_ASHLAR,
             trim: GRAVEL,
             reveal: PALE_STONE,
             ..STONEWORK
@@ -333,7 +352,7 @@ pub(crate) const ROOMS: [Design; 20] = [
             dado: WHITE_MARBLE,
             wall: PALE_GREEN,
             field: IVORY,
-            ceiling: PALE_BLUE,
+            ceiling: SKYLIGHT,
             reveal: WHITE_MARBLE,
         },
     },
@@ -349,7 +368,7 @@ pub(crate) const ROOMS: [Design; 20] = [
             dado: MAHOGANY,
             wall: GREEN_SILK,
             field: GREEN_SILK,
-            ceiling: PALE_OAK,
+            ceiling: PLANKS,
             reveal: MAHOGANY,
         },
     },
@@ -361,12 +380,22 @@ pub(crate) const ROOMS: [Design; 20] = [
         style: Style {
             floor: Floor::Cubes(0.4, [STONE, DARK_STONE, PALE_STONE]),
             dado: DARK_STONE,
-            wall: STONE,
+            wall: ASHLAR,
             field: DARK_RED,
             ..STONEWORK
         },
     },
     super::secret::DESIGN,
+    Design {
+        name: "Terrace",
+        plan: Plan::Rectangle([-30.0, -HALF - WALL], [-21.1, -0.45]),
+        ..GARDEN
+    },
+    Design {
+        name: "Orchard",
+        plan: Plan::Rectangle([-28.0, -HALF - WALL], [-122.0, -103.45]),
+        ..GARDEN
+    },
 ];
 
 #[cfg(test)]
@@ -382,6 +411,7 @@ mod tests {
             (Name::Gallery, "Gallery"),
             (Name::Treasury, "Treasury"),
             (Name::SecretPassage, "Secret Passage"),
+            (Name::Orchard, "Orchard"),
         ] {
             assert_eq!(ROOMS[name as usize].name, expected);
         }

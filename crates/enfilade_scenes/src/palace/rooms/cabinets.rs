@@ -63,6 +63,7 @@ pub(super) fn porcelain_cabinet(room: &mut Room) {
 }
 
 pub(super) fn chapel(room: &mut Room) {
+    stained_windows(room);
     ceiling::ribs(room, PALE_STONE, 0.3, 0.2, &[0.2, 2.3, 4.3, 6.3, 8.35]);
     ceiling::coffer_vault(
         room,
@@ -130,7 +131,33 @@ pub(super) fn chapel(room: &mut Room) {
     light::chandelier(room, [11.7, -47.0], 4.2, 8, 1.2, OLD_GOLD);
 }
 
+/// Windows of colored glass between the columns, before which it is day; none is looked through.
+fn stained_windows(room: &mut Room) {
+    for side in [Side::North, Side::South] {
+        let wall = room.design.plan.wall(side);
+        for x in [10.75, 12.75, 14.75] {
+            let at = room.wall(side);
+            let along = at.along(vec2(x, at.left.y));
+            let outline = arched(1.0, 1.2, 3.0, 0.5);
+            room.cut(wall, along, &outline, 0.25, Some(STAINED_GLASS), PALE_STONE);
+            let border = [[0.0, 0.0], [0.0, 0.04], [0.05, 0.06], [0.12, 0.04], [0.12, 0.0]];
+            let border = room.shop.piece("chapel window".to_owned(), || {
+                surround(PALE_STONE, &outline, true, &border)
+            });
+            room.hang("window case", &border, side, along, 0.0);
+            let glow = at.at(along, 2.4).point([0.0, 0.0, 0.8]);
+            if x == 12.75 {
+                room.lamps.push(Lamp::daylight(glow, [2.6, 1.9, 2.4], 7.0));
+            }
+        }
+    }
+}
+
 pub(super) fn winter_garden(room: &mut Room) {
+    // The vault is of glass: the sun shines through it, and the sky.
+    room.lamps.push(Lamp::sun(1.6));
+    room.lamps
+        .push(Lamp::daylight([12.2, 6.6, -61.5], [9.0, 10.0, 11.0], 16.0));
     let arches: Vec<f32> = (0..=6).map(|i| 0.15 + 1.95 * i as f32).collect();
     ceiling::ribs(room, VERDIGRIS, 0.14, 0.16, &arches);
     // Bars along the vault, so that it looks glazed.
@@ -203,7 +230,7 @@ pub(super) fn study(room: &mut Room) {
     }
     let globe = ornament::globe(room.shop, WALNUT, NIGHT_BLUE, OLD_GOLD);
     room.put("globe", &globe, spot(8.5, -90.9, 0.0) * scaled(0.9));
-    let carpet = drapery::carpet(room.shop, [4.6, 4.6], [DARK_RED, GREEN_SILK, OLD_GOLD]);
+    let carpet = drapery::carpet(room.shop, [4.6, 4.6], Rug::Red);
     room.put("carpet", &carpet, spot(11.0, -87.7, 0.0));
     let clock = case::long_clock(room.shop, MAHOGANY, OLD_GOLD);
     room.put("clock", &clock, spot(14.2, -91.98, 0.0));

@@ -145,6 +145,7 @@ fn furnish_hall(room: &mut Room) {
     let carpet = drapery::carpet(room.shop, [3.2, 10.0], drapery::Rug::Red);
     room.put("carpet", &carpet, spot(70.4, -87.5, 90.0));
     light::chandelier(room, [70.4, -87.5], 6.2, 16, 2.4, GOLD);
+    dim(room);
 }
 
 fn furnish_chamber(room: &mut Room) {
@@ -156,6 +157,14 @@ fn furnish_chamber(room: &mut Room) {
         light::candelabrum(room, spot(78.4, z, 0.0), 1.8, GOLD);
     }
     light::chandelier(room, [80.4, -87.5], 3.6, 10, 1.4, GOLD);
+    dim(room);
+}
+
+/// Takes light away: who looks in is used to that of the study.
+fn dim(room: &mut Room) {
+    for lamp in room.lamps.iter_mut().chain(&mut room.candles) {
+        *lamp = lamp.times(0.4);
+    }
 }
 
 /// Puts the house's shell into the study; returns the opening at its front.

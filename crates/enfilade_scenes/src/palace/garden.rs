@@ -42,7 +42,7 @@ pub(crate) fn tree(shop: &mut Workshop, which: u64) -> Arc<Mesh> {
             let across = toward.any_orthonormal_vector();
             let across = (across + Vec3::from(random.point(0.6))).normalize();
             let up = toward.cross(across).normalize_or(Vec3::Y);
-            let size = random.between(0.06, 0.11);
+            let size = random.between(0.10, 0.17);
             let color = if leaf % 3 == 0 { PALE_LEAF } else { LEAF };
             leaf_of(&mut shape, color, at, across * size, up * 0.5 * size);
         }

@@ -67,11 +67,30 @@ impl Lamp {
 
     /// The sun over a fragment that has no roof.
     pub(crate) fn sun(strength: f32) -> Lamp {
+        Lamp::from_afar(SUNLIGHT, Vec3::new(1.0, 0.84, 0.60) * strength)
+    }
+
+    /// What the sky adds where the sun is not: it comes against the sun, so that it falls through no window that the sun
+    /// falls through.
+    pub(crate) fn sky(strength: f32) -> Lamp {
+        let [x, y, z] = SUNLIGHT;
+        Lamp::from_afar([-x, 1.5 * y, -z], Vec3::new(0.70, 0.86, 1.0) * strength)
+    }
+
+    fn from_afar(direction: [f32; 3], color: Vec3) -> Lamp {
         Lamp {
             position: [0.0; 3],
-            color: Vec3::new(1.0, 0.84, 0.60) * strength,
+            color,
             range: f32::INFINITY,
-            shape: LightShape::Sun { direction: SUNLIGHT },
+            shape: LightShape::Sun { direction },
+        }
+    }
+
+    /// The same, brighter or darker.
+    pub(crate) fn times(self, factor: f32) -> Lamp {
+        Lamp {
+            color: self.color * factor,
+            ..self
         }
     }
 

@@ -93,7 +93,7 @@ const GILDED: Style = Style {
     reveal: IVORY,
 };
 
-const STONEWORK: Style = Style {
+pub(crate) const STONEWORK: Style = Style {
     floor: Floor::Bare,
     trim: PALE_STONE,
     gilt: STONE,
@@ -102,20 +102,6 @@ const STONEWORK: Style = Style {
     field: PALE_STONE,
     ceiling: PLASTER,
     reveal: STONE,
-};
-
-/// A garden behind walls, under the sky.
-const GARDEN: Design = Design {
-    name: "",
-    plan: Plan::Rectangle([0.0, 1.0], [0.0, 1.0]),
-    height: 5.6,
-    ceiling: Ceiling::Sky,
-    style: Style {
-        wall: PALE_ASHLAR,
-        trim: GRAVEL,
-        reveal: PALE_STONE,
-        ..STONEWORK
-    },
 };
 
 /// The rooms, in the order of [`Name`].
@@ -386,16 +372,8 @@ pub(crate) const ROOMS: [Design; 22] = [
         },
     },
     super::secret::DESIGN,
-    Design {
-        name: "Terrace",
-        plan: Plan::Rectangle([-30.0, -HALF - WALL], [-21.1, -0.45]),
-        ..GARDEN
-    },
-    Design {
-        name: "Orchard",
-        plan: Plan::Rectangle([-28.0, -HALF - WALL], [-122.0, -103.45]),
-        ..GARDEN
-    },
+    super::rooms::gardens::TERRACE,
+    super::rooms::gardens::ORCHARD,
 ];
 
 #[cfg(test)]

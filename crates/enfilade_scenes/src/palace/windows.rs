@@ -1,6 +1,7 @@
 //! Windows: panes, bars and curtains in the openings that one does not walk through.
 
 use super::drapery;
+use super::lamps::Lamp;
 use super::palette::{GOLD, IVORY, LACE};
 use super::room::{Doorway, Room, arched, shift};
 use crate::shape::{Shape, block, surround};
@@ -10,12 +11,19 @@ use glam::{Vec3, vec3};
 /// Panes and bars stand so deep in the wall.
 const DEEP: f32 = -0.3;
 
-/// Glazes all windows of a room, and hangs curtains beside them.
+/// Glazes all windows of a room, hangs curtains beside them, and lets the sky's light in: as if all of it came through
+/// the middle one.
 pub(crate) fn glaze(room: &mut Room, glass: MaterialId, cloth: MaterialId) {
-    for window in room.doorways.clone() {
-        if window.sill == 0.0 {
-            continue;
-        }
+    let windows: Vec<Doorway> = (room.doorways.iter())
+        .filter(|door| door.sill > 0.0)
+        .copied()
+        .collect();
+    if let Some(middle) = windows.get(windows.len() / 2) {
+        let place = room.walls()[middle.wall].at(middle.along, 2.4);
+        let sky = Lamp::daylight(place.point([0.0, 0.0, 1.3]), [1.9, 2.4, 3.0], 9.0);
+        room.lamps.push(sky);
+    }
+    for window in windows {
         let frame = room.walls()[window.wall].at(window.along, 0.0);
         let Doorway {
             width,

@@ -131,26 +131,37 @@ pub(super) fn chapel(room: &mut Room) {
     light::chandelier(room, [11.7, -47.0], 4.2, 8, 1.2, OLD_GOLD);
 }
 
-/// Windows of colored glass between the columns, before which it is day; none is looked through.
+/// Windows of colored glass in the apse and between the columns, before which it is day; none is looked through.
 fn stained_windows(room: &mut Room) {
-    for side in [Side::North, Side::South] {
-        let wall = room.design.plan.wall(side);
-        for x in [10.75, 12.75, 14.75] {
-            let at = room.wall(side);
-            let along = at.along(vec2(x, at.left.y));
-            let outline = arched(1.0, 1.2, 3.0, 0.5);
-            room.cut(wall, along, &outline, 0.25, Some(STAINED_GLASS), PALE_STONE);
-            let border = [[0.0, 0.0], [0.0, 0.04], [0.05, 0.06], [0.12, 0.04], [0.12, 0.0]];
-            let border = room.shop.piece("chapel window".to_owned(), || {
-                surround(PALE_STONE, &outline, true, &border)
-            });
-            room.hang("window case", &border, side, along, 0.0);
-            let glow = at.at(along, 2.4).point([0.0, 0.0, 0.8]);
-            if x == 12.75 {
-                room.lamps.push(Lamp::daylight(glow, [2.6, 1.9, 2.4], 7.0));
-            }
-        }
+    let apse = room.design.plan.wall(Side::East);
+    let walls = room.walls();
+    for off in [1, 3, 8, 10] {
+        let along = 0.5 * walls[apse + off].length();
+        stained_window(room, apse + off, along, [0.64, 1.5, 3.5]);
     }
+    for side in [Side::North, Side::South] {
+        let number = room.design.plan.wall(side);
+        for x in [10.75, 12.75, 14.75] {
+            let wall = walls[number];
+            let along = wall.along(vec2(x, wall.left.y));
+            stained_window(room, number, along, [1.0, 1.2, 3.0]);
+        }
+        let middle = walls[number].at(0.5 * walls[number].length(), 2.6);
+        let glow = middle.point([0.0, 0.0, 1.8]);
+        room.lamps.push(Lamp::daylight(glow, [1.5, 1.15, 1.5], 8.0));
+    }
+}
+
+fn stained_window(room: &mut Room, wall: usize, along: f32, [wide, foot, spring]: [f32; 3]) {
+    const BORDER: [[f32; 2]; 5] = [[0.0, 0.0], [0.0, 0.04], [0.05, 0.06], [0.12, 0.04], [0.12, 0.0]];
+    let outline = arched(wide, foot, spring, 0.5 * wide);
+    room.cut(wall, along, &outline, 0.25, Some(STAINED_GLASS), PALE_STONE);
+    room.take(wall, along - 0.5 * wide - 0.16, along + 0.5 * wide + 0.16);
+    let border = room.shop.piece(format!("stained window {wide}"), || {
+        surround(PALE_STONE, &outline, true, &BORDER)
+    });
+    let place = room.walls()[wall].at(along, 0.0);
+    room.put("window case", &border, place);
 }
 
 pub(super) fn winter_garden(room: &mut Room) {

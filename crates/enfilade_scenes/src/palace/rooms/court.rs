@@ -6,7 +6,7 @@ use super::*;
 const MIDDLE: Vec2 = vec2(-28.0, -51.5);
 
 pub(super) fn court(room: &mut Room) {
-    room.lamps.push(Lamp::sun(gardens::SUNSHINE));
+    gardens::under_the_sky(room);
     ground(room);
     facades(room);
     let fountain = garden::fountain(room.shop, PALE_STONE);

@@ -1,9 +1,38 @@
 //! The gardens west of the enfilade, on which windows look: a terrace by the vestibule, an orchard by the throne room.
 
 use super::*;
+use crate::envelope::Plan;
+use crate::palace::plan::{HALF, STONEWORK, WALL};
+use crate::palace::room::{Design, Style};
+
+pub(crate) const TERRACE: Design = Design {
+    name: "Terrace",
+    plan: Plan::Rectangle([-30.0, -HALF - WALL], [-21.1, -WALL]),
+    ..GARDEN
+};
+
+pub(crate) const ORCHARD: Design = Design {
+    name: "Orchard",
+    plan: Plan::Rectangle([-28.0, -HALF - WALL], [-122.0, -103.45]),
+    ..GARDEN
+};
+
+/// A garden behind walls, under the sky.
+const GARDEN: Design = Design {
+    name: "",
+    plan: Plan::Rectangle([0.0, 1.0], [0.0, 1.0]),
+    height: 5.6,
+    ceiling: Ceiling::Sky,
+    style: Style {
+        wall: PALE_ASHLAR,
+        trim: GRAVEL,
+        reveal: PALE_STONE,
+        ..STONEWORK
+    },
+};
 
 /// How bright the sun is.
-pub(super) const SUNSHINE: f32 = 1.9;
+const SUNSHINE: f32 = 2.4;
 
 /// Lawns with statues, clipped yew and urns.
 pub(super) fn terrace(room: &mut Room) {
@@ -68,7 +97,7 @@ pub(super) fn orchard(room: &mut Room) {
 
 /// The sun over it, hedges along the walls and a cornice on them, frames round the windows.
 fn enclose(room: &mut Room) {
-    room.lamps.push(Lamp::sun(SUNSHINE));
+    under_the_sky(room);
     let corners = room.design.plan.corners();
     cornice(room, &corners, room.design.height, 0.4);
     for side in [Side::West, Side::North, Side::South] {
@@ -88,6 +117,12 @@ fn enclose(room: &mut Room) {
         );
     }
     court::window_cases(room);
+}
+
+/// The sun and the sky over a garden.
+pub(super) fn under_the_sky(room: &mut Room) {
+    room.lamps.push(Lamp::sun(SUNSHINE));
+    room.lamps.push(Lamp::sky(0.3 * SUNSHINE));
 }
 
 fn lawns(room: &mut Room, beds: &[([f32; 2], [f32; 2])]) {

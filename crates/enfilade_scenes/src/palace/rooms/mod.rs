@@ -4,7 +4,7 @@ mod arts;
 mod cabinets;
 mod court;
 mod gallery;
-mod gardens;
+pub(crate) mod gardens;
 mod salons;
 mod state;
 mod throne_room;

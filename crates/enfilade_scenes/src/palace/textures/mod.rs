@@ -15,7 +15,8 @@ pub(crate) use rug::BORDER;
 
 use enfilade::{Texture, TextureId};
 use glam::{Vec3, vec3};
-use std::sync::{Arc, LazyLock};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, LazyLock, OnceLock};
 
 pub(crate) const WHITE_VEINED: TextureId = TextureId(0);
 pub(crate) const BLACK_VEINED: TextureId = TextureId(1);
@@ -50,76 +51,96 @@ pub(crate) const RUGS: [TextureId; 5] = [
 /// The first painting; the others follow, broad ones before high ones.
 pub(crate) const FIRST_PAINTING: u32 = 28;
 
+/// How many there are.
+const COUNT: usize = FIRST_PAINTING as usize + BROAD + HIGH;
+
 /// All of them, by number; every content of the palace has them.
 pub(crate) fn textures() -> Arc<[Arc<Texture>]> {
-    static ALL: LazyLock<Arc<[Arc<Texture>]>> = LazyLock::new(|| made().into());
+    static ALL: LazyLock<Arc<[Arc<Texture>]>> = LazyLock::new(|| all().into());
     Arc::clone(&ALL)
 }
 
-/// Makes them, in the order of their numbers.
-fn made() -> Vec<Arc<Texture>> {
+/// Paints them, on all cores.
+fn all() -> Vec<Arc<Texture>> {
+    let made: [OnceLock<Arc<Texture>>; COUNT] = std::array::from_fn(|_| OnceLock::new());
+    let next = AtomicUsize::new(0);
+    let work = || {
+        loop {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            let Some(place) = made.get(number) else { return };
+            place.get_or_init(|| texture(number as u32));
+        }
+    };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(8);
+    std::thread::scope(|scope| {
+        for _ in 1..threads {
+            scope.spawn(work);
+        }
+        work();
+    });
+    made.into_iter().filter_map(OnceLock::into_inner).collect()
+}
+
+/// Paints the one of a number.
+fn texture(number: u32) -> Arc<Texture> {
     let gray = Vec3::splat;
-    let mut all = vec![
-        stone::marble(
-            "white marble",
-            1,
-            [gray(0.86), gray(0.98)],
-            [vec3(0.52, 0.52, 0.55), vec3(0.62, 0.56, 0.46)],
-        ),
-        stone::marble(
-            "black marble",
-            2,
-            [gray(0.018), gray(0.05)],
-            [vec3(0.42, 0.40, 0.37), vec3(0.50, 0.38, 0.16)],
-        ),
-        stone::marble(
-            "red marble",
-            3,
-            [vec3(0.15, 0.035, 0.025), vec3(0.30, 0.095, 0.06)],
-            [vec3(0.52, 0.36, 0.28), vec3(0.06, 0.015, 0.012)],
-        ),
-        stone::marble(
-            "green marble",
-            4,
-            [vec3(0.025, 0.10, 0.06), vec3(0.08, 0.22, 0.14)],
-            [vec3(0.36, 0.50, 0.38), vec3(0.01, 0.04, 0.03)],
-        ),
-        stone::ashlar(),
-        stone::grain(),
-        stone::plaster(),
-        stone::gravel(),
-        stone::gilt(),
-        wood::grain(),
-        wood::boards(),
-        wood::bark(),
-        cloth::damask(),
-        cloth::velvet(),
-        cloth::lace(),
-        plants::leaf(),
-        plants::hedge(),
-        plants::lawn(),
-        glass::leaded(),
-        glass::stained(),
-        cloth::curtain("red curtain", vec3(0.38, 0.025, 0.03)),
-        cloth::curtain("green curtain", vec3(0.035, 0.16, 0.07)),
-        cloth::curtain("blue curtain", vec3(0.03, 0.08, 0.28)),
-    ];
     let [red, blue, green] = [
         vec3(0.36, 0.03, 0.03),
         vec3(0.02, 0.04, 0.16),
         vec3(0.04, 0.16, 0.09),
     ];
     let [gold, ivory] = [vec3(0.66, 0.46, 0.15), vec3(0.70, 0.62, 0.46)];
-    all.extend([
-        rug::rug("red rug", [red, blue, gold], 701),
-        rug::rug("blue rug", [blue * 1.6, red * 0.6, gold], 702),
-        rug::rug("green rug", [green, red * 0.7, gold], 703),
-        rug::rug("rose rug", [vec3(0.58, 0.28, 0.24), red * 0.8, ivory], 704),
-        rug::rug("yellow rug", [vec3(0.58, 0.38, 0.12), red * 0.6, ivory], 705),
-    ]);
-    all.extend((0..BROAD).map(pictures::broad));
-    all.extend((0..HIGH).map(pictures::high));
-    all
+    match TextureId(number) {
+        WHITE_VEINED => stone::marble(
+            "white marble",
+            1,
+            [gray(0.86), gray(0.98)],
+            [vec3(0.52, 0.52, 0.55), vec3(0.62, 0.56, 0.46)],
+        ),
+        BLACK_VEINED => stone::marble(
+            "black marble",
+            2,
+            [gray(0.018), gray(0.05)],
+            [vec3(0.42, 0.40, 0.37), vec3(0.50, 0.38, 0.16)],
+        ),
+        RED_VEINED => stone::marble(
+            "red marble",
+            3,
+            [vec3(0.15, 0.035, 0.025), vec3(0.30, 0.095, 0.06)],
+            [vec3(0.52, 0.36, 0.28), vec3(0.06, 0.015, 0.012)],
+        ),
+        GREEN_VEINED => stone::marble(
+            "green marble",
+            4,
+            [vec3(0.025, 0.10, 0.06), vec3(0.08, 0.22, 0.14)],
+            [vec3(0.36, 0.50, 0.38), vec3(0.01, 0.04, 0.03)],
+        ),
+        MASONRY => stone::ashlar(),
+        CARVED => stone::grain(),
+        PLASTERED => stone::plaster(),
+        PEBBLES => stone::gravel(),
+        GILDING => stone::gilt(),
+        WOOD => wood::grain(),
+        BOARDS => wood::boards(),
+        BARKED => wood::bark(),
+        DAMASK => cloth::damask(),
+        VELVET => cloth::velvet(),
+        LACEWORK => cloth::lace(),
+        LEAFLET => plants::leaf(),
+        YEW => plants::hedge(),
+        GRASS => plants::lawn(),
+        LEADED => glass::leaded(),
+        STAINED => glass::stained(),
+        id if id == CURTAINS[0] => cloth::curtain("red curtain", vec3(0.38, 0.025, 0.03)),
+        id if id == CURTAINS[1] => cloth::curtain("green curtain", vec3(0.035, 0.16, 0.07)),
+        id if id == CURTAINS[2] => cloth::curtain("blue curtain", vec3(0.03, 0.08, 0.28)),
+        id if id == RUGS[0] => rug::rug("red rug", [red, blue, gold], 701),
+        id if id == RUGS[1] => rug::rug("blue rug", [blue * 1.6, red * 0.6, gold], 702),
+        id if id == RUGS[2] => rug::rug("green rug", [green, red * 0.7, gold], 703),
+        id if id == RUGS[3] => rug::rug("rose rug", [vec3(0.58, 0.28, 0.24), red * 0.8, ivory], 704),
+        id if id == RUGS[4] => rug::rug("yellow rug", [vec3(0.58, 0.38, 0.12), red * 0.6, ivory], 705),
+        TextureId(number) => pictures::painting((number - FIRST_PAINTING) as usize),
+    }
 }
 
 #[cfg(test)]
@@ -170,8 +191,8 @@ mod tests {
 
     #[test]
     fn they_are_the_same_every_time_and_each_shows_something() {
-        let again = made();
-        assert_eq!(again.len(), FIRST_PAINTING as usize + BROAD + HIGH);
+        let again = all();
+        assert_eq!([again.len(), textures().len()], [COUNT; 2]);
         for (texture, again) in textures().iter().zip(&again) {
             assert_eq!(texture, again);
             let colors: std::collections::BTreeSet<_> = texture.texels().iter().collect();

@@ -20,33 +20,57 @@ fn scrambled([x, y]: [i32; 2], seed: u32) -> u32 {
     bits ^ (bits >> 15)
 }
 
+/// Slopes of noise at the points of its lattice.
+const SLOPES: [[f32; 2]; 8] = {
+    const D: f32 = std::f32::consts::FRAC_1_SQRT_2;
+    [
+        [1.0, 0.0],
+        [-1.0, 0.0],
+        [0.0, 1.0],
+        [0.0, -1.0],
+        [D, D],
+        [D, -D],
+        [-D, D],
+        [-D, -D],
+    ]
+};
+
 /// From about -1 to 1, mostly near 0; `at` is in cells, and after `period` of them it repeats.
 pub(super) fn noise(at: Vec2, period: [i32; 2], seed: u32) -> f32 {
-    let floor = at.floor();
-    let off = at - floor;
-    let cell = [floor.x as i32, floor.y as i32];
-    let slope = |dx: i32, dy: i32| {
-        let corner = [
-            (cell[0] + dx).rem_euclid(period[0]),
-            (cell[1] + dy).rem_euclid(period[1]),
-        ];
-        let toward = off - vec2(dx as f32, dy as f32);
-        const D: f32 = std::f32::consts::FRAC_1_SQRT_2;
-        match scrambled(corner, seed) >> 29 {
-            0 => toward.x,
-            1 => -toward.x,
-            2 => toward.y,
-            3 => -toward.y,
-            4 => D * (toward.x + toward.y),
-            5 => D * (toward.x - toward.y),
-            6 => D * (toward.y - toward.x),
-            _ => -D * (toward.x + toward.y),
-        }
+    let [x, y] = [floor(at.x), floor(at.y)];
+    let off = vec2(at.x - x as f32, at.y - y as f32);
+    let [xs, ys] = [
+        [wrapped(x, period[0]), wrapped(x + 1, period[0])],
+        [wrapped(y, period[1]), wrapped(y + 1, period[1])],
+    ];
+    let slope = |right: usize, down: usize| {
+        let [dx, dy] = SLOPES[(scrambled([xs[right], ys[down]], seed) >> 29) as usize];
+        dx * (off.x - right as f32) + dy * (off.y - down as f32)
     };
     let ease = off * off * off * (off * (off * 6.0 - 15.0) + 10.0);
     let mix = |a: f32, b: f32, part: f32| a + (b - a) * part;
-    let [near, far] = [0, 1].map(|dy| mix(slope(0, dy), slope(1, dy), ease.x));
+    let near = mix(slope(0, 0), slope(1, 0), ease.x);
+    let far = mix(slope(0, 1), slope(1, 1), ease.x);
     1.6 * mix(near, far, ease.y)
+}
+
+/// The whole number below; without the call into a library that `f32::floor` is on older processors.
+#[inline]
+fn floor(value: f32) -> i32 {
+    let whole = value as i32;
+    whole - i32::from(whole as f32 > value)
+}
+
+/// The same cell in the first period; most are in it or right beside it, where no division is needed.
+#[inline]
+fn wrapped(cell: i32, period: i32) -> i32 {
+    if (0..period).contains(&cell) {
+        cell
+    } else if cell == period {
+        0
+    } else {
+        cell.rem_euclid(period)
+    }
 }
 
 /// Noise with ever finer noise on it; `at` runs from 0 to 1 over the whole, which has so many cells at the coarsest.
@@ -63,11 +87,14 @@ pub(super) fn clouds(at: Vec2, cells: [i32; 2], octaves: u32, seed: u32) -> f32 
     sum
 }
 
+/// A place nearby, so that what is drawn there is bent. It comes round as the place does.
+pub(super) fn bent(at: Vec2, seed: u32) -> Vec2 {
+    at + 0.09 * vec2(clouds(at, [3, 3], 4, seed), clouds(at, [3, 3], 4, seed + 10))
+}
+
 /// 1 along thin lines that wander like veins, falling to 0 beside them.
 pub(super) fn veins(at: Vec2, cells: [i32; 2], sharpness: f32, seed: u32) -> f32 {
-    // What bends the lines must itself come round, so it is added to a place that does.
-    let bent = at + 0.09 * vec2(clouds(at, [3, 3], 4, seed + 20), clouds(at, [3, 3], 4, seed + 30));
-    let line = clouds(bent, cells, 2, seed).abs();
+    let line = clouds(at, cells, 2, seed).abs();
     (1.0 - sharpness * line).max(0.0).powi(2)
 }
 

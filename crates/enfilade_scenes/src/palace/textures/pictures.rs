@@ -14,8 +14,16 @@ pub(crate) const HIGH: usize = 4;
 /// Width by height of the broad ones; high ones are the other way round.
 pub(crate) const ASPECT: f32 = 4.0 / 3.0;
 
-/// A broad one.
-pub(super) fn broad(which: usize) -> Arc<Texture> {
+/// One of them, broad ones first.
+pub(super) fn painting(number: usize) -> Arc<Texture> {
+    if number < BROAD {
+        broad(number)
+    } else {
+        high(number - BROAD)
+    }
+}
+
+fn broad(which: usize) -> Arc<Texture> {
     let seed = 600 + 10 * which as u32;
     brushed(
         &format!("painting {}", which + 1),
@@ -33,8 +41,7 @@ pub(super) fn broad(which: usize) -> Arc<Texture> {
     )
 }
 
-/// A high one.
-pub(super) fn high(which: usize) -> Arc<Texture> {
+fn high(which: usize) -> Arc<Texture> {
     let seed = 800 + 10 * which as u32;
     let name = format!("painting {}", BROAD + which + 1);
     brushed(&name, [144, 192], seed, move |at| match which {
@@ -107,7 +114,7 @@ fn sky(at: Vec2, horizon: f32, seed: u32, hour: &Hour) -> Vec3 {
 
 /// The upper edge of hills at a place across.
 fn ridge(x: f32, base: f32, high: f32, cells: i32, seed: u32) -> f32 {
-    base - high * clouds(vec2(x, 0.5), [cells, 3], 4, seed)
+    base - high * clouds(vec2(x, 0.5), [cells, 3], 3, seed)
 }
 
 /// A valley with a river, hills behind it, and trees if wanted.

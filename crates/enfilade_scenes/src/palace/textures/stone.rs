@@ -1,6 +1,6 @@
 //! Marble, masonry, plaster, gravel; each repeats.
 
-use super::noise::{chance, clouds, step, veins};
+use super::noise::{bent, chance, clouds, step, veins};
 use super::sheet::tile;
 use enfilade::Texture;
 use glam::{Vec2, Vec3, vec2};
@@ -10,8 +10,9 @@ use std::sync::Arc;
 pub(super) fn marble(name: &str, seed: u32, ground: [Vec3; 2], vein: [Vec3; 2]) -> Arc<Texture> {
     tile(name, 256, |at| {
         let cloud = step(-0.7, 0.7, clouds(at, [3, 3], 4, seed));
-        let broad = veins(at, [2, 3], 5.0, seed + 40) * step(-0.5, 0.4, clouds(at, [2, 2], 2, seed + 50));
-        let fine = veins(at, [5, 4], 11.0, seed + 60) * step(-0.2, 0.6, clouds(at, [3, 3], 2, seed + 70));
+        let veined = bent(at, seed + 20);
+        let broad = veins(veined, [2, 3], 5.0, seed + 40) * step(-0.5, 0.4, clouds(at, [2, 2], 2, seed + 50));
+        let fine = veins(veined, [5, 4], 11.0, seed + 60) * step(-0.2, 0.6, clouds(at, [3, 3], 2, seed + 70));
         ground[0]
             .lerp(ground[1], cloud)
             .lerp(vein[0], 0.75 * broad)
@@ -21,7 +22,7 @@ pub(super) fn marble(name: &str, seed: u32, ground: [Vec3; 2], vein: [Vec3; 2]) 
 
 /// Blocks of hewn stone, two metres of them: four courses, each shifted by half a block, with joints between.
 pub(super) fn ashlar() -> Arc<Texture> {
-    tile("ashlar", 256, |at| {
+    tile("ashlar", 512, |at| {
         let course = (at.y * 4.0).floor();
         let shifted = vec2(at.x * 2.0 + 0.5 * (course % 2.0), at.y * 4.0);
         let block = [(shifted.x.floor() as i32).rem_euclid(2), course as i32];
@@ -33,7 +34,7 @@ pub(super) fn ashlar() -> Arc<Texture> {
             1.0 + 0.10 * step(0.05, 0.0, 0.5 * inside.y) - 0.12 * step(0.05, 0.0, 0.5 * (1.0 - inside.y));
         let tone = 0.80 + 0.14 * chance(block, 3);
         let warm = chance(block, 4) - 0.5;
-        let rough = 1.0 + 0.10 * clouds(at, [16, 16], 4, 5) + 0.05 * clouds(at, [4, 4], 2, 6);
+        let rough = 1.0 + 0.10 * clouds(at, [16, 16], 3, 5) + 0.05 * clouds(at, [4, 4], 2, 6);
         let color = Vec3::new(1.0 + 0.03 * warm, 1.0, 1.0 - 0.06 * warm) * tone * rough * lit;
         color * (0.58 + 0.42 * joint)
     })

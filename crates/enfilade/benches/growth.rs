@@ -108,6 +108,7 @@ fn copies(palace: &Scene, rooms: &[FragmentId], grid: [i32; 3]) -> Content {
         .collect();
     let materials = contents[0].materials();
     let mut builder = ContentBuilder::new(materials);
+    builder.textures(contents[0].textures());
     let mut meshes: HashMap<*const Mesh, MeshId> = HashMap::new();
     let mut placed = Vec::new();
     for content in contents {

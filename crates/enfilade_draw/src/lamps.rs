@@ -304,7 +304,12 @@ fn brighten(scene: &Scene, rooms: &mut [Brightness], lamp: &Light, reached: &Rea
         1.0
     } else {
         let filled = (4.0 * usual).powi(3) / (size.x * size.y * size.z).max(f64::MIN_POSITIVE);
-        0.6 * lamp.falloff(usual) * filled.min(1.0)
+        // A spot lights no more of it than its cone takes of what a bare lamp shines on before it.
+        let cone = match lamp.shape {
+            LightShape::Spot { outer, .. } => 1.0 - f64::from(outer).cos(),
+            _ => 1.0,
+        };
+        0.6 * lamp.falloff(usual) * filled.min(1.0) * cone
     };
     let color = Vec3::from(lamp.color);
     let brightness = color.dot(Vec3::new(0.2126, 0.7152, 0.0722));

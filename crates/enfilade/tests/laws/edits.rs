@@ -12,6 +12,7 @@ use std::sync::Arc;
 /// The same content, built of nothing: without what was removed.
 fn afresh(content: &Content) -> Content {
     let mut builder = ContentBuilder::new(content.materials());
+    builder.textures(content.textures());
     for number in (0..content.items().len() as u32).map(ItemId) {
         if content.holds(number) {
             let item = content.item(number);

@@ -29,6 +29,7 @@ pub(crate) fn cameras() -> Vec<Camera> {
         ("bookcase", [-2.4, 1.75, -86.6], [-6.5, 1.8, -88.5], 62.0),
         ("grotto", [-36.0, 1.7, -49.6], [-42.0, 2.6, -51.6], 60.0),
         ("fountain", [-42.2, 1.8, -50.2], [-46.3, 1.75, -51.8], 74.0),
+        ("terrace", [-9.4, 1.75, -1.2], [-20.0, 1.9, -12.5], 62.0),
         ("way back", [0.0, 1.65, -122.6], [0.0, 1.8, -100.0], 50.0),
     ]
     .map(|(name, eye, toward, degrees)| Camera::new(name, eye, toward).lens(degrees))

@@ -13,7 +13,7 @@ use super::{ceiling, column, drapery, light, seat, statue, table};
 use crate::envelope::{Axis, Ceiling, Plan, Side};
 use crate::random::Random;
 use crate::shape::{Shape, block, fill, lathe, prism};
-use enfilade::{End, FragmentId, Method, NestedId, OpeningId, Scene, SceneBuilder, Transform};
+use enfilade::{End, FragmentId, NestedId, OpeningId, Scene, SceneBuilder, Transform};
 use glam::{Vec3, vec3};
 
 /// So many times larger the house is inside.
@@ -92,13 +92,13 @@ pub(super) fn doll_house(shop: &mut Workshop, seed: u64) -> Scene {
     let door = open(&mut hall, "chamber door", &inner, true);
     furnish_hall(&mut hall);
     finish(&mut hall, ROSE);
-    let hall = scene.add(HALL.name, hall.close().0, Method::HierarchicalZ);
+    let hall = hall.close().add_to(&mut scene, HALL.name);
 
     let mut chamber = Room::new(CHAMBER, shop, Random::new(random.bits()));
     let back = open(&mut chamber, "hall door", &inner, false);
     furnish_chamber(&mut chamber);
     finish(&mut chamber, WALNUT);
-    let chamber = scene.add(CHAMBER.name, chamber.close().0, Method::HierarchicalZ);
+    let chamber = chamber.close().add_to(&mut scene, CHAMBER.name);
 
     scene.door((hall, door), (chamber, back));
     scene.exit("front", (hall, front));
@@ -142,9 +142,10 @@ fn furnish_hall(room: &mut Room) {
         room.put("chair", &chair, spot(66.8, z - 1.4, 0.0));
         room.put("chair", &chair, spot(66.8, z + 1.4, 180.0));
     }
-    let carpet = drapery::carpet(room.shop, [3.2, 10.0], [RED_SILK, NIGHT_BLUE, GOLD]);
+    let carpet = drapery::carpet(room.shop, [3.2, 10.0], drapery::Rug::Red);
     room.put("carpet", &carpet, spot(70.4, -87.5, 90.0));
     light::chandelier(room, [70.4, -87.5], 6.2, 16, 2.4, GOLD);
+    dim(room);
 }
 
 fn furnish_chamber(room: &mut Room) {
@@ -156,6 +157,14 @@ fn furnish_chamber(room: &mut Room) {
         light::candelabrum(room, spot(78.4, z, 0.0), 1.8, GOLD);
     }
     light::chandelier(room, [80.4, -87.5], 3.6, 10, 1.4, GOLD);
+    dim(room);
+}
+
+/// Takes light away: who looks in is used to that of the study.
+fn dim(room: &mut Room) {
+    for lamp in room.lamps.iter_mut().chain(&mut room.candles) {
+        *lamp = lamp.times(0.4);
+    }
 }
 
 /// Puts the house's shell into the study; returns the opening at its front.

@@ -89,8 +89,33 @@ const fn window(name: &'static str, place: usize) -> Door {
     to_court(name, WINDOWS_AT[place], 2.0, 0.9)
 }
 
+/// A window in the western wall of a room of the enfilade.
+const fn to_the_west(name: &'static str, from: Name, to: Name, z: f32) -> Door {
+    Door {
+        name,
+        from,
+        to,
+        gate: Gate {
+            looks: Side::West,
+            at: [-HALF, z],
+            width: 1.4,
+            sill: 1.0,
+            spring: 3.2,
+            rise: 0.7,
+        },
+    }
+}
+
+const fn to_terrace(name: &'static str, from: Name, z: f32) -> Door {
+    to_the_west(name, from, Name::Terrace, z)
+}
+
+const fn to_orchard(name: &'static str, from: Name, z: f32) -> Door {
+    to_the_west(name, from, Name::Orchard, z)
+}
+
 /// All doors and windows.
-pub(crate) const DOORS: [Door; 30] = [
+pub(crate) const DOORS: [Door; 42] = [
     in_line("vestibule door", Name::Vestibule, Name::GuardRoom, 0, 1.4),
     in_line("guard room door", Name::GuardRoom, Name::RedSalon, 1, 0.0),
     in_line("red salon door", Name::RedSalon, Name::GreenSalon, 2, 0.0),
@@ -175,4 +200,28 @@ pub(crate) const DOORS: [Door; 30] = [
             rise: 0.0,
         },
     },
+    to_terrace("vestibule window 1", Name::Vestibule, -2.51),
+    to_terrace("vestibule window 2", Name::Vestibule, -4.835),
+    to_terrace("vestibule window 3", Name::Vestibule, -7.16),
+    to_terrace("vestibule window 4", Name::Vestibule, -9.485),
+    to_terrace("guard room window 1", Name::GuardRoom, -13.85),
+    to_terrace("guard room window 2", Name::GuardRoom, -19.15),
+    Door {
+        name: "gallery's end",
+        from: Name::Gallery,
+        to: Name::Terrace,
+        gate: Gate {
+            looks: Side::South,
+            at: [-11.0, -21.55],
+            width: 2.0,
+            sill: 0.9,
+            spring: 3.2,
+            rise: 1.0,
+        },
+    },
+    to_orchard("antechamber window 1", Name::Antechamber, -104.65),
+    to_orchard("antechamber window 2", Name::Antechamber, -109.35),
+    to_orchard("throne room window 1", Name::ThroneRoom, -114.27),
+    to_orchard("throne room window 2", Name::ThroneRoom, -117.02),
+    to_orchard("throne room window 3", Name::ThroneRoom, -119.77),
 ];

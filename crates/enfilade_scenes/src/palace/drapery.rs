@@ -1,11 +1,23 @@
 //! Curtains, swags and carpets.
 
+use super::palette::{BLUE_RUG, GREEN_RUG, LACE, RED_RUG, ROSE_RUG, YELLOW_RUG};
+use super::textures::BORDER;
 use super::workshop::Workshop;
-use crate::shape::{Shape, band, block, lathe};
+use crate::shape::{Shape, cloth as hang, lathe};
 use enfilade::{MaterialId, Mesh, Transform};
-use glam::{Vec3, vec3};
+use glam::{Vec2, Vec3, vec2, vec3};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
+
+/// Where a cloth is in its texture, so many metres across it and over its hem: lace is lace all over, curtains have a hem,
+/// 4 m below the upper edge of theirs, and repeat every half metre.
+fn woven(cloth: MaterialId, across: f32, up: f32) -> Vec2 {
+    if cloth == LACE {
+        vec2(across, -up)
+    } else {
+        vec2(2.0 * across, 1.0 - 0.25 * up)
+    }
+}
 
 /// A curtain gathered to one side by a cord: it hangs from `wide` metres of rod, its held edge at x = 0, the free
 /// one at x = `wide`. In the frame of a wall.
@@ -38,13 +50,18 @@ pub(crate) fn curtain(
                 0.12 + deep * (TAU * FOLDS * u + 0.8 * v).cos(),
             )
         };
-        let columns: Vec<Vec<Vec3>> = (0..=ACROSS)
-            .map(|across| (0..=DOWN).rev().map(|down| point(across, down)).collect())
+        let place = |across: usize, down: usize| {
+            let [u, v] = [across as f32 / ACROSS as f32, down as f32 / DOWN as f32];
+            // Half as wide again as the rod, which makes the folds.
+            woven(cloth, 1.5 * wide * u, high * (1.0 - v))
+        };
+        let columns: Vec<Vec<_>> = (0..=ACROSS)
+            .map(|across| {
+                let corner = |down| (point(across, down), place(across, down));
+                (0..=DOWN).rev().map(corner).collect()
+            })
             .collect();
-        let mut shape = Shape::new();
-        for pair in columns.windows(2) {
-            shape.join(band(cloth, &pair[0], &pair[1]));
-        }
+        let mut shape = hang(cloth, &columns);
         let loop_at = Transform::translation([0.11 * wide, tie * high, 0.12]);
         let ring = [[1.0, -0.03], [1.1, 0.0], [1.0, 0.03], [0.94, 0.0], [1.0, -0.03]];
         shape.add(
@@ -79,12 +96,17 @@ pub(crate) fn swags(
                     out,
                 )
             };
-            let columns: Vec<Vec<Vec3>> = (0..=ACROSS)
-                .map(|across| (0..=DOWN).rev().map(|down| point(across, down)).collect())
+            let place = |across: usize, down: usize| {
+                let [u, v] = [across as f32 / ACROSS as f32, down as f32 / DOWN as f32];
+                woven(cloth, 1.2 * step * u, 0.5 * (1.0 - v))
+            };
+            let columns: Vec<Vec<_>> = (0..=ACROSS)
+                .map(|across| {
+                    let corner = |down| (point(across, down), place(across, down));
+                    (0..=DOWN).rev().map(corner).collect()
+                })
                 .collect();
-            for pair in columns.windows(2) {
-                shape.join(band(cloth, &pair[0], &pair[1]));
-            }
+            shape.join(hang(cloth, &columns));
         }
         let rod = lathe(
             gilt,
@@ -105,90 +127,53 @@ pub(crate) fn swags(
     })
 }
 
-/// A carpet: bands round a field with a medallion, thin as cloth.
-pub(crate) fn carpet(
-    shop: &mut Workshop,
-    [wide, long]: [f32; 2],
-    [ground, border, figure]: [MaterialId; 3],
-) -> Arc<Mesh> {
-    shop.piece(
-        format!("carpet {wide} {long} {} {} {}", ground.0, border.0, figure.0),
-        || {
-            const THICK: f32 = 0.012;
-            let [x, z] = [0.5 * wide, 0.5 * long];
-            let mut shape = block(border, [-x, 0.0, -z], [x, 0.6 * THICK, z]);
-            // Each layer lies a hair above the last: woven colors would be coplanar.
-            for (i, (color, inset)) in [
-                (figure, 0.10),
-                (border, 0.14),
-                (ground, 0.42),
-                (figure, 0.46),
-                (ground, 0.49),
-            ]
-            .into_iter()
-            .enumerate()
-            {
-                let corner =
-                    |a: f32, b: f32| vec3(a * (x - inset), (0.7 + 0.1 * i as f32) * THICK, b * (z - inset));
-                shape.face(
-                    color,
-                    &[
-                        corner(-1.0, 1.0),
-                        corner(1.0, 1.0),
-                        corner(1.0, -1.0),
-                        corner(-1.0, -1.0),
-                    ],
-                );
+/// The rugs that there are: red, blue, green, rose, yellow.
+#[derive(Clone, Copy)]
+pub(crate) enum Rug {
+    Red,
+    Blue,
+    Green,
+    Rose,
+    Yellow,
+}
+
+/// A carpet, `wide` along x, with fringes at the ends of its length along z: a border as broad as it is, and as many
+/// figures in the field as there is room for.
+pub(crate) fn carpet(shop: &mut Workshop, [wide, long]: [f32; 2], rug: Rug) -> Arc<Mesh> {
+    let material = match rug {
+        Rug::Red => RED_RUG,
+        Rug::Blue => BLUE_RUG,
+        Rug::Green => GREEN_RUG,
+        Rug::Rose => ROSE_RUG,
+        Rug::Yellow => YELLOW_RUG,
+    };
+    shop.piece(format!("carpet {wide} {long} {}", material.0), || {
+        const THICK: f32 = 0.012;
+        let [columns, rows] = [stops(wide), stops(long)];
+        let mut shape = Shape::new();
+        for across in columns.windows(2) {
+            for along in rows.windows(2) {
+                let corners = [(0, 1), (1, 1), (1, 0), (0, 0)].map(|(i, j)| (across[i], along[j]));
+                let at = corners.map(|((x, _), (z, _))| vec3(x, THICK, z));
+                shape.placed(material, &at, &corners.map(|((_, u), (_, v))| vec2(u, v)));
             }
-            let count = ((2.0 * (x - 0.28)) / 0.34) as usize;
-            let rows = ((2.0 * (z - 0.28)) / 0.34) as usize;
-            let mut bloom = |at: Vec3, reach: [f32; 2], color: MaterialId| {
-                let [a, b] = reach;
-                shape.face(
-                    color,
-                    &[
-                        at + vec3(0.0, 0.0, b),
-                        at + vec3(a, 0.0, 0.0),
-                        at + vec3(0.0, 0.0, -b),
-                        at + vec3(-a, 0.0, 0.0),
-                    ],
-                );
-            };
-            let up = 1.2 * THICK;
-            for i in 0..=count {
-                let at = (x - 0.28) * (2.0 * i as f32 / count as f32 - 1.0);
-                for edge in [z - 0.28, 0.28 - z] {
-                    bloom(
-                        vec3(at, up, edge),
-                        [0.12, 0.09],
-                        if i % 2 == 0 { figure } else { ground },
-                    );
-                }
-            }
-            for i in 1..rows {
-                let at = (z - 0.28) * (2.0 * i as f32 / rows as f32 - 1.0);
-                for edge in [x - 0.28, 0.28 - x] {
-                    bloom(
-                        vec3(edge, up, at),
-                        [0.09, 0.12],
-                        if i % 2 == 0 { figure } else { ground },
-                    );
-                }
-            }
-            let medallions = (long / (2.2 * wide)).ceil().max(1.0);
-            let [a, b] = [0.62 * (x - 0.5), 0.68 * (z - 0.5) / medallions];
-            for medallion in 0..medallions as usize {
-                let middle = 2.0 * (z - 0.5) * ((medallion as f32 + 0.5) / medallions - 0.5);
-                for (i, size) in [1.0, 0.9, 0.6, 0.5, 0.2].into_iter().enumerate() {
-                    let up = up + 0.1 * THICK * (i + 1) as f32;
-                    bloom(
-                        vec3(0.0, up, middle),
-                        [a * size, b * size],
-                        [border, figure, border, ground, figure][i],
-                    );
-                }
-            }
-            shape
-        },
-    )
+        }
+        shape
+    })
+}
+
+/// Where the parts of a rug meet along one side, off its middle, and where that is in the texture: the border in its first
+/// half, then there and back again through the second.
+fn stops(length: f32) -> Vec<(f32, f32)> {
+    const FIGURE: f32 = 2.0;
+    let half = 0.5 * length;
+    let inner = half - BORDER;
+    let quarters = 2 * (2.0 * inner / FIGURE).round().max(1.0) as usize;
+    let mut stops = vec![(-half, 0.0)];
+    stops.extend((0..=quarters).map(|i| {
+        let at = inner * (2.0 * i as f32 / quarters as f32 - 1.0);
+        (at, if i % 2 == 0 { 0.5 } else { 1.0 })
+    }));
+    stops.push((half, 0.0));
+    stops
 }

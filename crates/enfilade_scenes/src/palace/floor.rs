@@ -2,6 +2,7 @@
 
 use super::room::PAVING;
 use crate::envelope::{Plan, inwards};
+use crate::random::Random;
 use crate::shape::{Shape, clip};
 use enfilade::MaterialId;
 use glam::{Vec2, vec2, vec3};
@@ -44,8 +45,9 @@ pub(crate) fn paving(plan: Plan, floor: Floor, border: MaterialId, width: f32) -
     let mut lay = |material: MaterialId, tile: &[Vec2]| {
         let cut = clip(tile, &region);
         if cut.len() >= 3 {
+            let places = hewn(tile, &cut);
             let face: Vec<_> = cut.into_iter().map(corner).collect();
-            shape.face(material, &face);
+            shape.placed(material, &face, &places);
         }
     };
     let middle = plan.center();
@@ -85,6 +87,30 @@ pub(crate) fn paving(plan: Plan, floor: Floor, border: MaterialId, width: f32) -
         Floor::Bare => {}
     }
     shape
+}
+
+/// Where the corners of what is left of a tile are in its texture: the grain runs along the tile's longest side, and each
+/// tile is cut from a place of its own, told by where it lies.
+fn hewn(tile: &[Vec2], cut: &[Vec2]) -> Vec<Vec2> {
+    let count = tile.len();
+    let side = |i: usize| tile[(i + 1) % count] - tile[i];
+    let longest = (0..count).fold(0, |best, i| {
+        if side(i).length_squared() > 1.001 * side(best).length_squared() {
+            i
+        } else {
+            best
+        }
+    });
+    let along = side(longest).normalize_or(Vec2::Y);
+    let middle = tile.iter().sum::<Vec2>() / count as f32;
+    let [x, z] = middle
+        .to_array()
+        .map(|value| (value * 64.0).round() as i64 as u64);
+    let mut chance = Random::new(x.wrapping_mul(0x1_0000_0001).wrapping_add(z));
+    let [u, v] = [chance.unit(), chance.unit()].map(|part| 4.0 * part);
+    cut.iter()
+        .map(|&at| vec2(u + (at - middle).perp_dot(along), v + (at - middle).dot(along)))
+        .collect()
 }
 
 /// A rectangle between two corners, counter-clockwise from above.

@@ -2,9 +2,10 @@
 
 use super::doors::DOORS;
 use super::floor::{Floor, paving};
+use super::lamps::Lamp;
 use super::palette::*;
 use super::plan::Name;
-use super::room::{Design, Room, Style, arched, scaled, shift, spot};
+use super::room::{Closed, Design, Room, Style, arched, scaled, shift, spot};
 use super::statue::{self, Pose};
 use super::trim::cornice;
 use super::workshop::Workshop;
@@ -51,19 +52,18 @@ const SPLASHES: u32 = 4;
 /// Always the same things by the same names, and the same openings; only the water moves. It comes back after
 /// [`FOUNTAIN_SECONDS`].
 pub fn fountain(seconds: f32) -> Content {
-    // Made once: at another moment only the water is different.
-    static STILL: LazyLock<Content> = LazyLock::new(grotto);
-    let mut content = ContentBuilder::new(materials());
-    let meshes: Vec<_> = STILL
+    let still = &still().content;
+    let mut content = content();
+    let meshes: Vec<_> = still
         .meshes()
         .iter()
         .map(|mesh| content.mesh(mesh.clone()))
         .collect();
-    for (number, item) in STILL.items().iter().enumerate() {
-        let name = STILL.name(ItemId(number as u32));
+    for (number, item) in still.items().iter().enumerate() {
+        let name = still.name(ItemId(number as u32));
         content.item(name, meshes[item.mesh.0 as usize], item.transform());
     }
-    for opening in STILL.openings() {
+    for opening in still.openings() {
         content.opening(&opening.name, opening.outline.clone());
     }
     water(
@@ -73,8 +73,18 @@ pub fn fountain(seconds: f32) -> Content {
     content.build().expect("water is made of sound things")
 }
 
-/// All of it but the water.
-fn grotto() -> Content {
+/// The lamps in it.
+pub(super) fn lamps() -> Vec<Lamp> {
+    still().lamps.clone()
+}
+
+/// All of it but the water, made once: at another moment only that is different.
+fn still() -> &'static Closed {
+    static STILL: LazyLock<Closed> = LazyLock::new(grotto);
+    &STILL
+}
+
+fn grotto() -> Closed {
     let mut shop = Workshop::default();
     let mut room = Room::new(GROTTO, &mut shop, Random::new(7));
     for door in DOORS.iter().filter(|door| door.to == Name::Fountain) {
@@ -103,7 +113,7 @@ fn grotto() -> Content {
         light::candelabrum(&mut room, spot(-42.4, z, 0.0), 1.5, OLD_GOLD);
     }
     room.make("paving", &paving(GROTTO.plan, GROTTO.style.floor, STONE, 0.3));
-    room.close().0
+    room.close()
 }
 
 /// A round basin with nozzles on its rim, and a figure on rocks in its middle.
@@ -121,10 +131,10 @@ fn basin(room: &mut Room) {
         [2.2, 0.1],
         [0.0, 0.1],
     ];
-    let stone = lathe(PALE_STONE, &profile, 48).mesh();
+    let stone = lathe(PALE_STONE, &profile, 48).dressed(dress);
     room.put("basin", &stone, spot(x, z, 0.0));
     let nozzle = [[0.0, 0.0], [0.07, 0.0], [0.04, 0.05], [0.03, 0.1], [0.0, 0.1]];
-    let nozzle = lathe(GOLD, &nozzle, 8).mesh();
+    let nozzle = lathe(GOLD, &nozzle, 8).dressed(dress);
     for jet in 0..JETS {
         let foot = rim(jet) - Vec3::Y * 0.1;
         room.put("nozzle", &nozzle, shift(foot.x, foot.y, foot.z));
@@ -140,8 +150,8 @@ fn basin(room: &mut Room) {
 /// Rough stones: under the figure, and along the wall of the apse.
 fn rocks(room: &mut Room) {
     let mut random = Random::new(11);
-    let kinds =
-        [STONE, DARK_STONE, VERDIGRIS].map(|stone| superquadric(stone, [1.0; 3], 0.7, 0.8, 6, 9).mesh());
+    let kinds = [STONE, DARK_STONE, VERDIGRIS]
+        .map(|stone| superquadric(stone, [1.0; 3], 0.7, 0.8, 6, 9).dressed(dress));
     let mut put = |room: &mut Room, at: Vec3, size: f32| {
         let turn = Transform::rotation(random.point(1.0), 6.0 * f64::from(random.unit()));
         let sides = [0; 3].map(|_| size * random.between(0.7, 1.15));
@@ -190,17 +200,17 @@ fn water(content: &mut ContentBuilder, part: f64) {
         let ripple = 0.018 * wave(f64::from(out) / 0.55 - 4.0 * part);
         [out, LEVEL + if ring == 0 { 0.0 } else { ripple }]
     });
-    let surface = lathe(WATER, &rings.collect::<Vec<_>>(), 36).mesh();
+    let surface = lathe(WATER, &rings.collect::<Vec<_>>(), 36).dressed(dress);
     let surface = content.mesh(surface);
     let [x, z] = MIDDLE;
     content.item("Fountain: water", surface, shift(x, 0.0, z));
-    let drop = content.mesh(ball(PORCELAIN, 1.0, 4, 6).mesh());
+    let drop = content.mesh(ball(PORCELAIN, 1.0, 4, 6).dressed(dress));
     for jet in 0..JETS {
         let high = 0.95 + 0.25 * wave(part * 2.0 + f64::from(jet) / 6.0);
         let [from, to] = [rim(jet), around(jet, 0.85, LEVEL)];
         let at = |along: f32| from.lerp(to, along) + Vec3::Y * (4.0 * high * along * (1.0 - along));
         let path: Vec<Vec3> = (0..=12).map(|i| at(i as f32 / 12.0)).collect();
-        let stream = content.mesh(tube(WATER, &path, |along| 0.02 + 0.02 * along, 5).mesh());
+        let stream = content.mesh(tube(WATER, &path, |along| 0.02 + 0.02 * along, 5).dressed(dress));
         content.item(&format!("Fountain: jet {}", jet + 1), stream, Transform::IDENTITY);
         for i in 0..DROPS {
             let along = (part * 3.0 + f64::from(i) / f64::from(DROPS) + 0.13 * f64::from(jet)).fract() as f32;

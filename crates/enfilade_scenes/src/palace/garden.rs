@@ -7,7 +7,7 @@ use super::workshop::Workshop;
 use crate::random::Random;
 use crate::shape::{Shape, ball, band, block, fluted, lathe, superquadric, tube};
 use enfilade::{MaterialId, Mesh, Transform};
-use glam::{Vec3, vec3};
+use glam::{Vec3, vec2, vec3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -42,20 +42,21 @@ pub(crate) fn tree(shop: &mut Workshop, which: u64) -> Arc<Mesh> {
             let across = toward.any_orthonormal_vector();
             let across = (across + Vec3::from(random.point(0.6))).normalize();
             let up = toward.cross(across).normalize_or(Vec3::Y);
-            let size = random.between(0.06, 0.11);
+            let size = random.between(0.10, 0.17);
             let color = if leaf % 3 == 0 { PALE_LEAF } else { LEAF };
-            shape.face(
-                color,
-                &[
-                    at - across * size,
-                    at - up * 0.5 * size,
-                    at + across * size,
-                    at + up * 0.5 * size,
-                ],
-            );
+            leaf_of(&mut shape, color, at, across * size, up * 0.5 * size);
         }
         shape
     })
+}
+
+/// A leaf about a point, from `-along` to `along`, its sides at `-aside` and `aside`.
+fn leaf_of(shape: &mut Shape, color: MaterialId, at: Vec3, along: Vec3, aside: Vec3) {
+    shape.placed(
+        color,
+        &[at - along, at - aside, at + along, at + aside],
+        &[vec2(0.0, 0.5), vec2(0.5, 1.0), vec2(1.0, 0.5), vec2(0.5, 0.0)],
+    );
 }
 
 /// A palm in a tub, `tall` metres.
@@ -95,7 +96,8 @@ pub(crate) fn palm(shop: &mut Workshop, tall: f32, tub: MaterialId) -> Arc<Mesh>
                 for side in [-1.0, 1.0] {
                     let tip = spine[i + 1] + across * side * wide - Vec3::Y * 0.35 * wide;
                     let material = if frond % 2 == 0 { LEAF } else { PALE_LEAF };
-                    shape.triangle(material, [spine[i - 1], spine[i], tip]);
+                    let places = [vec2(0.05, 0.42), vec2(0.05, 0.58), vec2(0.95, 0.5)];
+                    shape.placed(material, &[spine[i - 1], spine[i], tip], &places);
                 }
             }
         }
@@ -125,15 +127,7 @@ pub(crate) fn orange_tree(shop: &mut Workshop, tub: MaterialId) -> Arc<Mesh> {
             let up = toward.cross(across).normalize_or(Vec3::Y);
             let size = random.between(0.05, 0.08);
             let color = if leaf % 2 == 0 { PALE_LEAF } else { LEAF };
-            shape.face(
-                color,
-                &[
-                    at - across * size,
-                    at - up * 0.5 * size,
-                    at + across * size,
-                    at + up * 0.5 * size,
-                ],
-            );
+            leaf_of(&mut shape, color, at, across * size, up * 0.5 * size);
         }
         for _ in 0..16 {
             let toward = Vec3::from(random.point(1.0)).normalize_or(Vec3::Y);

@@ -1,6 +1,7 @@
 //! A fireplace in a wall, with a fire in it.
 
-use super::palette::{BARK, EBONY, EMBER, FLAME, IRON};
+use super::lamps::Lamp;
+use super::palette::{BARK, CANDLE_FLAME, EBONY, GLOW, IRON};
 use super::room::{Room, arched, shift};
 use crate::envelope::Side;
 use crate::shape::{Shape, ball, band, block, lathe, moulding};
@@ -28,6 +29,8 @@ pub(crate) fn hearth(room: &mut Room, side: Side, along: f32, marble: MaterialId
     room.hang("mantel", &mantel, side, along, 0.0);
     let fire = room.shop.piece("fire".to_owned(), fire);
     room.hang("fire", &fire, side, along, 0.06);
+    let glow = room.wall(side).at(along, 0.5).point([0.0, 0.0, 0.45]);
+    room.lamps.push(Lamp::fire(glow));
 }
 
 fn mantel(marble: MaterialId, gilt: MaterialId) -> Shape {
@@ -86,7 +89,7 @@ fn fire() -> Shape {
     for i in 0..9 {
         let x = -0.32 + 0.08 * i as f32;
         shape.add(
-            &ball(EMBER, 0.035, 6, 8),
+            &ball(GLOW, 0.035, 6, 8),
             shift(x, 0.03, -0.10 - 0.04 * (i % 4) as f32),
         );
     }
@@ -105,7 +108,7 @@ fn fire() -> Shape {
                 })
                 .collect::<Vec<_>>()
         };
-        shape.join(band(FLAME, &edge(-1.0), &edge(1.0)));
+        shape.join(band(CANDLE_FLAME, &edge(-1.0), &edge(1.0)));
     }
     for side in [-1.0, 1.0] {
         let dog = lathe(

@@ -1,6 +1,7 @@
 //! Candles, and what carries them. Every candle is an item of its own.
 
-use super::palette::{CRYSTAL, FLAME, WAX};
+use super::lamps::{Lamp, over};
+use super::palette::{CANDLE_FLAME, CRYSTAL, WAX};
 use super::room::{Room, scaled, shift};
 use super::statue::bezier;
 use super::workshop::Workshop;
@@ -30,7 +31,7 @@ fn candle(shop: &mut Workshop) -> Arc<Mesh> {
             [0.006, 0.23],
             [0.0, 0.25],
         ];
-        shape.join(lathe(FLAME, &flame, 6));
+        shape.join(lathe(CANDLE_FLAME, &flame, 6));
         shape
     })
 }
@@ -128,6 +129,8 @@ pub(crate) fn chandelier(
         shape
     });
     let place = shift(x, height, z) * scaled(size);
+    room.lamps
+        .push(Lamp::candles(over(place, 0.2), 0.45 * size * arms as f32));
     room.put("chandelier", &body, place);
     let chain = room.shop.piece(format!("chain {}", metal.0), || {
         lathe(metal, &[[0.012, 0.0], [0.012, 1.0]], 6)
@@ -191,6 +194,7 @@ pub(crate) fn candelabrum(room: &mut Room, place: Transform, tall: f32, metal: M
         shape.add(&dish(metal), shift(0.0, tall, 0.0));
         shape
     });
+    room.candles.push(Lamp::candles(over(place, tall + 0.3), 1.4));
     room.put("candelabrum", &stand, place);
     let candle = candle(room.shop);
     room.put("candle", &candle, place * shift(0.0, tall + 0.04, 0.0));
@@ -236,6 +240,9 @@ pub(crate) fn sconce(room: &mut Room, place: Transform, metal: MaterialId) {
         }
         shape
     });
+    // Off the wall, so that this is lit and not burnt.
+    room.candles
+        .push(Lamp::candles(place.point([0.0, 0.45, 0.6]), 1.3));
     room.put("sconce", &bracket, place);
     let candle = candle(room.shop);
     for end in ends {

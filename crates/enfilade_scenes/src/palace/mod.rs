@@ -12,6 +12,7 @@ mod fountain;
 mod garden;
 mod head;
 mod hearth;
+mod lamps;
 mod light;
 mod living_picture;
 mod ornament;
@@ -26,7 +27,9 @@ mod seat;
 mod secret;
 mod statue;
 mod table;
+mod textures;
 mod trim;
+mod windows;
 mod workshop;
 
 pub use fountain::{FOUNTAIN_SECONDS, fountain};
@@ -80,15 +83,11 @@ pub(crate) fn palace(seed: u64) -> BuiltIn {
             _ => None,
         };
         rooms::furnish(&mut room, name);
-        let (content, mirrors) = room.close();
-        let id = scene.add(design.name, content, Method::HierarchicalZ);
+        let id = room.close().add_to(&mut scene, design.name);
         ids.insert(name, id);
         one_way.extend(leaves.map(|(opening, to, there_from_here)| ((id, opening), to, there_from_here)));
         for (door, opening) in openings {
             door_ends[door].push((id, opening));
-        }
-        for mirror in mirrors {
-            scene.mirror(id, mirror);
         }
         if let (Name::Study, Some(front)) = (name, doll_house_front) {
             doll_house::join(
@@ -100,6 +99,9 @@ pub(crate) fn palace(seed: u64) -> BuiltIn {
     }
     // It changes at every moment, so a method that builds nothing sees it.
     let id = scene.add(fountain::GROTTO.name, fountain(0.0), Method::ZBuffer);
+    for lamp in fountain::lamps() {
+        scene.light(lamp.in_fragment(id));
+    }
     let arches = (0..DOORS.len()).filter(|&number| DOORS[number].to == Name::Fountain);
     for (opening, number) in arches.enumerate() {
         door_ends[number].push((id, OpeningId(opening as u16)));

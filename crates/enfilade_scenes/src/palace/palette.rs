@@ -1,11 +1,77 @@
-//! What the palace is made of. Colors are linear.
+//! What the palace is made of. Colors are linear; where there is a texture, they tint it.
 
-use enfilade::{Alpha, Material, MaterialId};
-use std::sync::Arc;
+use super::textures::*;
+use crate::shape::Dress;
+use enfilade::{Alpha, ContentBuilder, Material, MaterialId, TextureId};
+use std::sync::{Arc, LazyLock};
 
-/// The table that all fragments of the palace share.
-pub(crate) fn materials() -> Arc<[Material]> {
-    TABLE.iter().map(|&(_, material)| material).collect()
+/// A content of the palace's materials and textures, the same for all of its fragments, and nothing in it.
+pub(crate) fn content() -> ContentBuilder {
+    static MADE: LazyLock<Arc<[Material]>> = LazyLock::new(materials);
+    let mut content = ContentBuilder::new(Arc::clone(&MADE));
+    content.textures(textures());
+    content
+}
+
+fn materials() -> Arc<[Material]> {
+    let table = TABLE.iter().map(|&(_, material, finish)| Material {
+        texture: finish.texture(),
+        // What glows through its colors does so by them alone.
+        emission_texture: finish.texture().filter(|_| material.emission != [0.0; 3]),
+        ..material
+    });
+    let paintings = (0..(BROAD + HIGH) as u32).map(|number| Material {
+        texture: Some(TextureId(FIRST_PAINTING + number)),
+        ..solid(1.0, 1.0, 1.0)
+    });
+    table.chain(paintings).collect()
+}
+
+/// A painting, by its number: broad ones come first, high ones after.
+pub(crate) fn painted(number: usize) -> MaterialId {
+    MaterialId((TABLE.len() + number) as u32)
+}
+
+/// How the faces of a material are drawn.
+pub(crate) fn dress(material: MaterialId) -> Dress {
+    match TABLE.get(material.0 as usize) {
+        Some(&(_, _, finish)) => finish.dress(),
+        // A painting, whose corners have places of their own.
+        None => PLACED.dress(),
+    }
+}
+
+/// What is on the faces of a material.
+#[derive(Clone, Copy)]
+struct Finish(Option<TextureId>, f32, bool);
+
+/// One color.
+const EVEN: Finish = Finish(None, 1.0, false);
+
+/// Where corners are in the texture is told as parts of it, not in metres.
+const PLACED: Finish = Finish(Some(TextureId(FIRST_PAINTING)), 1.0, false);
+
+/// A texture, and how often it repeats along a metre.
+const fn with(texture: TextureId, per_metre: f32) -> Finish {
+    Finish(Some(texture), per_metre, false)
+}
+
+/// The same with a grain, which runs along what is longer.
+const fn grained(texture: TextureId, per_metre: f32) -> Finish {
+    Finish(Some(texture), per_metre, true)
+}
+
+impl Finish {
+    const fn texture(self) -> Option<TextureId> {
+        self.0
+    }
+
+    fn dress(self) -> Dress {
+        match self {
+            Finish(None, ..) => Dress::Smooth,
+            Finish(Some(_), per_metre, grain) => Dress::Textured { per_metre, grain },
+        }
+    }
 }
 
 const fn solid(r: f32, g: f32, b: f32) -> Material {
@@ -33,6 +99,16 @@ const fn glass(r: f32, g: f32, b: f32, coverage: f32) -> Material {
         alpha: Alpha::Blend,
         ..sheet(r, g, b)
     }
+}
+
+/// Something that sends out light of its own.
+const fn glowing(material: Material, emission: [f32; 3]) -> Material {
+    Material { emission, ..material }
+}
+
+/// Colored glass before daylight, so dark without it.
+const fn stained(own: f32) -> Material {
+    glowing(solid(own, own, own), [1.1, 1.1, 1.1])
 }
 
 pub(crate) const PLASTER: MaterialId = MaterialId(0);
@@ -65,7 +141,7 @@ pub(crate) const VERDIGRIS: MaterialId = MaterialId(26);
 pub(crate) const IRON: MaterialId = MaterialId(27);
 pub(crate) const SILVER: MaterialId = MaterialId(28);
 pub(crate) const WAX: MaterialId = MaterialId(29);
-pub(crate) const FLAME: MaterialId = MaterialId(30);
+pub(crate) const YELLOW_VELVET: MaterialId = MaterialId(30);
 pub(crate) const EMBER: MaterialId = MaterialId(31);
 pub(crate) const PORCELAIN: MaterialId = MaterialId(32);
 pub(crate) const COBALT: MaterialId = MaterialId(33);
@@ -84,57 +160,97 @@ pub(crate) const LACE: MaterialId = MaterialId(45);
 pub(crate) const PANE: MaterialId = MaterialId(46);
 pub(crate) const WATER: MaterialId = MaterialId(47);
 pub(crate) const CRYSTAL: MaterialId = MaterialId(48);
+pub(crate) const CANDLE_FLAME: MaterialId = MaterialId(49);
+pub(crate) const GLOW: MaterialId = MaterialId(50);
+pub(crate) const ASHLAR: MaterialId = MaterialId(51);
+pub(crate) const PALE_ASHLAR: MaterialId = MaterialId(52);
+pub(crate) const PLANKS: MaterialId = MaterialId(53);
+pub(crate) const LEADED_GLASS: MaterialId = MaterialId(54);
+pub(crate) const STAINED_GLASS: MaterialId = MaterialId(55);
+pub(crate) const SKYLIGHT: MaterialId = MaterialId(56);
+pub(crate) const RED_CURTAIN: MaterialId = MaterialId(57);
+pub(crate) const GREEN_CURTAIN: MaterialId = MaterialId(58);
+pub(crate) const BLUE_CURTAIN: MaterialId = MaterialId(59);
+pub(crate) const RED_RUG: MaterialId = MaterialId(60);
+pub(crate) const BLUE_RUG: MaterialId = MaterialId(61);
+pub(crate) const GREEN_RUG: MaterialId = MaterialId(62);
+pub(crate) const ROSE_RUG: MaterialId = MaterialId(63);
+pub(crate) const YELLOW_RUG: MaterialId = MaterialId(64);
 
-const TABLE: [(MaterialId, Material); 49] = [
-    (PLASTER, solid(0.74, 0.68, 0.57)),
-    (IVORY, solid(0.83, 0.79, 0.68)),
-    (STONE, solid(0.55, 0.46, 0.34)),
-    (PALE_STONE, solid(0.68, 0.60, 0.48)),
-    (DARK_STONE, solid(0.30, 0.25, 0.19)),
-    (WHITE_MARBLE, solid(0.80, 0.78, 0.74)),
-    (BLACK_MARBLE, solid(0.045, 0.045, 0.055)),
-    (RED_MARBLE, solid(0.36, 0.11, 0.07)),
-    (GREEN_MARBLE, solid(0.06, 0.18, 0.12)),
-    (GOLD, solid(0.83, 0.54, 0.13)),
-    (OLD_GOLD, solid(0.50, 0.30, 0.07)),
-    (RED_SILK, solid(0.42, 0.035, 0.04)),
-    (DARK_RED, solid(0.22, 0.02, 0.025)),
-    (GREEN_SILK, solid(0.07, 0.22, 0.11)),
-    (PALE_GREEN, solid(0.36, 0.50, 0.34)),
-    (BLUE_SILK, solid(0.05, 0.13, 0.36)),
-    (PALE_BLUE, solid(0.38, 0.52, 0.66)),
-    (NIGHT_BLUE, solid(0.015, 0.03, 0.11)),
-    (YELLOW_SILK, solid(0.74, 0.50, 0.14)),
-    (ROSE, solid(0.66, 0.36, 0.32)),
-    (OAK, solid(0.33, 0.18, 0.075)),
-    (PALE_OAK, solid(0.47, 0.29, 0.13)),
-    (WALNUT, solid(0.15, 0.07, 0.03)),
-    (MAHOGANY, solid(0.22, 0.055, 0.025)),
-    (EBONY, solid(0.025, 0.02, 0.018)),
-    (BRONZE, solid(0.24, 0.14, 0.055)),
-    (VERDIGRIS, solid(0.16, 0.36, 0.29)),
-    (IRON, solid(0.09, 0.09, 0.10)),
-    (SILVER, solid(0.62, 0.63, 0.66)),
-    (WAX, solid(0.88, 0.83, 0.66)),
-    (FLAME, sheet(1.0, 0.78, 0.25)),
-    (EMBER, solid(0.95, 0.22, 0.03)),
-    (PORCELAIN, solid(0.86, 0.88, 0.90)),
-    (COBALT, solid(0.03, 0.08, 0.42)),
-    (TERRACOTTA, solid(0.50, 0.19, 0.08)),
-    (PAPER, solid(0.80, 0.73, 0.55)),
-    (LAWN, solid(0.12, 0.30, 0.05)),
-    (HEDGE, solid(0.035, 0.13, 0.03)),
-    (GRAVEL, solid(0.60, 0.50, 0.36)),
-    (BARK, solid(0.13, 0.085, 0.05)),
-    (RED_VELVET, sheet(0.36, 0.02, 0.03)),
-    (GREEN_VELVET, sheet(0.03, 0.14, 0.06)),
-    (BLUE_VELVET, sheet(0.02, 0.06, 0.24)),
-    (LEAF, cut_out(0.07, 0.24, 0.04)),
-    (PALE_LEAF, cut_out(0.22, 0.38, 0.09)),
-    (LACE, cut_out(0.84, 0.82, 0.76)),
-    (PANE, glass(0.75, 0.88, 0.92, 0.12)),
-    (WATER, glass(0.08, 0.28, 0.34, 0.6)),
-    (CRYSTAL, glass(0.92, 0.95, 1.0, 0.35)),
+const TABLE: [(MaterialId, Material, Finish); 65] = [
+    (PLASTER, solid(0.62, 0.56, 0.45), with(PLASTERED, 0.7)),
+    (IVORY, solid(0.68, 0.63, 0.52), with(PLASTERED, 0.7)),
+    (STONE, solid(0.55, 0.46, 0.34), with(CARVED, 1.0)),
+    (PALE_STONE, solid(0.60, 0.52, 0.41), with(CARVED, 1.0)),
+    (DARK_STONE, solid(0.30, 0.25, 0.19), with(CARVED, 1.0)),
+    (WHITE_MARBLE, solid(0.72, 0.70, 0.66), with(WHITE_VEINED, 0.55)),
+    (BLACK_MARBLE, solid(1.0, 1.0, 1.0), with(BLACK_VEINED, 0.6)),
+    (RED_MARBLE, solid(1.0, 1.0, 1.0), with(RED_VEINED, 0.6)),
+    (GREEN_MARBLE, solid(1.0, 1.0, 1.0), with(GREEN_VEINED, 0.6)),
+    (GOLD, solid(0.80, 0.50, 0.12), with(GILDING, 2.0)),
+    (OLD_GOLD, solid(0.56, 0.35, 0.09), with(GILDING, 2.0)),
+    (RED_SILK, solid(0.52, 0.045, 0.05), with(DAMASK, 1.25)),
+    (DARK_RED, solid(0.22, 0.02, 0.025), with(VELVET, 1.5)),
+    (GREEN_SILK, solid(0.09, 0.28, 0.14), with(DAMASK, 1.25)),
+    (PALE_GREEN, solid(0.44, 0.60, 0.42), with(DAMASK, 1.25)),
+    (BLUE_SILK, solid(0.065, 0.17, 0.46), with(DAMASK, 1.25)),
+    (PALE_BLUE, solid(0.46, 0.62, 0.78), with(DAMASK, 1.25)),
+    (NIGHT_BLUE, solid(0.015, 0.03, 0.11), with(VELVET, 1.5)),
+    (YELLOW_SILK, solid(0.88, 0.60, 0.18), with(DAMASK, 1.25)),
+    (ROSE, solid(0.76, 0.43, 0.38), with(DAMASK, 1.25)),
+    (OAK, solid(0.40, 0.22, 0.095), grained(WOOD, 1.4)),
+    (PALE_OAK, solid(0.56, 0.35, 0.16), grained(WOOD, 1.4)),
+    (WALNUT, solid(0.19, 0.092, 0.042), grained(WOOD, 1.4)),
+    (MAHOGANY, solid(0.28, 0.072, 0.034), grained(WOOD, 1.4)),
+    (EBONY, solid(0.025, 0.02, 0.018), grained(WOOD, 1.4)),
+    (BRONZE, solid(0.24, 0.14, 0.055), with(GILDING, 1.5)),
+    (VERDIGRIS, solid(0.16, 0.36, 0.29), with(CARVED, 1.0)),
+    (IRON, solid(0.09, 0.09, 0.10), EVEN),
+    (SILVER, solid(0.62, 0.63, 0.66), EVEN),
+    (WAX, solid(0.88, 0.83, 0.66), EVEN),
+    (YELLOW_VELVET, sheet(0.85, 0.60, 0.18), with(VELVET, 1.5)),
+    (EMBER, solid(0.95, 0.22, 0.03), EVEN),
+    (PORCELAIN, solid(0.86, 0.88, 0.90), with(PLASTERED, 1.0)),
+    (COBALT, solid(0.03, 0.08, 0.42), with(CARVED, 0.7)),
+    (TERRACOTTA, solid(0.50, 0.19, 0.08), with(CARVED, 1.3)),
+    (PAPER, solid(0.80, 0.73, 0.55), EVEN),
+    (LAWN, solid(0.125, 0.25, 0.05), with(GRASS, 0.9)),
+    (HEDGE, solid(0.07, 0.24, 0.055), with(YEW, 2.4)),
+    (GRAVEL, solid(0.56, 0.47, 0.35), with(PEBBLES, 1.6)),
+    (BARK, solid(0.13, 0.085, 0.05), with(BARKED, 2.0)),
+    (RED_VELVET, sheet(0.36, 0.02, 0.03), with(VELVET, 1.5)),
+    (GREEN_VELVET, sheet(0.03, 0.14, 0.06), with(VELVET, 1.5)),
+    (BLUE_VELVET, sheet(0.02, 0.06, 0.24), with(VELVET, 1.5)),
+    (LEAF, cut_out(0.10, 0.32, 0.06), with(LEAFLET, 1.0)),
+    (PALE_LEAF, cut_out(0.28, 0.48, 0.12), with(LEAFLET, 1.0)),
+    (LACE, cut_out(0.84, 0.82, 0.76), with(LACEWORK, 3.0)),
+    (PANE, glass(0.75, 0.88, 0.92, 0.12), EVEN),
+    (WATER, glass(0.08, 0.28, 0.34, 0.6), EVEN),
+    (CRYSTAL, glass(0.92, 0.95, 1.0, 0.35), EVEN),
+    (
+        CANDLE_FLAME,
+        glowing(sheet(1.0, 0.78, 0.25), [1.0, 0.72, 0.30]),
+        EVEN,
+    ),
+    (GLOW, glowing(solid(0.95, 0.22, 0.03), [0.9, 0.16, 0.02]), EVEN),
+    (ASHLAR, solid(0.54, 0.45, 0.34), with(MASONRY, 0.66)),
+    (PALE_ASHLAR, solid(0.64, 0.57, 0.46), with(MASONRY, 0.66)),
+    (PLANKS, solid(0.36, 0.20, 0.09), grained(BOARDS, 0.9)),
+    (LEADED_GLASS, glass(1.0, 1.0, 1.0, 1.0), with(LEADED, 1.6)),
+    (STAINED_GLASS, stained(0.05), with(STAINED, 0.8)),
+    (
+        SKYLIGHT,
+        glowing(solid(0.30, 0.36, 0.42), [0.34, 0.42, 0.52]),
+        EVEN,
+    ),
+    (RED_CURTAIN, cut_out(1.0, 1.0, 1.0), with(CURTAINS[0], 1.0)),
+    (GREEN_CURTAIN, cut_out(1.0, 1.0, 1.0), with(CURTAINS[1], 1.0)),
+    (BLUE_CURTAIN, cut_out(1.0, 1.0, 1.0), with(CURTAINS[2], 1.0)),
+    (RED_RUG, cut_out(1.0, 1.0, 1.0), with(RUGS[0], 1.0)),
+    (BLUE_RUG, cut_out(1.0, 1.0, 1.0), with(RUGS[1], 1.0)),
+    (GREEN_RUG, cut_out(1.0, 1.0, 1.0), with(RUGS[2], 1.0)),
+    (ROSE_RUG, cut_out(1.0, 1.0, 1.0), with(RUGS[3], 1.0)),
+    (YELLOW_RUG, cut_out(1.0, 1.0, 1.0), with(RUGS[4], 1.0)),
 ];
 
 #[cfg(test)]
@@ -143,7 +259,7 @@ mod tests {
 
     #[test]
     fn every_material_stands_at_its_number() {
-        for (place, (id, _)) in TABLE.iter().enumerate() {
+        for (place, (id, ..)) in TABLE.iter().enumerate() {
             assert_eq!(id.0 as usize, place);
         }
     }

@@ -2,7 +2,7 @@
 
 use super::head::{Hair, head};
 use super::palette::{
-    BLUE_SILK, DARK_RED, GREEN_SILK, MAHOGANY, NIGHT_BLUE, PALE_BLUE, ROSE, TERRACOTTA, YELLOW_SILK,
+    BLUE_SILK, DARK_RED, GREEN_SILK, MAHOGANY, NIGHT_BLUE, PALE_BLUE, ROSE, TERRACOTTA, YELLOW_SILK, dress,
 };
 use super::room::shift;
 use super::statue::walking;
@@ -30,5 +30,5 @@ pub fn person(number: usize) -> Arc<Mesh> {
     };
     let (mut shape, neck) = walking(cloth, skin);
     shape.add(&head(skin, 0.27, hair), shift(neck.x, neck.y, neck.z));
-    shape.mesh()
+    shape.dressed(dress)
 }

@@ -35,13 +35,15 @@ pub(crate) enum Name {
     Study,
     Treasury,
     SecretPassage,
+    Terrace,
+    Orchard,
     /// Not in [`ROOMS`]: it is made anew for every moment.
     Fountain,
 }
 
 impl Name {
     /// The rooms, in the order of [`ROOMS`].
-    pub(crate) const ALL: [Name; 20] = [
+    pub(crate) const ALL: [Name; 22] = [
         Name::Vestibule,
         Name::GuardRoom,
         Name::RedSalon,
@@ -62,6 +64,8 @@ impl Name {
         Name::Study,
         Name::Treasury,
         Name::SecretPassage,
+        Name::Terrace,
+        Name::Orchard,
     ];
 }
 
@@ -89,7 +93,7 @@ const GILDED: Style = Style {
     reveal: IVORY,
 };
 
-const STONEWORK: Style = Style {
+pub(crate) const STONEWORK: Style = Style {
     floor: Floor::Bare,
     trim: PALE_STONE,
     gilt: STONE,
@@ -101,7 +105,7 @@ const STONEWORK: Style = Style {
 };
 
 /// The rooms, in the order of [`Name`].
-pub(crate) const ROOMS: [Design; 20] = [
+pub(crate) const ROOMS: [Design; 22] = [
     Design {
         name: "Vestibule",
         plan: Plan::Rectangle([WALL - HALF, HALF - WALL], [DOORS_AT[0] + WALL, -WALL]),
@@ -110,6 +114,7 @@ pub(crate) const ROOMS: [Design; 20] = [
         style: Style {
             floor: Floor::Checker(0.7, [WHITE_MARBLE, BLACK_MARBLE]),
             dado: GREEN_MARBLE,
+            wall: PALE_ASHLAR,
             field: PLASTER,
             gilt: OLD_GOLD,
             ..STONEWORK
@@ -125,9 +130,9 @@ pub(crate) const ROOMS: [Design; 20] = [
             trim: OAK,
             gilt: WALNUT,
             dado: OAK,
-            wall: STONE,
+            wall: ASHLAR,
             field: PLASTER,
-            ceiling: PALE_OAK,
+            ceiling: PLANKS,
             reveal: OAK,
         },
     },
@@ -290,7 +295,7 @@ pub(crate) const ROOMS: [Design; 20] = [
         height: 9.0,
         ceiling: Ceiling::Sky,
         style: Style {
-            wall: PLASTER,
+            wall: PALE_ASHLAR,
             trim: GRAVEL,
             reveal: PALE_STONE,
             ..STONEWORK
@@ -333,7 +338,7 @@ pub(crate) const ROOMS: [Design; 20] = [
             dado: WHITE_MARBLE,
             wall: PALE_GREEN,
             field: IVORY,
-            ceiling: PALE_BLUE,
+            ceiling: SKYLIGHT,
             reveal: WHITE_MARBLE,
         },
     },
@@ -349,7 +354,7 @@ pub(crate) const ROOMS: [Design; 20] = [
             dado: MAHOGANY,
             wall: GREEN_SILK,
             field: GREEN_SILK,
-            ceiling: PALE_OAK,
+            ceiling: PLANKS,
             reveal: MAHOGANY,
         },
     },
@@ -361,12 +366,14 @@ pub(crate) const ROOMS: [Design; 20] = [
         style: Style {
             floor: Floor::Cubes(0.4, [STONE, DARK_STONE, PALE_STONE]),
             dado: DARK_STONE,
-            wall: STONE,
+            wall: ASHLAR,
             field: DARK_RED,
             ..STONEWORK
         },
     },
     super::secret::DESIGN,
+    super::rooms::gardens::TERRACE,
+    super::rooms::gardens::ORCHARD,
 ];
 
 #[cfg(test)]
@@ -382,6 +389,7 @@ mod tests {
             (Name::Gallery, "Gallery"),
             (Name::Treasury, "Treasury"),
             (Name::SecretPassage, "Secret Passage"),
+            (Name::Orchard, "Orchard"),
         ] {
             assert_eq!(ROOMS[name as usize].name, expected);
         }

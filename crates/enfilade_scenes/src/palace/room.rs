@@ -1,12 +1,16 @@
 //! A room while it is built: things are put in, holes are cut, and at the end it is closed round them.
 
 use super::floor::Floor;
-use super::palette::materials;
+use super::lamps::{Lamp, chosen};
+use super::palette::{content, dress};
 use super::workshop::Workshop;
 use crate::envelope::{Ceiling, Finish, Hole, Plan, Side, envelope};
 use crate::random::Random;
 use crate::shape::Shape;
-use enfilade::{Content, ContentBuilder, ConvexPolygon, MaterialId, Mesh, MeshId, OpeningId, Transform};
+use enfilade::{
+    Content, ContentBuilder, ConvexPolygon, FragmentId, MaterialId, Mesh, MeshId, Method, OpeningId,
+    SceneBuilder, Transform,
+};
 use glam::{Vec2, Vec3, vec2};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -75,6 +79,13 @@ pub(crate) struct Wall {
     pub(crate) right: Vec2,
 }
 
+/// A room when all is in it.
+pub(crate) struct Closed {
+    pub(crate) content: Content,
+    mirrors: Vec<OpeningId>,
+    pub(crate) lamps: Vec<Lamp>,
+}
+
 /// A room being built.
 pub(crate) struct Room<'a> {
     pub(crate) design: Design,
@@ -86,6 +97,9 @@ pub(crate) struct Room<'a> {
     pub(crate) taken: Vec<Vec<[f32; 2]>>,
     /// Mirrors hung so far.
     pub(crate) mirrors: Vec<OpeningId>,
+    /// What shines in it, and what may if there is not enough of that.
+    pub(crate) lamps: Vec<Lamp>,
+    pub(crate) candles: Vec<Lamp>,
     content: ContentBuilder,
     meshes: HashMap<*const Mesh, MeshId>,
     counts: HashMap<String, u32>,
@@ -142,7 +156,9 @@ impl<'a> Room<'a> {
             doorways: Vec::new(),
             taken: vec![Vec::new(); walls],
             mirrors: Vec::new(),
-            content: ContentBuilder::new(materials()),
+            lamps: Vec::new(),
+            candles: Vec::new(),
+            content: content(),
             meshes: HashMap::new(),
             counts: HashMap::new(),
         }
@@ -160,7 +176,7 @@ impl<'a> Room<'a> {
 
     /// Puts in a thing that there is only one of, made where it stands.
     pub(crate) fn make(&mut self, thing: &str, shape: &Shape) {
-        self.put(thing, &shape.mesh(), Transform::IDENTITY);
+        self.put(thing, &shape.dressed(dress), Transform::IDENTITY);
     }
 
     /// Adds an opening; its front looks into the room.
@@ -237,7 +253,7 @@ impl<'a> Room<'a> {
     }
 
     /// Closes the room round what was put in.
-    pub(crate) fn close(mut self) -> (Content, Vec<OpeningId>) {
+    pub(crate) fn close(mut self) -> Closed {
         let Design {
             plan,
             height,
@@ -258,10 +274,25 @@ impl<'a> Room<'a> {
         if !matches!(ceiling, Ceiling::Sky) {
             self.make("shell ceiling", &shell.ceiling);
         }
-        (
-            self.content.build().expect("a room is made of sound things"),
-            self.mirrors,
-        )
+        Closed {
+            content: self.content.build().expect("a room is made of sound things"),
+            mirrors: self.mirrors,
+            lamps: chosen(self.lamps, self.candles),
+        }
+    }
+}
+
+impl Closed {
+    /// Makes it a fragment, its mirrors mirrors, and lights its lamps.
+    pub(crate) fn add_to(self, scene: &mut SceneBuilder, name: &str) -> FragmentId {
+        let id = scene.add(name, self.content, Method::HierarchicalZ);
+        for mirror in self.mirrors {
+            scene.mirror(id, mirror);
+        }
+        for lamp in self.lamps {
+            scene.light(lamp.in_fragment(id));
+        }
+        id
     }
 }
 

@@ -21,7 +21,7 @@ pub(crate) const DESIGN: Design = Design {
         trim: DARK_STONE,
         gilt: OLD_GOLD,
         dado: STONE,
-        wall: STONE,
+        wall: ASHLAR,
         field: STONE,
         ceiling: PALE_STONE,
         reveal: OAK,

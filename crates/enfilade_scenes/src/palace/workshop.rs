@@ -1,5 +1,6 @@
 //! Where things are made once, however often they stand in the palace.
 
+use super::palette::dress;
 use crate::shape::Shape;
 use enfilade::Mesh;
 use std::collections::HashMap;
@@ -14,6 +15,6 @@ pub(crate) struct Workshop {
 impl Workshop {
     /// The thing of this kind; `make` is asked the first time. `kind` must tell apart all that `make` depends on.
     pub(crate) fn piece(&mut self, kind: String, make: impl FnOnce() -> Shape) -> Arc<Mesh> {
-        Arc::clone(self.made.entry(kind).or_insert_with(|| make().mesh()))
+        Arc::clone(self.made.entry(kind).or_insert_with(|| make().dressed(dress)))
     }
 }

@@ -38,6 +38,28 @@ pub(crate) fn band(material: MaterialId, left: &[Vec3], right: &[Vec3]) -> Shape
     shape
 }
 
+/// A cloth through columns of equally many corners, each with its place in the texture; from its front, columns follow
+/// each other from left to right, each from its lower end up.
+pub(crate) fn cloth(material: MaterialId, columns: &[Vec<(Vec3, Vec2)>]) -> Shape {
+    let mut shape = Shape::new();
+    for pair in columns.windows(2) {
+        let [left, right] = [&pair[0], &pair[1]];
+        for i in 0..left.len() - 1 {
+            for corners in [
+                [left[i], right[i], right[i + 1]],
+                [left[i], right[i + 1], left[i + 1]],
+            ] {
+                shape.placed(
+                    material,
+                    &corners.map(|(at, _)| at),
+                    &corners.map(|(_, place)| place),
+                );
+            }
+        }
+    }
+    shape
+}
+
 /// What a lathe makes of a profile of (radius, height), from the foot up. Closed where it begins and ends at
 /// radius 0, or where it ends as it began.
 pub(crate) fn lathe(material: MaterialId, profile: &[[f32; 2]], sides: usize) -> Shape {
@@ -68,7 +90,45 @@ pub(crate) fn fluted(
                 .collect()
         })
         .collect();
-    loft(material, &rings)
+    turned(material, profile, &rings)
+}
+
+/// The surface through a lathe's rings, its texture wound about it: along the rings from one side to the other, and back
+/// mirrored, so that it meets itself without a seam; across them as long as the profile is.
+fn turned(material: MaterialId, profile: &[[f32; 2]], rings: &[Vec<Vec3>]) -> Shape {
+    let sides = rings[0].len();
+    let widest = profile.iter().fold(0.0, |most: f32, at| most.max(at[0]));
+    let around = |side: usize| {
+        let part = side as f32 / sides as f32;
+        TAU as f32 * widest * part.min(1.0 - part)
+    };
+    let mut shape = Shape::new();
+    let mut below = 0.0;
+    for (pair, ends) in rings.windows(2).zip(profile.windows(2)) {
+        let above = below - vec2(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]).length();
+        for i in 0..sides {
+            let next = (i + 1) % sides;
+            let corner = |ring: usize, side: usize, index: usize| {
+                let up = if ring == 0 { below } else { above };
+                (pair[ring][index], vec2(around(side), up))
+            };
+            let [a, b, c, d] = [
+                corner(0, i, i),
+                corner(0, i + 1, next),
+                corner(1, i + 1, next),
+                corner(1, i, i),
+            ];
+            for corners in [[a, b, c], [a, c, d]] {
+                shape.placed(
+                    material,
+                    &corners.map(|(at, _)| at),
+                    &corners.map(|(_, place)| place),
+                );
+            }
+        }
+        below = above;
+    }
+    shape
 }
 
 /// A ball round the origin.

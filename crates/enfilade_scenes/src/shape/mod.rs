@@ -1,23 +1,27 @@
 //! Faces on their way to becoming a mesh.
 
 mod clip;
+mod dress;
 mod fill;
 mod loft;
 mod solid;
 mod sweep;
 
 pub(crate) use clip::clip;
+pub(crate) use dress::Dress;
 pub(crate) use fill::fill;
-pub(crate) use loft::{around, ball, band, fluted, knot, lathe, loft, round_tube, tube};
+pub(crate) use loft::{around, ball, band, cloth, fluted, knot, lathe, loft, round_tube, tube};
 pub(crate) use solid::{block, cuboid, prism, superquadric, taper};
 pub(crate) use sweep::{frame, moulding, surround};
 
-use enfilade::{Attributes, ConvexPolygon, MaterialId, Mesh, Part, Transform};
-use glam::Vec3;
-use std::collections::HashMap;
+use enfilade::{ConvexPolygon, MaterialId, Mesh, Transform};
+use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
 /// Faces gathered by material. What cannot be a flat convex face becomes triangles.
+///
+/// Every corner has a place in a texture, in metres; as faces are given one by their own shape, it stays theirs however
+/// they are moved later: see [`boxed`](dress::boxed).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Shape {
     sheets: Vec<Sheet>,
@@ -28,6 +32,8 @@ pub(crate) struct Shape {
 struct Sheet {
     material: MaterialId,
     corners: Vec<Vec3>,
+    /// For each corner, where it is in the texture, in metres.
+    places: Vec<Vec2>,
     sides: Vec<u32>,
 }
 
@@ -38,30 +44,40 @@ impl Shape {
 
     /// Adds a face, counter-clockwise from its front. One that bends beyond what a face may is cut into triangles.
     pub(crate) fn face(&mut self, material: MaterialId, corners: &[Vec3]) {
+        self.placed(material, corners, &dress::boxed(corners));
+    }
+
+    /// The same, where each corner has a place of its own in the texture.
+    pub(crate) fn placed(&mut self, material: MaterialId, corners: &[Vec3], places: &[Vec2]) {
         let count = corners.len();
-        let corners: Vec<Vec3> = (0..count)
+        let corners: Vec<(Vec3, Vec2)> = (0..count)
             .filter(|&i| corners[i] != corners[(i + 1) % count])
-            .map(|i| corners[i])
+            .map(|i| (corners[i], places[i]))
             .collect();
         if corners.len() < 3 {
             return;
         }
         let flat = corners.len() == 3 || {
-            let outline: Vec<[f32; 3]> = corners.iter().map(|corner| corner.to_array()).collect();
+            let outline: Vec<[f32; 3]> = corners.iter().map(|(corner, _)| corner.to_array()).collect();
             ConvexPolygon::new(&outline).is_ok()
         };
         if flat {
             self.push(material, corners.iter().copied(), corners.len());
         } else {
             for i in 1..corners.len() - 1 {
-                self.triangle(material, [corners[0], corners[i], corners[i + 1]]);
+                self.sharp(material, [corners[0], corners[i], corners[i + 1]]);
             }
         }
     }
 
     /// Adds a triangle, unless two of its corners are one.
     pub(crate) fn triangle(&mut self, material: MaterialId, corners: [Vec3; 3]) {
-        let [a, b, c] = corners;
+        let places = dress::boxed(&corners);
+        self.sharp(material, [0, 1, 2].map(|i| (corners[i], places[i])));
+    }
+
+    fn sharp(&mut self, material: MaterialId, corners: [(Vec3, Vec2); 3]) {
+        let [a, b, c] = corners.map(|(corner, _)| corner);
         if a != b && b != c && c != a {
             self.push(material, corners.into_iter(), 3);
         }
@@ -73,10 +89,10 @@ impl Shape {
         for sheet in &other.sheets {
             let mut start = 0;
             for &sides in &sheet.sides {
-                let face = &sheet.corners[start..start + sides as usize];
+                let face = sheet.face(start, sides);
                 let moved = face
-                    .iter()
-                    .map(|corner| Vec3::from(placed.point(corner.to_array())));
+                    .clone()
+                    .map(|(corner, place)| (Vec3::from(placed.point(corner.to_array())), place));
                 if mirrors {
                     self.push(sheet.material, moved.rev(), face.len());
                 } else {
@@ -93,6 +109,7 @@ impl Shape {
         for sheet in other.sheets {
             let own = self.sheet(sheet.material);
             own.corners.extend(sheet.corners);
+            own.places.extend(sheet.places);
             own.sides.extend(sheet.sides);
         }
         self
@@ -104,12 +121,13 @@ impl Shape {
         for sheet in self.sheets {
             let mut start = 0;
             for sides in sheet.sides {
-                let moved: Vec<Vec3> = sheet.corners[start..start + sides as usize]
+                let end = start + sides as usize;
+                let moved: Vec<Vec3> = sheet.corners[start..end]
                     .iter()
                     .map(|&corner| bend(corner))
                     .collect();
-                shape.face(sheet.material, &moved);
-                start += sides as usize;
+                shape.placed(sheet.material, &moved, &sheet.places[start..end]);
+                start = end;
             }
         }
         shape
@@ -120,30 +138,23 @@ impl Shape {
         for sheet in &mut self.sheets {
             let mut start = 0;
             for &sides in &sheet.sides {
-                sheet.corners[start..start + sides as usize].reverse();
-                start += sides as usize;
+                let end = start + sides as usize;
+                sheet.corners[start..end].reverse();
+                sheet.places[start..end].reverse();
+                start = end;
             }
         }
         self
     }
 
-    /// The mesh of all faces; corners at the same place become one.
+    /// The mesh of all faces, with nothing but their corners; those at the same place become one.
     pub(crate) fn mesh(&self) -> Arc<Mesh> {
-        let welded: Vec<(Vec<[f32; 3]>, Vec<u32>)> = self.sheets.iter().map(Sheet::welded).collect();
-        let parts: Vec<Part> = (self.sheets.iter().zip(&welded))
-            .map(|(sheet, (positions, corners))| Part {
-                positions,
-                corners,
-                sides: sheet
-                    .sides
-                    .iter()
-                    .any(|&sides| sides != 3)
-                    .then_some(&*sheet.sides),
-                material: sheet.material,
-                attributes: Attributes::default(),
-            })
-            .collect();
-        Arc::new(Mesh::new(&parts).expect("faces are checked as they are added"))
+        dress::mesh(&self.sheets, |_| Dress::Bare)
+    }
+
+    /// The mesh of all faces as they are drawn: the palette says how.
+    pub(crate) fn dressed(&self, dress: impl Fn(MaterialId) -> Dress) -> Arc<Mesh> {
+        dress::mesh(&self.sheets, dress)
     }
 
     fn sheet(&mut self, material: MaterialId) -> &mut Sheet {
@@ -155,6 +166,7 @@ impl Shape {
                 self.sheets.push(Sheet {
                     material,
                     corners: Vec::new(),
+                    places: Vec::new(),
                     sides: Vec::new(),
                 });
                 self.sheets.len() - 1
@@ -162,35 +174,32 @@ impl Shape {
         &mut self.sheets[index]
     }
 
-    fn push(&mut self, material: MaterialId, corners: impl Iterator<Item = Vec3>, sides: usize) {
+    fn push(&mut self, material: MaterialId, corners: impl Iterator<Item = (Vec3, Vec2)>, sides: usize) {
         let sheet = self.sheet(material);
-        // Minus zero becomes zero, so that corners at the same place have the same bits.
-        sheet.corners.extend(corners.map(|corner| corner + Vec3::ZERO));
+        for (corner, place) in corners {
+            // Minus zero becomes zero, so that corners at the same place have the same bits.
+            sheet.corners.push(corner + Vec3::ZERO);
+            sheet.places.push(place + Vec2::ZERO);
+        }
         sheet.sides.push(sides as u32);
     }
 }
 
 impl Sheet {
-    fn welded(&self) -> (Vec<[f32; 3]>, Vec<u32>) {
-        let mut positions = Vec::new();
-        let mut places: HashMap<[u32; 3], u32> = HashMap::with_capacity(self.corners.len() / 2);
-        let corners = (self.corners.iter())
-            .map(|corner| {
-                *places
-                    .entry(corner.to_array().map(f32::to_bits))
-                    .or_insert_with(|| {
-                        positions.push(corner.to_array());
-                        positions.len() as u32 - 1
-                    })
-            })
-            .collect();
-        (positions, corners)
+    /// The corners of the face that begins at `start`, each with its place in the texture.
+    fn face(
+        &self,
+        start: usize,
+        sides: u32,
+    ) -> impl DoubleEndedIterator<Item = (Vec3, Vec2)> + ExactSizeIterator + Clone + '_ {
+        (start..start + sides as usize).map(|i| (self.corners[i], self.places[i]))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::HashMap;
 
     const STONE: MaterialId = MaterialId(0);
 

@@ -41,7 +41,7 @@ pub(super) fn music_room(room: &mut Room) {
         let place = room.wall(side).at(along, 2.5);
         light::sconce(room, place, GOLD);
     }
-    let carpet = drapery::carpet(room.shop, [4.6, 6.4], [ROSE, DARK_RED, IVORY]);
+    let carpet = drapery::carpet(room.shop, [4.6, 6.4], Rug::Rose);
     room.put("carpet", &carpet, spot(3.9, -77.0, 0.0));
     light::chandelier(room, [-3.4, -77.0], 3.9, 12, 1.5, GOLD);
     light::chandelier(room, [3.4, -77.0], 3.9, 12, 1.5, GOLD);
@@ -216,7 +216,7 @@ pub(super) fn library(room: &mut Room) {
     let lean = Transform::rotation([1.0, 0.0, 0.0], -0.22);
     room.put("ladder", &ladder, spot(-5.3, -89.2, 90.0) * lean);
     room.put("ladder", &ladder, spot(5.3, -84.3, -90.0) * lean);
-    let carpet = drapery::carpet(room.shop, [3.2, 5.4], [DARK_RED, NIGHT_BLUE, OLD_GOLD]);
+    let carpet = drapery::carpet(room.shop, [3.2, 5.4], Rug::Red);
     room.put("carpet", &carpet, spot(-3.6, -87.5, 0.0));
     room.put("carpet", &carpet, spot(3.6, -87.5, 0.0));
     light::chandelier(room, [0.0, -87.5], 4.3, 12, 1.5, OLD_GOLD);
@@ -258,12 +258,17 @@ pub(super) fn picture_room(room: &mut Room) {
             }
         }
         room.take(wall, 0.0, length);
+        // Light on the pictures, from where the ceiling begins.
+        let wall = room.wall(side);
+        let from = wall.at(middle, 6.6).point([0.0, 0.0, 3.4]);
+        room.lamps
+            .push(Lamp::spot(from, wall.at(middle, 2.6).point([0.0; 3]), 16.0));
     }
     let sofa = seat::sofa(room.shop, GOLD, RED_VELVET);
     for x in [-3.6, 3.6] {
         room.put("sofa", &sofa, spot(x, -97.6, 180.0));
         room.put("sofa", &sofa, spot(x, -98.4, 0.0));
-        let carpet = drapery::carpet(room.shop, [4.6, 5.6], [DARK_RED, GREEN_SILK, OLD_GOLD]);
+        let carpet = drapery::carpet(room.shop, [4.6, 5.6], Rug::Red);
         room.put("carpet", &carpet, spot(x, -98.0, 0.0));
     }
     let base = column::pedestal(room.shop, 0.55, 0.95, EBONY, OLD_GOLD);

@@ -63,6 +63,7 @@ pub(super) fn porcelain_cabinet(room: &mut Room) {
 }
 
 pub(super) fn chapel(room: &mut Room) {
+    stained_windows(room);
     ceiling::ribs(room, PALE_STONE, 0.3, 0.2, &[0.2, 2.3, 4.3, 6.3, 8.35]);
     ceiling::coffer_vault(
         room,
@@ -130,7 +131,44 @@ pub(super) fn chapel(room: &mut Room) {
     light::chandelier(room, [11.7, -47.0], 4.2, 8, 1.2, OLD_GOLD);
 }
 
+/// Windows of colored glass in the apse and between the columns, before which it is day; none is looked through.
+fn stained_windows(room: &mut Room) {
+    let apse = room.design.plan.wall(Side::East);
+    let walls = room.walls();
+    for off in [1, 3, 8, 10] {
+        let along = 0.5 * walls[apse + off].length();
+        stained_window(room, apse + off, along, [0.64, 1.5, 3.5]);
+    }
+    for side in [Side::North, Side::South] {
+        let number = room.design.plan.wall(side);
+        for x in [10.75, 12.75, 14.75] {
+            let wall = walls[number];
+            let along = wall.along(vec2(x, wall.left.y));
+            stained_window(room, number, along, [1.0, 1.2, 3.0]);
+        }
+        let middle = walls[number].at(0.5 * walls[number].length(), 2.6);
+        let glow = middle.point([0.0, 0.0, 1.8]);
+        room.lamps.push(Lamp::daylight(glow, [1.5, 1.15, 1.5], 8.0));
+    }
+}
+
+fn stained_window(room: &mut Room, wall: usize, along: f32, [wide, foot, spring]: [f32; 3]) {
+    const BORDER: [[f32; 2]; 5] = [[0.0, 0.0], [0.0, 0.04], [0.05, 0.06], [0.12, 0.04], [0.12, 0.0]];
+    let outline = arched(wide, foot, spring, 0.5 * wide);
+    room.cut(wall, along, &outline, 0.25, Some(STAINED_GLASS), PALE_STONE);
+    room.take(wall, along - 0.5 * wide - 0.16, along + 0.5 * wide + 0.16);
+    let border = room.shop.piece(format!("stained window {wide}"), || {
+        surround(PALE_STONE, &outline, true, &BORDER)
+    });
+    let place = room.walls()[wall].at(along, 0.0);
+    room.put("window case", &border, place);
+}
+
 pub(super) fn winter_garden(room: &mut Room) {
+    // The vault is of glass: the sun shines through it, and the sky.
+    room.lamps.push(Lamp::sun(1.6));
+    room.lamps
+        .push(Lamp::daylight([12.2, 6.6, -61.5], [9.0, 10.0, 11.0], 16.0));
     let arches: Vec<f32> = (0..=6).map(|i| 0.15 + 1.95 * i as f32).collect();
     ceiling::ribs(room, VERDIGRIS, 0.14, 0.16, &arches);
     // Bars along the vault, so that it looks glazed.
@@ -203,7 +241,7 @@ pub(super) fn study(room: &mut Room) {
     }
     let globe = ornament::globe(room.shop, WALNUT, NIGHT_BLUE, OLD_GOLD);
     room.put("globe", &globe, spot(8.5, -90.9, 0.0) * scaled(0.9));
-    let carpet = drapery::carpet(room.shop, [4.6, 4.6], [DARK_RED, GREEN_SILK, OLD_GOLD]);
+    let carpet = drapery::carpet(room.shop, [4.6, 4.6], Rug::Red);
     room.put("carpet", &carpet, spot(11.0, -87.7, 0.0));
     let clock = case::long_clock(room.shop, MAHOGANY, OLD_GOLD);
     room.put("clock", &clock, spot(14.2, -91.98, 0.0));

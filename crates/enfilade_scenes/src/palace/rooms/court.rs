@@ -6,6 +6,7 @@ use super::*;
 const MIDDLE: Vec2 = vec2(-28.0, -51.5);
 
 pub(super) fn court(room: &mut Room) {
+    gardens::under_the_sky(room);
     ground(room);
     facades(room);
     let fountain = garden::fountain(room.shop, PALE_STONE);
@@ -103,8 +104,11 @@ fn flowers(color: MaterialId) -> Shape {
         let at = vec3(random.between(-1.5, 1.5), 0.0, random.between(-0.7, 0.7));
         let high = random.between(0.25, 0.45);
         let lean = vec3(random.between(-0.06, 0.06), high, random.between(-0.06, 0.06));
-        shape.triangle(PALE_LEAF, [at - Vec3::X * 0.03, at + Vec3::X * 0.03, at + lean]);
-        shape.triangle(LEAF, [at - Vec3::Z * 0.03, at + Vec3::Z * 0.03, at + lean]);
+        for (color, half) in [(PALE_LEAF, Vec3::X * 0.03), (LEAF, Vec3::Z * 0.03)] {
+            // From the middle of a leaf to its tip.
+            let places = [vec2(0.4, 0.7), vec2(0.4, 0.3), vec2(1.0, 0.5)];
+            shape.placed(color, &[at - half, at + half, at + lean], &places);
+        }
         let head = crate::shape::superquadric(color, [0.055, 0.035, 0.055], 1.2, 1.0, 4, 7);
         let top = at + lean;
         shape.add(&head, shift(top.x, top.y, top.z));
@@ -175,6 +179,13 @@ fn facades(room: &mut Room) {
         }
     }
     grotto_front(room, &giant, &upper);
+    window_cases(room);
+    cornice(room, &corners, 7.95, 0.55);
+    balustrade(room, &corners, height - 1.0);
+}
+
+/// Frames of stone round the doors and windows of a garden.
+pub(super) fn window_cases(room: &mut Room) {
     for door in room.doorways.clone() {
         let case = room
             .shop
@@ -191,8 +202,6 @@ fn facades(room: &mut Room) {
         let place = room.walls()[door.wall].at(door.along, 0.0);
         room.put("window case", &case, place);
     }
-    cornice(room, &corners, 7.95, 0.55);
-    balustrade(room, &corners, height - 1.0);
 }
 
 /// Pilasters, windows and urns about the arch of the grotto, which stands where two bays would meet.

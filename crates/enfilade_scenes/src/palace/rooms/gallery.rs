@@ -33,7 +33,7 @@ pub(super) fn gallery(room: &mut Room) {
             room.hang("pilaster", &flat, side, at, 0.0);
         }
     }
-    windows(room);
+    windows::glaze(room, PANE, GREEN_CURTAIN);
     eastern_wall(room);
     for (i, z) in [-28.0, -37.5, -46.9, -56.4, -65.8, -75.0].into_iter().enumerate() {
         light::chandelier(
@@ -64,7 +64,7 @@ pub(super) fn gallery(room: &mut Room) {
             spot(MIDDLE, z, turn) * shift(0.0, 1.0, 0.0) * scaled(1.35),
         );
     }
-    let carpet = drapery::carpet(room.shop, [2.2, 12.0], [GREEN_SILK, DARK_RED, GOLD]);
+    let carpet = drapery::carpet(room.shop, [2.2, 12.0], Rug::Green);
     for z in [-30.0, -64.0, -74.5] {
         room.put("carpet", &carpet, spot(MIDDLE, z, 0.0));
     }
@@ -74,52 +74,6 @@ pub(super) fn gallery(room: &mut Room) {
 fn along(room: &Room, side: Side, z: f32) -> f32 {
     let wall = room.wall(side);
     wall.along(vec2(wall.left.x, z))
-}
-
-/// Panes, bars and curtains of the windows to the court.
-fn windows(room: &mut Room) {
-    let panes = room.shop.piece("window panes".to_owned(), || {
-        let mut shape = Shape::new();
-        let outline: Vec<Vec3> = arched(2.0, 0.9, 3.2, 1.0)
-            .into_iter()
-            .map(|at| at.extend(-0.3))
-            .collect();
-        shape.face(PANE, &outline);
-        shape
-    });
-    let bars = room.shop.piece("window bars".to_owned(), || {
-        let outline = arched(2.0, 0.9, 3.2, 1.0);
-        let mut shape = surround(
-            IVORY,
-            &outline,
-            true,
-            &[[-0.07, -0.33], [-0.07, -0.27], [0.0, -0.27]],
-        );
-        shape.join(block(IVORY, [-0.035, 0.9, -0.32], [0.035, 4.2, -0.28]));
-        for up in [1.65, 2.4, 3.15] {
-            shape.join(block(IVORY, [-0.97, up, -0.315], [0.97, up + 0.045, -0.285]));
-        }
-        for x in [-0.5, 0.5] {
-            shape.join(block(IVORY, [x - 0.018, 0.95, -0.31], [x + 0.018, 3.15, -0.29]));
-        }
-        shape
-    });
-    let cloth = drapery::curtain(room.shop, 0.95, 4.3, GREEN_VELVET, GOLD);
-    let lace = drapery::curtain(room.shop, 0.8, 4.2, LACE, IVORY);
-    let swags = drapery::swags(room.shop, 2.9, 3, GREEN_VELVET, GOLD);
-    for z in doors::WINDOWS_AT {
-        let at = along(room, Side::West, z);
-        let frame = room.wall(Side::West).at(at, 0.0);
-        room.put("window panes", &panes, frame);
-        room.put("window bars", &bars, frame);
-        room.put("swags", &swags, frame * shift(-1.45, 4.55, 0.0));
-        for side in [-1.0, 1.0] {
-            let place = frame * shift(-1.42 * side, 0.1, 0.0) * Transform::scaling([side, 1.0, 1.0]);
-            room.put("curtain", &cloth, place);
-            let inner = frame * shift(-1.35 * side, 0.2, -0.06) * Transform::scaling([side, 1.0, 1.0]);
-            room.put("lace", &lace, inner);
-        }
-    }
 }
 
 /// Statues on pedestals and paintings between the doors.

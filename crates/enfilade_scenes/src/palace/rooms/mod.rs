@@ -4,20 +4,23 @@ mod arts;
 mod cabinets;
 mod court;
 mod gallery;
+pub(crate) mod gardens;
 mod salons;
 mod state;
 mod throne_room;
 
 use super::ceiling::Coffering;
+use super::drapery::Rug;
 use super::head::Hair;
+use super::lamps::Lamp;
 use super::palette::*;
 use super::plan::Name;
 use super::room::{PAVING, Room, arched, scaled, shift, spot};
 use super::statue::Pose;
 use super::trim::{cornice, dress};
 use super::{
-    case, ceiling, column, doors, drapery, floor, garden, hearth, light, ornament, picture, seat, secret,
-    statue, table,
+    case, ceiling, column, drapery, floor, garden, hearth, light, ornament, picture, seat, secret, statue,
+    table, windows,
 };
 use crate::envelope::{Ceiling, Side, inwards};
 use crate::shape::{Shape, band, block, cuboid, fluted, lathe, moulding, prism, surround};
@@ -53,6 +56,14 @@ pub(crate) fn furnish(room: &mut Room, name: Name) {
         Name::Treasury => (cabinets::treasury, DARK_STONE),
         Name::SecretPassage => {
             secret::furnish(room);
+            return;
+        }
+        Name::Terrace => {
+            gardens::terrace(room);
+            return;
+        }
+        Name::Orchard => {
+            gardens::orchard(room);
             return;
         }
         Name::Fountain => return,

@@ -65,7 +65,7 @@ pub(super) fn red_salon(room: &mut Room) {
         &vase,
         spot(4.1, -26.0, 30.0) * shift(0.0, 0.77, 0.0) * scaled(0.7),
     );
-    let carpet = drapery::carpet(room.shop, [4.2, 5.6], [DARK_RED, NIGHT_BLUE, GOLD]);
+    let carpet = drapery::carpet(room.shop, [4.2, 5.6], Rug::Red);
     room.put("carpet", &carpet, spot(4.1, -26.0, 0.0));
     room.put("carpet", &carpet, spot(-4.1, -26.0, 0.0));
     let stand = column::pedestal(room.shop, 0.42, 1.15, BLACK_MARBLE, GOLD);
@@ -113,7 +113,7 @@ pub(super) fn green_salon(room: &mut Room) {
         &knot,
         spot(3.7, -35.5, 0.0) * shift(0.0, 0.77, 0.0) * scaled(0.55),
     );
-    let carpet = drapery::carpet(room.shop, [4.0, 5.0], [GREEN_SILK, DARK_RED, GOLD]);
+    let carpet = drapery::carpet(room.shop, [4.0, 5.0], Rug::Green);
     room.put("carpet", &carpet, spot(3.8, -35.5, 0.0));
     room.put("carpet", &carpet, spot(-3.8, -35.5, 0.0));
     let stand = column::pedestal(room.shop, 0.5, 1.1, GREEN_MARBLE, GOLD);
@@ -172,7 +172,7 @@ pub(super) fn blue_salon(room: &mut Room) {
         let vase = ornament::vase(room.shop, i, PORCELAIN, COBALT);
         room.put("vase", &vase, spot(6.25, z, 0.0) * shift(0.0, 0.93, 0.0));
     }
-    let carpet = drapery::carpet(room.shop, [9.0, 5.2], [NIGHT_BLUE, OLD_GOLD, PALE_BLUE]);
+    let carpet = drapery::carpet(room.shop, [9.0, 5.2], Rug::Blue);
     room.put("carpet", &carpet, spot(0.0, -58.5, 0.0));
     let size = room.design.crown();
     ceiling::rose(room, vec2(0.0, -58.5), 1.5, IVORY, GOLD);
@@ -193,6 +193,9 @@ pub(super) fn mirror_room(room: &mut Room) {
         room.put("pedestal", &base, place);
         let statue = statue::figure(room.shop, Pose::ALL[(i + 1) % 5], WHITE_MARBLE, GOLD);
         room.put("statue", &statue, place * shift(0.0, 0.6, -0.1) * scaled(1.1));
+        let from = place.point([0.0, 5.0, 3.0]);
+        room.lamps
+            .push(Lamp::spot(from, place.point([0.0, 1.7, 0.0]), 12.0));
     }
     let flat = column::pilaster(room.shop, 5.7, ROSE, GOLD);
     for side in [Side::East, Side::West] {

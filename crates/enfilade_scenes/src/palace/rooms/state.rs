@@ -91,12 +91,14 @@ pub(super) fn vestibule(room: &mut Room) {
         ceiling::lunette(room, side, 0.3, NIGHT_BLUE, GOLD);
     }
     light::chandelier(room, [0.0, -8.4], 4.9, 12, 1.6, OLD_GOLD);
-    let runner = drapery::carpet(room.shop, [2.6, 10.0], [RED_SILK, NIGHT_BLUE, GOLD]);
+    windows::glaze(room, LEADED_GLASS, GREEN_CURTAIN);
+    let runner = drapery::carpet(room.shop, [2.6, 10.0], Rug::Red);
     room.put("carpet", &runner, spot(0.0, -6.0, 0.0));
 }
 
 pub(super) fn guard_room(room: &mut Room) {
     ceiling::beams(room, OAK, WALNUT, 1.8);
+    windows::glaze(room, LEADED_GLASS, RED_CURTAIN);
     hearth::hearth(room, Side::West, 4.05, DARK_STONE, IRON);
     painting(room, Side::West, 4.05, hearth::MANTEL + 0.5, [1.9, 1.5]);
     let table = table::long_table(room.shop, 3.4, OAK, GREEN_VELVET);
@@ -205,6 +207,9 @@ pub(super) fn rotunda(room: &mut Room) {
         if i % 2 == 0 {
             let statue = statue::figure(room.shop, Pose::ALL[i / 2], WHITE_MARBLE, GOLD);
             room.put("statue", &statue, place * shift(0.0, 0.0, 0.09) * scaled(1.2));
+            let from = place.point([0.0, 4.6, 3.4]);
+            room.lamps
+                .push(Lamp::spot(from, place.point([0.0, 1.2, 0.0]), 14.0));
         } else {
             let base = column::pedestal(room.shop, 0.6, 1.2, RED_MARBLE, WHITE_MARBLE);
             room.put("pedestal", &base, place);
@@ -277,6 +282,7 @@ pub(super) fn rotunda(room: &mut Room) {
 }
 
 pub(super) fn antechamber(room: &mut Room) {
+    windows::glaze(room, PANE, RED_CURTAIN);
     ceiling::coffer_flat(
         room,
         1.7,
@@ -317,6 +323,6 @@ pub(super) fn antechamber(room: &mut Room) {
         room.put("obelisk", &obelisk, spot(x, z, 0.0) * shift(0.0, 0.7, 0.0));
     }
     light::chandelier(room, [0.0, -107.0], 3.9, 10, 1.4, GOLD);
-    let carpet = drapery::carpet(room.shop, [4.4, 5.0], [YELLOW_SILK, DARK_RED, IVORY]);
+    let carpet = drapery::carpet(room.shop, [4.4, 5.0], Rug::Yellow);
     room.put("carpet", &carpet, spot(0.0, -107.0, 0.0));
 }

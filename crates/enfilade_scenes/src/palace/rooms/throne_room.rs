@@ -24,6 +24,7 @@ pub(super) fn throne_room(room: &mut Room) {
             rosette: GOLD,
         },
     );
+    windows::glaze(room, PANE, RED_CURTAIN);
     dais(room);
     let flat = column::pilaster(room.shop, 5.7, WHITE_MARBLE, GOLD);
     let walls = room.walls();
@@ -52,7 +53,7 @@ pub(super) fn throne_room(room: &mut Room) {
         shift(0.0, 8.4, -126.6) * Transform::rotation([1.0, 0.0, 0.0], 0.5),
     );
     light::chandelier(room, [0.0, -116.8], 5.6, 16, 2.1, GOLD);
-    let runner = drapery::carpet(room.shop, [2.6, 9.6], [RED_SILK, DARK_RED, GOLD]);
+    let runner = drapery::carpet(room.shop, [2.6, 9.6], Rug::Red);
     room.put("carpet", &runner, spot(0.0, -116.6, 0.0));
     let banner = banner(room);
     for side in [-1.0, 1.0] {
@@ -75,7 +76,14 @@ fn banner(room: &mut Room) -> Arc<Mesh> {
                 .collect()
         };
         let xs = [-0.45, -0.36, -0.18, 0.0, 0.18, 0.36, 0.45];
-        let colors = [FLAME, BLUE_VELVET, BLUE_VELVET, BLUE_VELVET, BLUE_VELVET, FLAME];
+        let colors = [
+            YELLOW_VELVET,
+            BLUE_VELVET,
+            BLUE_VELVET,
+            BLUE_VELVET,
+            BLUE_VELVET,
+            YELLOW_VELVET,
+        ];
         let mut shape = Shape::new();
         for (pair, color) in xs.windows(2).zip(colors) {
             shape.join(band(color, &edge(pair[0]), &edge(pair[1])));
@@ -123,7 +131,7 @@ fn dais(room: &mut Room) {
         let post = column::plain_column(room.shop, 3.6, GOLD, OLD_GOLD);
         room.put("canopy post", &post, top * shift(1.5 * side, 0.0, -1.0));
         room.put("canopy post", &post, top * shift(1.5 * side, 0.0, 0.9));
-        let fall = drapery::curtain(room.shop, 1.3, 3.5, RED_VELVET, GOLD);
+        let fall = drapery::curtain(room.shop, 1.3, 3.5, RED_CURTAIN, GOLD);
         let place = top * shift(1.45 * side, 0.0, -1.25) * Transform::scaling([-side, 1.0, 1.0]);
         room.put("curtain", &fall, place);
         light::candelabrum(room, top * shift(2.5 * side, 0.0, 0.6), 1.7, GOLD);
@@ -149,6 +157,6 @@ fn dais(room: &mut Room) {
         shape
     });
     room.put("canopy", &canopy, top * shift(0.0, 3.6, 0.0));
-    let valance = drapery::swags(room.shop, 3.6, 4, RED_VELVET, GOLD);
+    let valance = drapery::swags(room.shop, 3.6, 4, RED_CURTAIN, GOLD);
     room.put("valance", &valance, top * shift(-1.8, 3.64, 1.12));
 }

@@ -1,0 +1,143 @@
+//! The gardens west of the enfilade, on which windows look: a terrace by the vestibule, an orchard by the throne room.
+
+use super::*;
+use crate::envelope::Plan;
+use crate::palace::plan::{HALF, STONEWORK, WALL};
+use crate::palace::room::{Design, Style};
+
+pub(crate) const TERRACE: Design = Design {
+    name: "Terrace",
+    plan: Plan::Rectangle([-30.0, -HALF - WALL], [-21.1, -WALL]),
+    ..GARDEN
+};
+
+pub(crate) const ORCHARD: Design = Design {
+    name: "Orchard",
+    plan: Plan::Rectangle([-28.0, -HALF - WALL], [-122.0, -103.45]),
+    ..GARDEN
+};
+
+/// A garden behind walls, under the sky.
+const GARDEN: Design = Design {
+    name: "",
+    plan: Plan::Rectangle([0.0, 1.0], [0.0, 1.0]),
+    height: 5.6,
+    ceiling: Ceiling::Sky,
+    style: Style {
+        wall: PALE_ASHLAR,
+        trim: GRAVEL,
+        reveal: PALE_STONE,
+        ..STONEWORK
+    },
+};
+
+/// How bright the sun is.
+const SUNSHINE: f32 = 2.4;
+
+/// Lawns with statues, clipped yew and urns.
+pub(super) fn terrace(room: &mut Room) {
+    enclose(room);
+    let beds = [
+        ([-28.0, -19.6], [-19.2, -12.6]),
+        ([-17.6, -9.6], [-19.2, -12.6]),
+        ([-28.0, -19.6], [-9.4, -2.4]),
+        ([-17.6, -9.6], [-9.4, -2.4]),
+    ];
+    lawns(room, &beds);
+    let fountain = garden::fountain(room.shop, PALE_STONE);
+    room.put("fountain", &fountain, spot(-18.6, -11.0, 0.0) * scaled(0.55));
+    let [cone, stack] = [false, true].map(|stacked| garden::topiary(room.shop, stacked));
+    let base = column::pedestal(room.shop, 0.8, 1.1, PALE_STONE, STONE);
+    for (i, (x, z)) in beds.into_iter().enumerate() {
+        for (a, b) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let tree = if (a + b + i) % 2 == 0 { &cone } else { &stack };
+            let inset = [0.8, -0.8];
+            room.put("topiary", tree, spot(x[a] + inset[a], z[b] + inset[b], 0.0));
+        }
+        let middle = [0.5 * (x[0] + x[1]), 0.5 * (z[0] + z[1])];
+        let statue = statue::figure(room.shop, Pose::ALL[i], WHITE_MARBLE, VERDIGRIS);
+        let turn = 90.0 - 20.0 * i as f32;
+        room.put("pedestal", &base, spot(middle[0], middle[1], turn));
+        let on_top = spot(middle[0], middle[1], turn) * shift(0.0, 1.1, 0.0) * scaled(1.1);
+        room.put("statue", &statue, on_top);
+    }
+    trees(
+        room,
+        &[
+            (-26.6, -3.6),
+            (-26.4, -17.8),
+            (-22.0, -20.0),
+            (-13.0, -20.0),
+            (-23.4, -1.6),
+        ],
+    );
+    let urn = ornament::urn(room.shop, TERRACOTTA, STONE);
+    for z in [-1.4, -6.0, -8.3, -11.0, -16.5] {
+        room.put("urn", &urn, spot(-8.3, z, 0.0) * scaled(1.2));
+    }
+}
+
+/// Trees in rows on grass, benches under them.
+pub(super) fn orchard(room: &mut Room) {
+    enclose(room);
+    lawns(room, &[([-27.0, -9.6], [-121.0, -104.5])]);
+    let rows: Vec<(f32, f32)> = (0..3)
+        .flat_map(|row| (0..4).map(move |i| (-12.6 - 5.2 * row as f32, -106.6 - 4.2 * i as f32)))
+        .collect();
+    trees(room, &rows);
+    let bench = garden::bench(room.shop, PALE_STONE);
+    for z in [-108.7, -117.1] {
+        room.put("bench", &bench, spot(-20.4, z, 90.0));
+    }
+    let urn = ornament::urn(room.shop, TERRACOTTA, STONE);
+    for z in [-107.0, -112.0, -115.6, -118.4] {
+        room.put("urn", &urn, spot(-8.3, z, 0.0) * scaled(1.2));
+    }
+}
+
+/// The sun over it, hedges along the walls and a cornice on them, frames round the windows.
+fn enclose(room: &mut Room) {
+    under_the_sky(room);
+    let corners = room.design.plan.corners();
+    cornice(room, &corners, room.design.height, 0.4);
+    for side in [Side::West, Side::North, Side::South] {
+        let wall = room.wall(side);
+        let window = room
+            .doorways
+            .iter()
+            .any(|door| door.wall == room.design.plan.wall(side));
+        if window {
+            continue;
+        }
+        let hedge = garden::hedge(room.shop, wall.length() - 0.6, 2.1);
+        room.put(
+            "hedge",
+            &hedge,
+            wall.at(0.5 * wall.length(), 0.0) * shift(0.0, 0.0, 0.3),
+        );
+    }
+    court::window_cases(room);
+}
+
+/// The sun and the sky over a garden.
+pub(super) fn under_the_sky(room: &mut Room) {
+    room.lamps.push(Lamp::sun(SUNSHINE));
+    room.lamps.push(Lamp::sky(0.3 * SUNSHINE));
+}
+
+fn lawns(room: &mut Room, beds: &[([f32; 2], [f32; 2])]) {
+    let mut shape = Shape::new();
+    for (x, z) in beds {
+        shape.join(block(LAWN, [x[0], 0.0, z[0]], [x[1], 0.05, z[1]]));
+    }
+    room.make("lawn", &shape);
+}
+
+fn trees(room: &mut Room, places: &[(f32, f32)]) {
+    for (i, &(x, z)) in places.iter().enumerate() {
+        let tree = garden::tree(room.shop, i as u64);
+        let turn = room.random.between(0.0, 360.0);
+        let size = room.random.between(1.0, 1.3);
+        room.put("tree", &tree, spot(x, z, turn) * scaled(size));
+    }
+}

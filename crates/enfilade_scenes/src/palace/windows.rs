@@ -1,0 +1,104 @@
+//! Windows: panes, bars and curtains in the openings that one does not walk through.
+
+use super::drapery;
+use super::lamps::Lamp;
+use super::palette::{GOLD, IVORY, LACE};
+use super::room::{Doorway, Room, arched, shift};
+use crate::shape::{Shape, block, surround};
+use enfilade::{MaterialId, Transform};
+use glam::{Vec3, vec3};
+
+/// Panes and bars stand so deep in the wall.
+const DEEP: f32 = -0.3;
+
+/// Glazes all windows of a room, hangs curtains beside them, and lets the sky's light in: as if all of it came through
+/// the middle one.
+pub(crate) fn glaze(room: &mut Room, glass: MaterialId, cloth: MaterialId) {
+    let windows: Vec<Doorway> = (room.doorways.iter())
+        .filter(|door| door.sill > 0.0)
+        .copied()
+        .collect();
+    if let Some(middle) = windows.get(windows.len() / 2) {
+        let place = room.walls()[middle.wall].at(middle.along, 2.4);
+        let sky = Lamp::daylight(place.point([0.0, 0.0, 1.3]), [1.9, 2.4, 3.0], 9.0);
+        room.lamps.push(sky);
+    }
+    for window in windows {
+        let frame = room.walls()[window.wall].at(window.along, 0.0);
+        let Doorway {
+            width,
+            sill,
+            spring,
+            rise,
+            ..
+        } = window;
+        let kind = format!("{width} {sill} {spring} {rise} {}", glass.0);
+        let pane = room
+            .shop
+            .piece(format!("window panes {kind}"), || panes(&window, glass));
+        let bar = room.shop.piece(format!("window bars {kind}"), || bars(&window));
+        room.put("window panes", &pane, frame);
+        room.put("window bars", &bar, frame);
+        let top = spring + rise;
+        let reach = 0.5 * width;
+        let [heavy, light] = [
+            drapery::curtain(room.shop, 0.475 * width, top + 0.1, cloth, GOLD),
+            drapery::curtain(room.shop, 0.4 * width, top, LACE, IVORY),
+        ];
+        let swags = drapery::swags(room.shop, width + 0.9, 3, cloth, GOLD);
+        room.put("swags", &swags, frame * shift(-reach - 0.45, top + 0.35, 0.0));
+        for side in [-1.0, 1.0] {
+            let mirrored = Transform::scaling([side, 1.0, 1.0]);
+            let outer = frame * shift(-(reach + 0.42) * side, 0.1, 0.0) * mirrored;
+            room.put("curtain", &heavy, outer);
+            let inner = frame * shift(-(reach + 0.35) * side, 0.2, -0.06) * mirrored;
+            room.put("lace", &light, inner);
+        }
+    }
+}
+
+fn panes(window: &Doorway, glass: MaterialId) -> Shape {
+    let outline: Vec<Vec3> = arched(window.width, window.sill, window.spring, window.rise)
+        .into_iter()
+        .map(|at| at.extend(DEEP))
+        .collect();
+    let mut shape = Shape::new();
+    shape.face(glass, &outline);
+    shape
+}
+
+/// A frame, a post in the middle, lighter ones beside it, and rungs up to where the arch begins.
+fn bars(window: &Doorway) -> Shape {
+    let Doorway {
+        width,
+        sill,
+        spring,
+        rise,
+        ..
+    } = *window;
+    let outline = arched(width, sill, spring, rise);
+    let mut shape = surround(
+        IVORY,
+        &outline,
+        true,
+        &[[-0.07, DEEP - 0.03], [-0.07, DEEP + 0.03], [0.0, DEEP + 0.03]],
+    );
+    let mut bar = |from: [f32; 2], to: [f32; 2], half: f32| {
+        let [low, high] = [
+            vec3(from[0], from[1], DEEP - half),
+            vec3(to[0], to[1], DEEP + half),
+        ];
+        shape.join(block(IVORY, low.into(), high.into()));
+    };
+    bar([-0.035, sill], [0.035, spring + rise], 0.02);
+    let reach = 0.5 * width - 0.03;
+    let rungs = ((spring - sill) / 0.76).round().max(1.0);
+    for rung in 1..=rungs as usize {
+        let up = sill + (spring - sill) * rung as f32 / rungs - 0.045;
+        bar([-reach, up], [reach, up + 0.045], 0.015);
+    }
+    for x in [-0.25 * width, 0.25 * width] {
+        bar([x - 0.018, sill + 0.05], [x + 0.018, spring - 0.05], 0.01);
+    }
+    shape
+}

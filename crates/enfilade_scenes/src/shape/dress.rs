@@ -1,0 +1,256 @@
+//! What a mesh is drawn by: places in textures, and normals that make round things round.
+//!
+//! Corners that lie at one place but differ in these become several positions of the mesh. They have the same bits, by
+//! which neighbours are found, so that what hides is the same as without.
+
+use super::Sheet;
+use enfilade::{Attributes, MaterialId, Mesh, Part};
+use glam::{Vec2, Vec3, vec2};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// How the faces of a material are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Dress {
+    /// In one color, flat.
+    Bare,
+    /// In one color; what bends a little is smooth.
+    Smooth,
+    /// The same with a texture.
+    Textured {
+        /// How often it repeats along a metre.
+        per_metre: f32,
+        /// Does it have a grain, which runs along whatever is longer?
+        grain: bool,
+    },
+}
+
+/// Faces that meet at less than this angle are parts of one round surface: cos 48°.
+const CREASE: f32 = 0.67;
+
+/// Where the corners of a face are in a texture, in metres: as they are seen along the axis that it faces most, upright
+/// where it is a wall.
+pub(super) fn boxed(corners: &[Vec3]) -> Vec<Vec2> {
+    let normal = newell(corners);
+    let away = normal.abs();
+    // Slopes of just half a right angle must not be torn by rounding.
+    let place: fn(Vec3) -> Vec2 = if away.y >= 1.01 * away.x.max(away.z) {
+        |at| vec2(at.x, at.z)
+    } else if away.x >= 0.99 * away.z {
+        |at| vec2(at.z, -at.y)
+    } else {
+        |at| vec2(at.x, -at.y)
+    };
+    corners.iter().map(|&corner| place(corner)).collect()
+}
+
+/// The normal of a face, twice as long as its area is large.
+fn newell(corners: &[Vec3]) -> Vec3 {
+    (1..corners.len() - 1)
+        .map(|i| (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]))
+        .sum()
+}
+
+/// What a part of a mesh is made of.
+#[derive(Default)]
+struct Welded {
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+    texture: Vec<[f32; 2]>,
+    corners: Vec<u32>,
+}
+
+/// The mesh of all faces; corners that are equal become one.
+pub(super) fn mesh(sheets: &[Sheet], dress: impl Fn(MaterialId) -> Dress) -> Arc<Mesh> {
+    let welded: Vec<Welded> = sheets
+        .iter()
+        .map(|sheet| weld(sheet, dress(sheet.material)))
+        .collect();
+    let parts: Vec<Part> = (sheets.iter().zip(&welded))
+        .map(|(sheet, welded)| Part {
+            positions: &welded.positions,
+            corners: &welded.corners,
+            sides: sheet
+                .sides
+                .iter()
+                .any(|&sides| sides != 3)
+                .then_some(&*sheet.sides),
+            material: sheet.material,
+            attributes: Attributes {
+                normals: &welded.normals,
+                texture: &welded.texture,
+                colors: &[],
+            },
+        })
+        .collect();
+    Arc::new(Mesh::new(&parts).expect("faces are checked as they are added"))
+}
+
+fn weld(sheet: &Sheet, dress: Dress) -> Welded {
+    let normals = match dress {
+        Dress::Bare => Vec::new(),
+        _ => smooth(sheet),
+    };
+    let texture = match dress {
+        Dress::Textured { per_metre, grain } => texture(sheet, per_metre, grain),
+        _ => Vec::new(),
+    };
+    let mut welded = Welded::default();
+    let bits = |value: f32| value.to_bits();
+    let mut numbers = HashMap::with_capacity(sheet.corners.len() / 2);
+    for (i, corner) in sheet.corners.iter().enumerate() {
+        let normal = normals.get(i).copied().unwrap_or(Vec3::ZERO);
+        let place = texture.get(i).copied().unwrap_or(Vec2::ZERO);
+        let key = (
+            corner.to_array().map(bits),
+            normal.to_array().map(bits),
+            place.to_array().map(bits),
+        );
+        let number = *numbers.entry(key).or_insert_with(|| {
+            welded.positions.push(corner.to_array());
+            if !normals.is_empty() {
+                welded.normals.push(normal.to_array());
+            }
+            if !texture.is_empty() {
+                welded.texture.push(place.to_array());
+            }
+            welded.positions.len() as u32 - 1
+        });
+        welded.corners.push(number);
+    }
+    // Where all is flat, nothing needs to be said.
+    if welded.normals.iter().all(|normal| *normal == [0.0; 3]) {
+        welded.normals.clear();
+    }
+    welded
+}
+
+/// For each corner the normal of the round surface that it is part of; zero where it is part of none.
+fn smooth(sheet: &Sheet) -> Vec<Vec3> {
+    let mut faces = Vec::with_capacity(sheet.sides.len());
+    let mut face_of = Vec::with_capacity(sheet.corners.len());
+    let mut start = 0;
+    for &sides in &sheet.sides {
+        let end = start + sides as usize;
+        let normal = newell(&sheet.corners[start..end]);
+        face_of.extend(std::iter::repeat_n(faces.len(), sides as usize));
+        faces.push((normal, normal.normalize_or_zero()));
+        start = end;
+    }
+    // The corners at one place, as a list through all of them.
+    const END: usize = usize::MAX;
+    let mut last: HashMap<[u32; 3], usize> = HashMap::with_capacity(sheet.corners.len() / 2);
+    let mut before = vec![END; sheet.corners.len()];
+    for (i, corner) in sheet.corners.iter().enumerate() {
+        if let Some(other) = last.insert(corner.to_array().map(f32::to_bits), i) {
+            before[i] = other;
+        }
+    }
+    (sheet.corners.iter().zip(&face_of))
+        .map(|(corner, &face)| {
+            let own = faces[face].1;
+            let mut sum = Vec3::ZERO;
+            let mut other = last[&corner.to_array().map(f32::to_bits)];
+            while other != END {
+                let (sized, unit) = faces[face_of[other]];
+                if unit.dot(own) > CREASE {
+                    sum += sized;
+                }
+                other = before[other];
+            }
+            let bent = sum.normalize_or_zero();
+            if bent.dot(own) > 0.9999 {
+                Vec3::ZERO
+            } else {
+                bent + Vec3::ZERO
+            }
+        })
+        .collect()
+}
+
+fn texture(sheet: &Sheet, per_metre: f32, grain: bool) -> Vec<Vec2> {
+    let mut places = Vec::with_capacity(sheet.places.len());
+    let mut start = 0;
+    for &sides in &sheet.sides {
+        let end = start + sides as usize;
+        let face = &sheet.places[start..end];
+        let least = face.iter().copied().reduce(Vec2::min).unwrap_or_default();
+        let most = face.iter().copied().reduce(Vec2::max).unwrap_or_default();
+        let [across, down] = (most - least).to_array();
+        // Triangles are parts of something larger, whose grain is not told by them.
+        let lies = grain && sides > 3 && across > 1.2 * down;
+        places.extend(face.iter().map(|&place| {
+            let place = place * per_metre;
+            if lies { vec2(place.y, place.x) } else { place }
+        }));
+        start = end;
+    }
+    places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Shape, ball, block, lathe};
+    use super::*;
+
+    const STONE: MaterialId = MaterialId(0);
+    const TEXTURED: Dress = Dress::Textured {
+        per_metre: 2.0,
+        grain: false,
+    };
+
+    #[test]
+    fn balls_are_round_and_boxes_are_not() {
+        let ball = ball(STONE, 2.0, 16, 24).dressed(|_| Dress::Smooth);
+        assert_eq!(ball.normals().len(), ball.positions().len());
+        for (normal, position) in ball.normals().iter().zip(ball.positions()) {
+            let [normal, outwards] = [Vec3::from(*normal), Vec3::from(*position).normalize()];
+            assert!(normal.dot(outwards) > 0.99, "{normal} at {outwards}");
+        }
+        let block = block(STONE, [0.0; 3], [1.0; 3]).dressed(|_| Dress::Smooth);
+        assert!(block.normals().is_empty());
+        assert_eq!(block.positions().len(), 8);
+    }
+
+    #[test]
+    fn a_rim_stays_sharp_where_the_side_is_round() {
+        let drum = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let drum = lathe(STONE, &drum, 32).dressed(|_| Dress::Smooth);
+        for (normal, position) in drum.normals().iter().zip(drum.positions()) {
+            let level = normal[1].abs() < 1e-3;
+            assert!(level, "{normal:?} at {position:?}");
+        }
+    }
+
+    #[test]
+    fn textures_have_one_measure_on_all_sides_of_a_box() {
+        let mesh = block(STONE, [0.0, 1.0, 2.0], [1.0, 3.0, 5.0]).dressed(|_| TEXTURED);
+        for face in 0..mesh.face_count() {
+            let corners = mesh.face(face);
+            for i in 0..corners.len() {
+                let [a, b] = [corners[i], corners[(i + 1) % corners.len()]].map(|corner| corner as usize);
+                let long = Vec3::from(mesh.positions()[a]).distance(mesh.positions()[b].into());
+                let drawn = Vec2::from(mesh.texture()[a]).distance(mesh.texture()[b].into());
+                assert!((drawn - 2.0 * long).abs() < 1e-5, "{drawn} for {long} metres");
+            }
+        }
+    }
+
+    #[test]
+    fn places_stay_with_faces_that_are_moved() {
+        let square = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y];
+        let places = [vec2(0.0, 1.0), vec2(1.0, 1.0), vec2(1.0, 0.0), vec2(0.0, 0.0)];
+        let mut shape = Shape::new();
+        shape.placed(STONE, &square, &places);
+        let mirrored = enfilade::Transform::scaling([-3.0, 1.0, 1.0]);
+        let mut moved = Shape::new();
+        moved.add(&shape, mirrored);
+        let mesh = moved.dressed(|_| Dress::Textured {
+            per_metre: 1.0,
+            grain: false,
+        });
+        for (position, place) in mesh.positions().iter().zip(mesh.texture()) {
+            assert_eq!(*place, [-position[0] / 3.0, 1.0 - position[1]]);
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! The palace is painted and lit as it should be: every face that has a texture says where it is in it, lamps hang in
+//! their rooms, and the sun comes in through the windows.
+
+use enfilade::{Content, FragmentId, LightId, LightShape, Limits, Scene};
+use enfilade_scenes::built_in;
+use std::collections::{BTreeMap, BTreeSet};
+
+fn palace() -> Scene {
+    built_in("enfilade").expect("the palace is built in").scene
+}
+
+fn content(scene: &Scene, room: FragmentId) -> &Content {
+    scene.content(room).expect("all rooms are ours")
+}
+
+#[test]
+fn every_face_with_a_texture_has_a_part_of_it() {
+    let scene = palace();
+    let mut faces = 0;
+    let mut seen = BTreeSet::new();
+    for room in scene.fragments() {
+        let content = content(&scene, room);
+        for mesh in content.meshes() {
+            for cluster in mesh.clusters() {
+                let Some(texture) = content.material(cluster).texture else {
+                    continue;
+                };
+                seen.insert(texture.0);
+                assert!((texture.0 as usize) < content.textures().len());
+                for face in cluster.faces.clone() {
+                    let places: Vec<[f32; 2]> = (mesh.face(face).iter())
+                        .map(|&corner| mesh.texture()[corner as usize])
+                        .collect();
+                    assert!(places.iter().flatten().all(|value| value.is_finite()));
+                    let differ = places.iter().any(|place| *place != places[0]);
+                    assert!(
+                        differ,
+                        "a face in {} shows one point of its texture",
+                        scene.fragment_name(room)
+                    );
+                    faces += 1;
+                }
+            }
+        }
+    }
+    assert!(faces > 100_000, "{faces} faces with textures");
+    assert!(seen.len() > 30, "{} textures are used", seen.len());
+}
+
+#[test]
+fn lamps_hang_in_their_rooms_and_are_not_too_many() {
+    let scene = palace();
+    let mut rooms: BTreeMap<u32, usize> = BTreeMap::new();
+    for light in scene.lights() {
+        let name = scene.fragment_name(light.fragment);
+        *rooms.entry(light.fragment.0).or_default() += 1;
+        if matches!(light.shape, LightShape::Sun { .. }) {
+            continue;
+        }
+        let bounds = scene.bounds(light.fragment);
+        let inside = (0..3)
+            .all(|axis| (bounds.min[axis] + 0.1..bounds.max[axis] - 0.1).contains(&light.position[axis]));
+        assert!(inside, "a lamp of {name} hangs at {:?}", light.position);
+    }
+    let dark: Vec<&str> = (scene.fragments())
+        .filter(|room| !rooms.contains_key(&room.0))
+        .map(|room| scene.fragment_name(room))
+        .collect();
+    assert!(dark.is_empty(), "no light in {dark:?}");
+    assert!(rooms.values().all(|&count| count <= 7), "{rooms:?}");
+}
+
+#[test]
+fn the_sun_comes_in_through_the_windows() {
+    let scene = palace();
+    let mut lit: BTreeSet<&str> = BTreeSet::new();
+    for (number, light) in scene.lights().iter().enumerate() {
+        if !matches!(light.shape, LightShape::Sun { .. }) {
+            continue;
+        }
+        for reached in scene.light_reach(LightId(number as u32), &Limits::default()) {
+            if reached.parent.is_some() {
+                lit.insert(scene.fragment_name(reached.fragment));
+            }
+        }
+    }
+    for room in ["Vestibule", "Guard Room", "Gallery", "Antechamber", "Throne Room"] {
+        assert!(lit.contains(room), "no sun in the {room}; it is in {lit:?}");
+    }
+}

@@ -14,5 +14,6 @@ mod shapes;
 mod unsound;
 mod villa;
 mod villa_doors;
+mod villa_pixels;
 mod villa_walk;
 mod warnings;

@@ -120,7 +120,7 @@ impl Linker {
             flat: true,
             ..self.options.clone()
         };
-        crate::read(path, &flat)?;
+        crate::read_gltf(path, &flat)?;
         let failed = |rule| ImportError {
             file: path.display().to_string(),
             rule,

@@ -39,7 +39,8 @@
 //!
 //! Of an OBJ file each `o` and `g` that has faces is an item, all in one room: OBJ has no tree of nodes, so it cannot say
 //! what stands in a room. Polygons of any shape are cut into triangles. Materials are seen from both sides, `d` and `Tr` make
-//! glass, `map_Kd` puts images on faces, and what lies outside the file's folder is not read.
+//! glass, an image that is both `map_Kd` and `map_d` cut-outs. Colors of materials are taken as linear, those of positions as
+//! they look on a screen. Nothing outside the file's folder is read.
 //!
 //! What changes only the
 //! look (textures, normals, lights) and what is not read yet is named in [`Import::warnings`], never silently
@@ -161,6 +162,27 @@ impl Default for ReadOptions {
 /// # Errors
 /// An [`ImportError`] for the first broken rule that is met; the same one every time.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
+    read_file(path, options, |bytes, name, budget| {
+        let is_called_obj = path
+            .extension()
+            .is_some_and(|ending| ending.eq_ignore_ascii_case("obj"));
+        import(bytes, path.parent(), name, is_called_obj, options, budget)
+    })
+}
+
+/// Reads a file that must be glTF.
+fn read_gltf(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
+    read_file(path, options, |bytes, name, budget| {
+        gltf::import(bytes, path.parent(), name, options.flat, budget)
+    })
+}
+
+/// Reads the bytes of a file, and what they hold by `import`, which gets the file's name without its ending.
+fn read_file(
+    path: &Path,
+    options: &ReadOptions,
+    import: impl FnOnce(&[u8], &str, Budget) -> Result<Import, BrokenRule>,
+) -> Result<Import, ImportError> {
     let failed = |rule| ImportError {
         file: path.display().to_string(),
         rule,
@@ -170,10 +192,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
     let name = path
         .file_stem()
         .map_or("scene".into(), |stem| stem.to_string_lossy());
-    let is_called_obj = path
-        .extension()
-        .is_some_and(|ending| ending.eq_ignore_ascii_case("obj"));
-    import(&bytes, path.parent(), &name, is_called_obj, options, budget).map_err(failed)
+    import(&bytes, &name, budget).map_err(failed)
 }
 
 /// Reads the bytes of a file. `folder` is where the files lie that it names; with `None`, naming a buffer is an error, and an

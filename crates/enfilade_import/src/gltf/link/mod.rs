@@ -121,7 +121,7 @@ impl Linker {
             textures: false,
             ..self.options.clone()
         };
-        crate::read(path, &flat)?;
+        crate::read_gltf(path, &flat)?;
         let failed = |rule| ImportError {
             file: path.display().to_string(),
             rule,

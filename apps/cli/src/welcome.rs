@@ -16,7 +16,7 @@ use crate::values::Choice;
 use anyhow::{Result, bail};
 use clap::Parser;
 use enfilade::Contract;
-use enfilade_draw::Show;
+use enfilade_draw::{Samples, Show};
 use std::path::Path;
 
 const PICTURE: &str = "enfilade.png";
@@ -45,18 +45,18 @@ pub(crate) fn run() -> Result<Outcome> {
     let views = cameras::views(cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, Choice::All, &methods.how, views.first())?;
     let mut rows = Vec::new();
-    let mut picture = None;
+    let mut shown = None;
     let progress = Progress::steps("drawing the palace", prepared.len() * 2 * (1 + PASSES));
     for prepared in &prepared {
         let mut viewer = prepared.viewer();
         let looks = measure::looks(prepared, &views, &mut viewer, &progress);
         let draws = measure::timed(&views, &progress, |_, view| {
-            let drawn = draw(prepared, &mut viewer, view, &settings(Show::Image)).image;
-            // One that may be wrong is not what a newcomer should see.
-            if prepared.contract != Contract::Approximate {
-                picture = Some(drawn);
-            }
+            draw(prepared, &mut viewer, view, &settings(Show::Image));
         });
+        // One that may be wrong is not what a newcomer should see.
+        if prepared.contract != Contract::Approximate {
+            shown = Some(prepared);
+        }
         for (look, draw_ms) in looks.each.iter().zip(draws) {
             rows.push(vec![
                 prepared.method.to_owned(),
@@ -70,8 +70,11 @@ pub(crate) fn run() -> Result<Outcome> {
         }
     }
     drop(progress);
-    if let Some(picture) = &picture {
-        save(picture, Path::new(PICTURE))?;
+    if let (Some(prepared), Some(view)) = (shown, views.first()) {
+        let mut settings = settings(Show::Image);
+        settings.samples = Samples::Four;
+        let picture = draw(prepared, &mut prepared.viewer(), view, &settings);
+        save(&picture.image, Path::new(PICTURE))?;
     }
     let SceneReport {
         items,

@@ -24,7 +24,7 @@ const SIZE: [u32; 2] = [1280, 720];
 const PATHS: [Path; 3] = [
     Path {
         scene: "enfilade",
-        cameras: &[("enfilade", 1_726), ("rotunda", 2_122), ("gallery", 4_185)],
+        cameras: &[("enfilade", 2_066), ("rotunda", 2_090), ("gallery", 5_240)],
         draws: true,
     },
     Path {

@@ -7,7 +7,7 @@
 //! assert!(palace.scene.item_count() > 500);
 //! ```
 //!
-//! Everything is made of numbers: no files, no textures, no randomness but from fixed seeds. All scenes are y up, in
+//! Everything is made of numbers, images too: no files, no randomness but from fixed seeds. All scenes are y up, in
 //! metres.
 #![forbid(unsafe_code)]
 

@@ -166,13 +166,15 @@ pub(crate) fn carpet(shop: &mut Workshop, [wide, long]: [f32; 2], rug: Rug) -> A
 /// half, then there and back again through the second.
 fn stops(length: f32) -> Vec<(f32, f32)> {
     const FIGURE: f32 = 2.0;
+    // The field keeps off the border in the texture, whose colors are blended into it beyond.
+    const FIELD: f32 = 0.52;
     let half = 0.5 * length;
     let inner = half - BORDER;
     let quarters = 2 * (2.0 * inner / FIGURE).round().max(1.0) as usize;
     let mut stops = vec![(-half, 0.0)];
     stops.extend((0..=quarters).map(|i| {
         let at = inner * (2.0 * i as f32 / quarters as f32 - 1.0);
-        (at, if i % 2 == 0 { 0.5 } else { 1.0 })
+        (at, if i % 2 == 0 { FIELD } else { 1.0 })
     }));
     stops.push((half, 0.0));
     stops

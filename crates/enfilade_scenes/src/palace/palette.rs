@@ -35,9 +35,9 @@ pub(crate) fn painted(number: usize) -> MaterialId {
 /// How the faces of a material are drawn.
 pub(crate) fn dress(material: MaterialId) -> Dress {
     match TABLE.get(material.0 as usize) {
-        Some(&(_, _, finish)) => finish.dress(),
+        Some(&(_, material, finish)) => finish.dress(material.double_sided),
         // A painting, whose corners have places of their own.
-        None => PLACED.dress(),
+        None => PLACED.dress(false),
     }
 }
 
@@ -66,10 +66,14 @@ impl Finish {
         self.0
     }
 
-    fn dress(self) -> Dress {
+    fn dress(self, cloth: bool) -> Dress {
         match self {
             Finish(None, ..) => Dress::Smooth,
-            Finish(Some(_), per_metre, grain) => Dress::Textured { per_metre, grain },
+            Finish(Some(_), per_metre, grain) => Dress::Textured {
+                per_metre,
+                grain,
+                cloth,
+            },
         }
     }
 }

@@ -22,11 +22,14 @@ pub(crate) enum Dress {
         per_metre: f32,
         /// Does it have a grain, which runs along whatever is longer?
         grain: bool,
+        /// Is it cloth, which is round however sharply it is folded?
+        cloth: bool,
     },
 }
 
-/// Faces that meet at less than this angle are parts of one round surface: cos 48°.
+/// Faces that meet at less than this angle are parts of one round surface: cos 48°, and of cloth cos 84°.
 const CREASE: f32 = 0.67;
+const FOLD: f32 = 0.1;
 
 /// Where the corners of a face are in a texture, in metres: as they are seen along the axis that it faces most, upright
 /// where it is a wall.
@@ -89,10 +92,11 @@ pub(super) fn mesh(sheets: &[Sheet], dress: impl Fn(MaterialId) -> Dress) -> Arc
 fn weld(sheet: &Sheet, dress: Dress) -> Welded {
     let normals = match dress {
         Dress::Bare => Vec::new(),
-        _ => smooth(sheet),
+        Dress::Textured { cloth: true, .. } => smooth(sheet, FOLD),
+        _ => smooth(sheet, CREASE),
     };
     let texture = match dress {
-        Dress::Textured { per_metre, grain } => texture(sheet, per_metre, grain),
+        Dress::Textured { per_metre, grain, .. } => texture(sheet, per_metre, grain),
         _ => Vec::new(),
     };
     let mut welded = Welded::default();
@@ -126,7 +130,7 @@ fn weld(sheet: &Sheet, dress: Dress) -> Welded {
 }
 
 /// For each corner the normal of the round surface that it is part of; zero where it is part of none.
-fn smooth(sheet: &Sheet) -> Vec<Vec3> {
+fn smooth(sheet: &Sheet, crease: f32) -> Vec<Vec3> {
     let mut faces = Vec::with_capacity(sheet.sides.len());
     let mut face_of = Vec::with_capacity(sheet.corners.len());
     let mut start = 0;
@@ -153,7 +157,7 @@ fn smooth(sheet: &Sheet) -> Vec<Vec3> {
             let mut other = last[&corner.to_array().map(f32::to_bits)];
             while other != END {
                 let (sized, unit) = faces[face_of[other]];
-                if unit.dot(own) > CREASE {
+                if unit.dot(own) > crease {
                     sum += sized;
                 }
                 other = before[other];
@@ -197,6 +201,7 @@ mod tests {
     const TEXTURED: Dress = Dress::Textured {
         per_metre: 2.0,
         grain: false,
+        cloth: false,
     };
 
     #[test]
@@ -248,6 +253,7 @@ mod tests {
         let mesh = moved.dressed(|_| Dress::Textured {
             per_metre: 1.0,
             grain: false,
+            cloth: false,
         });
         for (position, place) in mesh.positions().iter().zip(mesh.texture()) {
             assert_eq!(*place, [-position[0] / 3.0, 1.0 - position[1]]);

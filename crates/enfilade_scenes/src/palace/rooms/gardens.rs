@@ -61,14 +61,15 @@ pub(super) fn terrace(room: &mut Room) {
         let on_top = spot(middle[0], middle[1], turn) * shift(0.0, 1.1, 0.0) * scaled(1.1);
         room.put("statue", &statue, on_top);
     }
+    // Crowns must not reach through the walls.
     trees(
         room,
         &[
-            (-26.6, -3.6),
-            (-26.4, -17.8),
-            (-22.0, -20.0),
-            (-13.0, -20.0),
-            (-23.4, -1.6),
+            (-26.6, -3.8),
+            (-26.4, -17.6),
+            (-18.6, -17.8),
+            (-12.4, -17.6),
+            (-22.4, -3.4),
         ],
     );
     let urn = ornament::urn(room.shop, TERRACOTTA, STONE);

@@ -67,14 +67,14 @@ fn rose(at: Vec2) -> Option<([i32; 2], f32)> {
 }
 
 fn lattice(at: Vec2) -> ([i32; 2], f32) {
-    let turned = vec2(4.0 * at.x + 3.0 * at.y, 4.0 * at.x - 3.0 * at.y);
+    let turned = vec2(6.0 * at.x + 3.0 * at.y, 6.0 * at.x - 3.0 * at.y);
     let cell = turned.floor();
     let off = (turned - cell).min(Vec2::ONE - (turned - cell)).min_element();
     let border = at.x.min(1.0 - at.x);
     let id = if border < 0.07 {
         [9, (at.y * 8.0) as i32 % 16]
     } else {
-        [cell.x as i32, cell.y as i32].map(|c| c.rem_euclid(4))
+        [cell.x as i32, cell.y as i32].map(|c| c.rem_euclid(6))
     };
     let row = (at.y * 8.0 - (at.y * 8.0).round()).abs() / 8.0;
     let lead = if border < 0.07 {

@@ -77,6 +77,15 @@ pub(crate) fn grey(name: &str) -> Texture {
     Texture::new(name, [1, 1], vec![GREY]).expect("one texel")
 }
 
+/// The same as a file.
+pub(crate) fn grey_png() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    image::RgbaImage::from_pixel(1, 1, image::Rgba(GREY))
+        .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
+        .expect("into memory");
+    bytes
+}
+
 fn texture((image, measured): (&Encoded, &Result<Measured, String>)) -> Result<Texture, String> {
     let measured = measured.as_ref().map_err(String::clone)?;
     let bytes = image.bytes.as_ref().map_err(String::clone)?;
@@ -144,6 +153,10 @@ fn measure(bytes: &[u8]) -> Result<Measured, String> {
             Texture::MOST_TEXELS
         ));
     }
+    // Decoders make up what is missing of a JPEG, and say nothing.
+    if is_cut_jpeg(bytes) {
+        return Err("it is cut short".to_owned());
+    }
     let kept = 4 * u64::from(width) * u64::from(height);
     Ok(Measured {
         size: [width, height],
@@ -151,6 +164,35 @@ fn measure(bytes: &[u8]) -> Result<Measured, String> {
         // Its bytes once more, what it decodes to, what decoders of JPEG hold of that, and texels before they are kept.
         at_work: bytes.len() as u64 + 3 * decoder.total_bytes() + kept,
     })
+}
+
+/// Is it a JPEG without an end?
+///
+/// Segments say how long they are, up to the first that has texels. From there on the mark of the end is nothing else.
+/// Source: ITU-T T.81, section B.1.
+fn is_cut_jpeg(bytes: &[u8]) -> bool {
+    const START: u8 = 0xD8;
+    const END: [u8; 2] = [0xFF, 0xD9];
+    const TEXELS: u8 = 0xDA;
+    if !bytes.starts_with(&[0xFF, START]) {
+        return false;
+    }
+    let mut rest = &bytes[2..];
+    while let [0xFF, mark, after @ ..] = rest {
+        rest = match (*mark, after) {
+            (TEXELS, _) => return !after.windows(2).any(|pair| pair == END),
+            // A mark may begin with more of its first byte, and a few have nothing behind them.
+            (0xFF, _) => &rest[1..],
+            (0x01 | 0xD0..=0xD7, _) => after,
+            (_, [high, low, ..]) => {
+                let length = usize::from(u16::from_be_bytes([*high, *low]));
+                after.get(length..).unwrap_or(&[])
+            }
+            _ => &[],
+        };
+    }
+    // Whatever else that is, decoders say it.
+    false
 }
 
 /// Rows of texels from the top.

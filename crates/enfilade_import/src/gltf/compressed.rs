@@ -7,6 +7,9 @@
 use super::document::{Compression, Document, find};
 use crate::BrokenRule;
 
+/// Two names of one thing.
+pub(super) const COMPRESSION: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+
 /// A view whose bytes are to be decoded.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(

@@ -1,6 +1,6 @@
 //! Extensions: which are read, which can be left out with a warning, and which make a file unreadable.
 
-use super::compressed::Compressed;
+use super::compressed::{COMPRESSION, Compressed};
 use super::document::{Document, short};
 use crate::BrokenRule;
 use crate::warning::{WarningKind, Warnings};
@@ -15,9 +15,6 @@ const READ: [&str; 7] = [
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 ];
-
-/// Two names of one thing.
-const COMPRESSION: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 const REMEDIES: [(&str, &str); 3] = [
     ("EXT_meshopt_compression", WITHOUT_MESHOPT),

@@ -173,7 +173,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
 /// Reads a file that must be glTF.
 fn read_gltf(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
     read_file(path, options, |bytes, name, budget| {
-        gltf::import(bytes, path.parent(), name, options.flat, budget)
+        gltf::import(bytes, path.parent(), name, options, budget)
     })
 }
 

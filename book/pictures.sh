@@ -45,7 +45,8 @@ COVERS
 
 # A tour of the palace; blanks in names of cameras are underscores.
 while read -r picture camera; do
-    "$program" draw @enfilade --camera "${camera//_/ }" --size 640x360 --output "book/src/pictures/palace-$picture.png"
+    "$program" draw @enfilade --camera "${camera//_/ }" --size 640x360 --samples 4 \
+        --output "book/src/pictures/palace-$picture.png"
 done <<'TOUR'
 enfilade enfilade
 facing-mirrors facing_mirrors
@@ -55,6 +56,8 @@ secret-passage secret_passage
 bookcase bookcase
 grotto grotto
 fountain fountain
+throne-room throne_room
+red-salon red_salon
 court court
 gallery gallery
 TOUR

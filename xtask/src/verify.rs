@@ -118,7 +118,11 @@ fn open(name: &str) -> Result<Scene> {
         let built = enfilade_scenes::built_in(built_in);
         return Ok(built.context("there is no such built-in scene")?.scene);
     }
-    let import = read(Path::new(name), &ReadOptions::default())?;
+    let options = ReadOptions {
+        textures: false,
+        ..ReadOptions::default()
+    };
+    let import = read(Path::new(name), &options)?;
     Ok(import.scene(Method::ZBuffer, Method::DEFAULT_LIMIT)?)
 }
 

@@ -191,6 +191,7 @@ pub(crate) struct LinkArgs {
 #[command(after_help = "\
 Examples:
   enfilade info scene.glb
+  enfilade info scene.obj
   enfilade info @enfilade --json -")]
 pub(crate) struct InfoArgs {
     #[command(flatten)]
@@ -204,7 +205,7 @@ pub(crate) struct InfoArgs {
 /// Which scene.
 #[derive(Debug, clap::Args)]
 pub(crate) struct SceneArg {
-    /// A .glb or .gltf file, or a built-in scene by its @NAME
+    /// A .glb, .gltf or .obj file, or a built-in scene by its @NAME
     #[arg(value_name = "SCENE", default_value = "@enfilade")]
     pub(crate) scene: String,
 }

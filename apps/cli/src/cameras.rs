@@ -6,7 +6,7 @@ use crate::out;
 use crate::progress::Progress;
 use crate::values::among;
 use anyhow::{Context, Result, anyhow, bail};
-use enfilade::{Ray, Scene, Standpoint, View};
+use enfilade::{FragmentId, Ray, Scene, Standpoint, View};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
@@ -24,6 +24,10 @@ pub(crate) struct Camera {
     pub(crate) fov_y: f32,
     /// What is nearer is not seen; `None` where the scene does not say.
     near: Option<f32>,
+    /// Where to look from; `None`: where the eye stands.
+    fragment: Option<FragmentId>,
+    /// What an orthographic one shows from bottom to top.
+    pub(crate) height: Option<f32>,
 }
 
 impl From<enfilade_import::Camera> for Camera {
@@ -35,6 +39,8 @@ impl From<enfilade_import::Camera> for Camera {
             up,
             fov_y,
             near,
+            fragment,
+            height,
         } = camera;
         Camera {
             name,
@@ -43,6 +49,8 @@ impl From<enfilade_import::Camera> for Camera {
             up,
             fov_y,
             near: Some(near),
+            fragment,
+            height,
         }
     }
 }
@@ -64,6 +72,8 @@ impl From<enfilade_scenes::Camera> for Camera {
             up,
             fov_y,
             near: None,
+            fragment: None,
+            height: None,
         }
     }
 }
@@ -75,6 +85,7 @@ impl Camera {
         view.up = args.up.unwrap_or(self.up);
         view.fov_y = args.fov.map_or(self.fov_y, f32::to_radians);
         view.near = self.near.unwrap_or(view.near);
+        view.fragment = self.fragment;
         view
     }
 }

@@ -6,7 +6,7 @@ use crate::cameras;
 #[cfg(feature = "levels")]
 use crate::levels::Leveled;
 use crate::measure::{self, PASSES};
-use crate::open::{allow_threads, open};
+use crate::open::{For, allow_threads, open};
 use crate::out;
 use crate::prepare::{Prepared, prepare};
 use crate::progress::Progress;
@@ -42,6 +42,11 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
     let choice = args.methods.choice();
     let opened = open(
         &args.scene.scene,
+        if args.show == Show::Image {
+            For::Pictures
+        } else {
+            For::Answers
+        },
         choice,
         args.methods.how.flat,
         &args.methods.how.limits,
@@ -78,6 +83,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
             .levels
             .map(|pixels| Leveled::new(prepared, pixels))
             .transpose()?;
+        let mut shaded = Vec::new();
         for (view, file) in views.iter().zip(&files) {
             #[cfg(feature = "levels")]
             let by_levels = match &mut leveled {
@@ -92,6 +98,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
             let picture = draw(prepared, &mut viewer, view, &settings);
             let took = start.elapsed().as_secs_f64() * 1e3;
             save(&picture.image, file)?;
+            shaded.push(picture.shaded);
             let lights = (args.show == Show::Image).then_some(picture.lights_shining);
             said += &line(file, prepared, &viewer, lights, took, &by_levels);
             progress.step();
@@ -102,8 +109,9 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
             let looks = measure::looks(prepared, &views, &mut prepared.viewer(), &progress);
             let mut report = Report::new(&opened, prepared, &views, args.cameras.size, looks);
             report.add_times(&draws, &walks);
-            for (view, file) in report.views.iter_mut().zip(&files) {
+            for ((view, file), shaded) in report.views.iter_mut().zip(&files).zip(shaded) {
                 view.picture = Some(file.display().to_string());
+                view.samples_shaded = Some(shaded);
             }
             reports.push(report);
         }

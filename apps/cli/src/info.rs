@@ -2,13 +2,13 @@
 
 use crate::Outcome;
 use crate::args::InfoArgs;
-use crate::open::{Opened, allow_threads, open};
+use crate::open::{For, Opened, allow_threads, open};
 use crate::out;
 use crate::report::{Sink, rounded};
 use crate::text::{bytes, count, ms, plural, point};
 use crate::values::Choice;
 use anyhow::Result;
-use enfilade::{Aabb, Alpha, Content, Material, OccluderSet, Portal, Scene, Transform};
+use enfilade::{Aabb, Alpha, Content, LightShape, Material, OccluderSet, Portal, Scene, Transform};
 use serde::Serialize;
 use std::collections::HashSet;
 use std::fmt::Write;
@@ -31,6 +31,7 @@ struct Inventory {
     /// Around all fragments, each in its own space; none where the scene is empty.
     bounds: Option<Bounds>,
     cameras: Vec<CameraEntry>,
+    lights: Lights,
     fragments: Vec<FragmentEntry>,
     portals: usize,
     /// The portals one by one; a door is two.
@@ -65,6 +66,14 @@ struct Occluders {
     build_ms: f64,
 }
 
+/// Lights by where they shine to.
+#[derive(Debug, Default, Serialize)]
+struct Lights {
+    points: usize,
+    spots: usize,
+    suns: usize,
+}
+
 #[derive(Debug, Serialize)]
 struct Bounds {
     min: [f32; 3],
@@ -79,6 +88,8 @@ struct CameraEntry {
     up: [f32; 3],
     /// Degrees.
     fov: f64,
+    /// What an orthographic one shows from bottom to top, in scene units; none of one with a lens.
+    height: Option<f32>,
 }
 
 #[derive(Debug, Serialize)]
@@ -104,7 +115,7 @@ struct WayEntry {
 pub(crate) fn run(args: &InfoArgs) -> Result<Outcome> {
     let sink = Sink::new(&args.json)?;
     allow_threads(&args.limits)?;
-    let opened = open(&args.scene.scene, Choice::Own, false, &args.limits)?;
+    let opened = open(&args.scene.scene, For::Answers, Choice::Own, false, &args.limits)?;
     let inventory = Inventory::of(opened);
     if !args.json.takes_stdout() {
         out::print(&inventory.for_people())?;
@@ -167,6 +178,7 @@ impl Inventory {
             bytes: scene.bytes(),
             load_ms: rounded(opened.load_ms),
             cameras: opened.cameras.into_iter().map(CameraEntry::from).collect(),
+            lights: Lights::of(scene),
             warnings: opened.warnings,
             file: opened.file,
         }
@@ -212,17 +224,24 @@ impl Inventory {
                 eye,
                 toward,
                 fov,
+                height,
                 ..
             } = camera;
+            let lens = match height {
+                Some(height) => format!("orthographic, {height} high"),
+                None => format!("{fov:.1} degrees"),
+            };
             say(
                 "camera",
-                format!(
-                    "{name}: from {} toward {}, {fov:.1} degrees",
-                    point(*eye),
-                    point(*toward)
-                ),
+                format!("{name}: from {} toward {}, {lens}", point(*eye), point(*toward)),
             );
         }
+        let Lights { points, spots, suns } = self.lights;
+        let lights = match points + spots + suns {
+            0 => "none".to_owned(),
+            _ => [plural(points, "lamp"), plural(spots, "spot"), plural(suns, "sun")].join(", "),
+        };
+        say("lights", lights);
         for fragment in &self.fragments {
             let FragmentEntry {
                 name,
@@ -289,6 +308,20 @@ impl Inventory {
     }
 }
 
+impl Lights {
+    fn of(scene: &Scene) -> Lights {
+        let mut lights = Lights::default();
+        for light in scene.lights() {
+            *match light.shape {
+                LightShape::Point => &mut lights.points,
+                LightShape::Spot { .. } => &mut lights.spots,
+                LightShape::Sun { .. } => &mut lights.suns,
+            } += 1;
+        }
+        lights
+    }
+}
+
 impl Occluders {
     fn of(contents: &[&Content]) -> Occluders {
         let start = Instant::now();
@@ -329,6 +362,7 @@ impl From<crate::cameras::Camera> for CameraEntry {
             toward: camera.toward,
             up: camera.up,
             fov,
+            height: camera.height,
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::args::LookArgs;
 use crate::cameras;
 use crate::check::check;
 use crate::measure::{self, PASSES};
-use crate::open::{allow_threads, open};
+use crate::open::{For, allow_threads, open};
 use crate::out;
 use crate::prepare::prepare;
 use crate::progress::Progress;
@@ -23,6 +23,7 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
     let choice = args.methods.choice();
     let opened = open(
         &args.scene.scene,
+        For::Answers,
         choice,
         args.methods.how.flat,
         &args.methods.how.limits,
@@ -283,7 +284,14 @@ mod tests {
         let Some(Verb::Look(args)) = Args::try_parse_from(line).expect("sound").verb else {
             panic!("a look")
         };
-        let opened = open("@enfilade", Choice::Own, false, &args.methods.how.limits).expect("it is built in");
+        let opened = open(
+            "@enfilade",
+            For::Answers,
+            Choice::Own,
+            false,
+            &args.methods.how.limits,
+        )
+        .expect("it is built in");
         let views = cameras::views(&args.cameras, &opened).expect("a view");
         let (prepared, _) = prepare(&opened, Choice::Own, &args.methods.how, views.first()).expect("it fits");
         let fails_with = |contract, missed: &[(FragmentId, ItemId)], pixels_different| {

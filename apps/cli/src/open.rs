@@ -30,14 +30,29 @@ pub(crate) struct Opened {
     pub(crate) stage: Arc<OnceLock<Stage>>,
 }
 
+/// What a scene is opened for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum For {
+    /// Pictures of how it looks, which need the images on its faces.
+    Pictures,
+    /// Questions about what can be seen.
+    Answers,
+}
+
 /// Opens a scene. Rooms of a file whose author says no method are seen by hierarchical-z unless another is chosen and
 /// built from it. With `flat` a file is one room; the portals of a built-in scene are there and are not to be followed.
-pub(crate) fn open(name: &str, choice: Choice, flat: bool, limits: &LimitArgs) -> Result<Opened> {
+pub(crate) fn open(
+    name: &str,
+    wanted: For,
+    choice: Choice,
+    flat: bool,
+    limits: &LimitArgs,
+) -> Result<Opened> {
     let progress = Progress::spinner(&format!("loading {name}"));
     let start = Instant::now();
     let mut opened = match name.strip_prefix('@') {
         Some(built_in) => open_built_in(name, built_in),
-        None => open_file(name, choice, flat, limits),
+        None => open_file(name, wanted, choice, flat, limits),
     }?;
     opened.load_ms = start.elapsed().as_secs_f64() * 1e3;
     drop(progress);
@@ -70,10 +85,11 @@ fn open_built_in(file: &str, name: &str) -> Result<Opened> {
     })
 }
 
-fn open_file(file: &str, choice: Choice, flat: bool, limits: &LimitArgs) -> Result<Opened> {
+fn open_file(file: &str, wanted: For, choice: Choice, flat: bool, limits: &LimitArgs) -> Result<Opened> {
     let path = Path::new(file);
     let mut options = ReadOptions {
         flat,
+        textures: wanted == For::Pictures,
         ..ReadOptions::default()
     };
     options.limit_bytes = limits.memory.unwrap_or(options.limit_bytes);
@@ -94,11 +110,7 @@ fn open_file(file: &str, choice: Choice, flat: bool, limits: &LimitArgs) -> Resu
         .map_err(|why| anyhow!("{file}: {why}; {remedy}"))?;
     Ok(Opened {
         file: file.to_owned(),
-        format: if is_binary(path) {
-            "glTF 2.0, binary"
-        } else {
-            "glTF 2.0"
-        },
+        format: format(path),
         scene,
         cameras: import.cameras.into_iter().map(Camera::from).collect(),
         warnings: import.warnings.iter().map(ToString::to_string).collect(),
@@ -107,12 +119,18 @@ fn open_file(file: &str, choice: Choice, flat: bool, limits: &LimitArgs) -> Resu
     })
 }
 
-fn is_binary(path: &Path) -> bool {
-    let mut first = [0; 4];
-    File::open(path)
-        .and_then(|mut file| file.read_exact(&mut first))
-        .is_ok()
-        && &first == b"glTF"
+/// How a file that could be read is stored, as its first bytes say.
+fn format(path: &Path) -> &'static str {
+    let mut first = Vec::new();
+    let opened = File::open(path);
+    // What cannot be read any more has been read.
+    let _ = opened.and_then(|file| file.take(1 << 12).read_to_end(&mut first));
+    let text = first.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&first);
+    match text.trim_ascii_start() {
+        [b'g', b'l', b'T', b'F', ..] => "glTF 2.0, binary",
+        [b'{', ..] => "glTF 2.0",
+        _ => "OBJ",
+    }
 }
 
 /// Lets the whole program use so many threads, and says how many these are.

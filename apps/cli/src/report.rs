@@ -67,6 +67,9 @@ pub(crate) struct ViewReport {
     pub(crate) order_ms: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) picture: Option<String>,
+    /// Samples of opaque faces that were shaded for the picture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) samples_shaded: Option<u64>,
     pub(crate) complete: bool,
     pub(crate) visible: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -314,6 +317,7 @@ impl ViewReport {
             draw_ms: None,
             order_ms: None,
             picture: None,
+            samples_shaded: None,
             complete: look.complete,
             visible: look.visible.iter().map(|&item| names.of(item)).collect(),
             check: None,

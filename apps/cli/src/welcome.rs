@@ -5,7 +5,7 @@ use crate::args::{Args, LookArgs, Verb};
 use crate::cameras;
 use crate::draw::{draw, save, settings};
 use crate::measure::{self, PASSES};
-use crate::open::open;
+use crate::open::{For, open};
 use crate::out;
 use crate::prepare::prepare;
 use crate::progress::Progress;
@@ -35,7 +35,13 @@ pub(crate) fn run() -> Result<Outcome> {
         ..
     } = &args;
     Destination::new(Path::new(PICTURE))?;
-    let opened = open(&scene.scene, Choice::All, false, &methods.how.limits)?;
+    let opened = open(
+        &scene.scene,
+        For::Pictures,
+        Choice::All,
+        false,
+        &methods.how.limits,
+    )?;
     let views = cameras::views(cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, Choice::All, &methods.how, views.first())?;
     let mut rows = Vec::new();

@@ -193,7 +193,11 @@ fn files_that_are_no_scene_are_refused() {
             &["missing.glb", "cannot be read"],
         );
         refused(&folder, &format!("{verb} cut.glb"), &["cut.glb", "cut short"]);
-        refused(&folder, &format!("{verb} text.glb"), &["text.glb", "not glTF"]);
+        refused(
+            &folder,
+            &format!("{verb} text.glb"),
+            &["text.glb", "neither glTF nor OBJ"],
+        );
         refused(&folder, &format!("{verb} nothing.glb"), &["nothing.glb"]);
         refused(&folder, &format!("{verb} ."), &["."]);
     }

@@ -71,7 +71,9 @@ fn the_examples_of_link_run() {
 
 #[test]
 fn the_examples_of_info_run() {
-    examples_run("info");
+    let folder = Folder::new();
+    folder.add("scene.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3");
+    examples_run_in(&folder, "info");
 }
 
 #[test]

@@ -35,8 +35,10 @@ struct Lamp {
 struct Brightness {
     /// What surfaces get from others that are lit.
     bounced: Vec3,
-    /// What a white surface that is lit well sends back, about.
+    /// What a white surface that is lit as most are sends back, about.
     lit: f32,
+    /// What one sends back that its nearest lamp lights.
+    lit_best: f32,
 }
 
 /// A light as it shines on what one passage shows: places are seen from the passage's eye.
@@ -46,13 +48,23 @@ pub(crate) struct Near {
     to_sun: Vec3,
     onwards: Vec3,
     color: Vec3,
-    lamp: Light,
     /// Of a spot: what the cosine off its middle is multiplied by, and what is added, for the square root of its light.
     cone: Option<[f32; 2]>,
-    per_length: f32,
+    /// Squares of lengths: one in the lamp's own space for one here; how far it shines, here; and there, and under how much
+    /// of it light grows no more.
+    per_square: f32,
     reach: f32,
+    per_range_square: f32,
+    nearest_square: f32,
     /// The beam holds points with n · x ≥ d for all.
     planes: Vec<(Vec3, f32)>,
+}
+
+impl Brightness {
+    /// What an eye gets used to: pools of light in the dark must not be blinding.
+    fn used_to(&self) -> f32 {
+        self.lit.max(0.5 * self.lit_best)
+    }
 }
 
 impl Lamps {
@@ -101,12 +113,15 @@ impl Lamps {
     /// What a white surface that is lit well sends back in a fragment, about; above 0.
     pub(crate) fn lit(&self, fragment: FragmentId) -> f32 {
         const DARKEST: f32 = 0.1;
-        let here = self.rooms.get(fragment.0 as usize).map_or(0.0, |room| room.lit);
+        let here = self
+            .rooms
+            .get(fragment.0 as usize)
+            .map_or(0.0, Brightness::used_to);
         here.max(DARKEST * self.brightest()).max(f32::MIN_POSITIVE)
     }
 
     fn brightest(&self) -> f32 {
-        self.rooms.iter().fold(0.0, |most, room| most.max(room.lit))
+        self.rooms.iter().map(Brightness::used_to).fold(0.0, f32::max)
     }
 
     /// The lights that may shine on what a passage shows, each with its number.
@@ -158,7 +173,6 @@ impl Lamp {
             },
             onwards: self.onwards.as_vec3(),
             color: self.lamp.color.into(),
-            lamp: self.lamp,
             cone: match self.lamp.shape {
                 LightShape::Spot { inner, outer, .. } => {
                     let steepness = 1.0 / (inner.cos() - outer.cos()).max(1e-3);
@@ -166,8 +180,10 @@ impl Lamp {
                 }
                 _ => None,
             },
-            per_length: (1.0 / self.scale) as f32,
+            per_square: (1.0 / self.scale.powi(2)) as f32,
             reach: self.range() as f32,
+            per_range_square: 1.0 / self.lamp.range.powi(2),
+            nearest_square: (1.0 / self.lamp.falloff(0.0)) as f32,
             planes: planes.collect(),
         }
     }
@@ -217,21 +233,24 @@ impl Near {
         }
         let to_lamp = self.at - point;
         let facing = normal.dot(to_lamp);
-        let distance = to_lamp.length();
-        if facing <= 0.0 || distance >= self.reach || (narrowed && self.planes.iter().any(outside)) {
+        let square = to_lamp.length_squared();
+        let own_square = square * self.per_square;
+        let range_part = own_square * self.per_range_square;
+        if facing <= 0.0 || range_part >= 1.0 || (narrowed && self.planes.iter().any(outside)) {
             return Vec3::ZERO;
         }
-        let cosine = facing / distance;
+        let per_distance = 1.0 / square.sqrt();
         let cone = self.cone.map_or(1.0, |[steepness, added]| {
-            let off = -self.onwards.dot(to_lamp) / distance;
+            let off = -self.onwards.dot(to_lamp) * per_distance;
             (off * steepness + added).clamp(0.0, 1.0).powi(2)
         });
-        let falloff = self.lamp.falloff(f64::from(distance * self.per_length)) as f32;
-        self.color * (falloff * cone * cosine)
+        // As `Light::falloff` has it.
+        let falloff = (1.0 - range_part * range_part) / own_square.max(self.nearest_square);
+        self.color * (falloff * cone * facing * per_distance)
     }
 }
 
-/// How far from a lamp the surfaces are that it lights, as a rule: the middle one of several tried.
+/// How far from a lamp the surfaces are that it lights well: nearer than most of several tried.
 fn usual_distance(scene: &Scene, lamp: &Light) -> f64 {
     let fragment = scene.fragment(lamp.fragment);
     let corner = 1.0 / 3.0_f32.sqrt();
@@ -265,8 +284,8 @@ fn usual_distance(scene: &Scene, lamp: &Light) -> f64 {
         .filter(|&distance| distance > 0.02 * size.min(20.0))
         .collect();
     distances.sort_unstable_by(f64::total_cmp);
-    let middle = distances.get(distances.len() / 2).copied();
-    middle.unwrap_or(0.25 * size).min(0.5 * f64::from(lamp.range))
+    let near = distances.get(distances.len() / 3).copied();
+    near.unwrap_or(0.25 * size).min(0.5 * f64::from(lamp.range))
 }
 
 /// Adds what a light does in a fragment that it reaches. What comes through an opening counts by how large that is beside
@@ -292,10 +311,14 @@ fn brighten(scene: &Scene, rooms: &mut [Brightness], lamp: &Light, reached: &Rea
         };
         0.6 * lamp.falloff(usual) * filled.min(1.0) * cone
     };
-    let light = Vec3::from(lamp.color) * part as f32;
+    let color = Vec3::from(lamp.color);
+    let brightness = color.dot(Vec3::new(0.2126, 0.7152, 0.0722));
     let room = &mut rooms[reached.fragment.0 as usize];
-    room.bounced += light * SENT_BACK;
-    room.lit += light.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+    room.bounced += color * (SENT_BACK * part as f32);
+    room.lit += brightness * part as f32;
+    if reached.parent.is_none() && !is_sun {
+        room.lit_best = room.lit_best.max(brightness * lamp.falloff(usual) as f32);
+    }
 }
 
 fn area(corners: &[DVec3]) -> f64 {

@@ -71,7 +71,7 @@ impl Tone {
     /// What an eye that stands in a fragment gets used to.
     pub(crate) fn of(lamps: &Lamps, fragment: Option<FragmentId>, exposure: Exposure) -> Tone {
         /// How bright a white surface that is lit well is shown.
-        const LIT_WELL: f32 = 0.72;
+        const LIT_WELL: f32 = 0.6;
         match (exposure, fragment) {
             (Exposure::Fixed(exposure), _) => Tone {
                 exposure,

@@ -20,26 +20,26 @@ static ENCODED: LazyLock<Vec<u8>> = LazyLock::new(|| {
 });
 
 /// sRGB bytes as linear light, 0 to 1.
-static DECODED: LazyLock<Vec<f32>> = LazyLock::new(|| {
-    let decode = |byte: u16| {
-        let srgb = f64::from(byte) / 255.0;
-        if srgb <= 0.040_45 {
+static DECODED: LazyLock<[f32; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|byte| {
+        let srgb = byte as f64 / 255.0;
+        let linear = if srgb <= 0.040_45 {
             srgb / 12.92
         } else {
             ((srgb + 0.055) / 1.055).powf(2.4)
-        }
-    };
-    (0..256).map(|byte| decode(byte) as f32).collect()
+        };
+        linear as f32
+    })
 });
+
+/// Linear light by sRGB byte, for who looks up many.
+pub(crate) fn decoded() -> &'static [f32; 256] {
+    &DECODED
+}
 
 /// Linear light as sRGB bytes; what is out of range is clamped. IEC 61966-2-1.
 pub(crate) fn encode(linear: [f32; 3]) -> [u8; 3] {
     linear.map(|value| ENCODED[(value.clamp(0.0, 1.0) * f32::from(STEPS) + 0.5) as usize])
-}
-
-/// sRGB bytes as linear light.
-pub(crate) fn decode(bytes: [u8; 3]) -> [f32; 3] {
-    bytes.map(|byte| DECODED[usize::from(byte)])
 }
 
 /// A colour for a number: neighbours differ in hue by the golden angle, so that few are alike.
@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn bytes_survive_the_way_to_linear_light_and_back() {
         for byte in 0..=255 {
-            assert_eq!(encode(decode([byte; 3])), [byte; 3]);
+            assert_eq!(encode([decoded()[usize::from(byte)]; 3]), [byte; 3]);
         }
     }
 

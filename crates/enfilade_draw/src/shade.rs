@@ -68,12 +68,11 @@ impl<'a, 's> Row<'a, 's> {
         if let Some(varying) = &face.place {
             let (place, stretch) = self.texture_place(varying, x, per_facing);
             if let Some(texture) = face.texture {
-                let [tr, tg, tb, ta] = texture.at(place, stretch.texels(texture.size()));
-                (r, g, b, coverage) = (r * tr, g * tg, b * tb, coverage * ta);
+                let texel = texture.at(place, stretch.square(texture.size()));
+                (r, g, b, coverage) = (r * texel.x, g * texel.y, b * texel.z, coverage * texel.w);
             }
             if let Some(glow) = face.glow {
-                let [er, eg, eb, _] = glow.at(place, stretch.texels(glow.size()));
-                emission *= Vec3::new(er, eg, eb);
+                emission *= glow.at(place, stretch.square(glow.size())).truncate();
             }
         }
         let own = Vec3::new(r, g, b);
@@ -141,14 +140,11 @@ struct Stretch {
 }
 
 impl Stretch {
-    /// How many texels of a texture a sample is wide, where it is wider.
+    /// The square of how many texels of a texture a sample is wide, where it is wider.
     #[inline]
-    fn texels(&self, size: [f32; 2]) -> f32 {
-        let square = |[u, v]: [f32; 2]| {
-            let [u, v] = [u * size[0], v * size[1]];
-            u * u + v * v
-        };
-        square(self.right).max(square(self.down)).sqrt()
+    fn square(&self, [width, height]: [f32; 2]) -> f32 {
+        let square = |[u, v]: [f32; 2]| (u * width) * (u * width) + (v * height) * (v * height);
+        square(self.right).max(square(self.down))
     }
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::Instant;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let file = std::env::args().nth(1).ok_or("name a .glb or .gltf file")?;
+    let file = std::env::args().nth(1).ok_or("name a .glb, .gltf or .obj file")?;
     let start = Instant::now();
     let import = read(Path::new(&file), &ReadOptions::default())?;
     let took = start.elapsed();

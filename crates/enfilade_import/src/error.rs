@@ -1,6 +1,6 @@
 //! Why a file is not read.
 
-use crate::AuthoringError;
+use crate::{AuthoringError, ObjError};
 use enfilade::{ContentError, MeshError};
 use std::io;
 use thiserror::Error;
@@ -23,16 +23,28 @@ pub enum BrokenRule {
     #[error("cannot be read: {0}")]
     Unreadable(io::Error),
     /// A folder, a pipe or a device.
-    #[error("is not a file; name a .glb or .gltf file")]
+    #[error("is not a file, but a folder, a pipe or a device")]
     NotAFile,
     /// Neither the magic number of a `.glb` nor the start of a JSON object.
     #[error(
-        "is not glTF: it begins with {begins}. Only glTF 2.0 is read yet (.glb, or .gltf with its .bin files)"
+        "is not glTF: it begins with {begins}. glTF 2.0 is wanted here (.glb, or .gltf with its .bin files)"
     )]
     NotGltf {
         /// The first bytes, as text.
         begins: String,
     },
+    /// Neither glTF nor OBJ.
+    #[error(
+        "is neither glTF nor OBJ: it begins with {begins}. Scenes are read from glTF 2.0 (.glb, or .gltf with its .bin \
+         files) and from OBJ (.obj with its .mtl files)"
+    )]
+    UnknownFormat {
+        /// The first bytes, as text.
+        begins: String,
+    },
+    /// An OBJ file that breaks a rule.
+    #[error("{0}")]
+    Obj(Box<ObjError>),
     /// A `.glb` ends early.
     #[error(
         "is cut short: its {part} should end at byte {needs}, but the file has only {has}; copy or export it again"
@@ -68,9 +80,9 @@ pub enum BrokenRule {
         limit_bytes: u64,
     },
     /// The file cannot be shown rightly without an extension.
-    #[error("needs the extension {extension}, which is not read; {remedy}")]
+    #[error("needs what is not read here: {extension}; {remedy}")]
     ExtensionRequired {
-        /// Its name.
+        /// Its name, or the names of several.
         extension: String,
         /// What to do about it.
         remedy: &'static str,
@@ -208,6 +220,75 @@ pub enum BrokenRule {
         wanted: &'static str,
         /// What to do about it.
         remedy: &'static str,
+    },
+    /// Normals, texture coordinates or colors are not as many as positions.
+    #[error("{place} has {count} {what}, but {positions} positions; export it again with one for each")]
+    AttributeCount {
+        /// Which primitive.
+        place: String,
+        /// Which of them.
+        what: &'static str,
+        /// How many there are.
+        count: u64,
+        /// How many there should be.
+        positions: u64,
+    },
+    /// More elements stand instead of others than there are others.
+    #[error("{place} has {count} sparse elements, but only {elements} in all; export it again")]
+    SparseCount {
+        /// Which accessor.
+        place: String,
+        /// Elements that stand instead of others.
+        count: u64,
+        /// All elements.
+        elements: u64,
+    },
+    /// The elements that stand instead of others have numbers that are out of range or out of order.
+    #[error(
+        "{place} has the sparse index {number} at place {at}; sparse indices must grow, and stay below its count of \
+         {elements}. Export it again"
+    )]
+    SparseIndex {
+        /// Which accessor.
+        place: String,
+        /// Which of the indices.
+        at: usize,
+        /// The element it names.
+        number: u64,
+        /// All elements.
+        elements: u64,
+    },
+    /// A compressed buffer view is damaged, or not compressed in a way that is known.
+    #[error("{place} is compressed, but {why}")]
+    BadCompression {
+        /// Which buffer view.
+        place: String,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// The instances of a node are given by lists of different lengths.
+    #[error("{node} has {first} {first_what}, but {second} {second_what}; an instance has one of each")]
+    InstanceCount {
+        /// The node.
+        node: String,
+        /// How many there are of one.
+        first: u64,
+        /// Of which.
+        first_what: &'static str,
+        /// How many of another.
+        second: u64,
+        /// Of which.
+        second_what: &'static str,
+    },
+    /// A way to look a texture up that glTF does not know.
+    #[error("{place} has {what} {value}, which glTF does not know; export it again")]
+    BadSampler {
+        /// Which sampler.
+        place: String,
+        /// Which of its values.
+        what: &'static str,
+        /// The value.
+        value: u32,
     },
     /// A position that a triangle uses is NaN or infinite.
     #[error(

@@ -4,13 +4,26 @@
 use crate::budget::Budget;
 use crate::warning::{WarningKind, Warnings};
 use enfilade::Texture;
-use image::{ImageDecoder, ImageReader, Limits};
+use image::{ImageDecoder, ImageFormat, ImageReader, Limits};
+use rayon::prelude::*;
+use std::borrow::Cow;
 use std::io::Cursor;
 
 /// What stands for an image that cannot be had.
 const GREY: [u8; 4] = [128, 128, 128, 255];
 
+/// An image in a file.
+pub(crate) struct Encoded<'b> {
+    /// What it holds, or why that cannot be had.
+    pub(crate) bytes: Result<Cow<'b, [u8]>, String>,
+    /// How people call it.
+    pub(crate) name: String,
+    /// What messages call it.
+    pub(crate) place: String,
+}
+
 /// The texture of an image's bytes; grey where they are no image or one that would take too much memory.
+#[allow(dead_code, reason = "for readers of formats whose images come one by one")]
 pub(crate) fn decode(
     bytes: &[u8],
     name: &str,
@@ -18,13 +31,45 @@ pub(crate) fn decode(
     budget: &mut Budget,
     warnings: &mut Warnings,
 ) -> Texture {
-    match texels(bytes, place, budget) {
-        Ok((size, texels)) => Texture::new(name, size, texels).unwrap_or_else(|_| grey(name)),
-        Err(why) => {
-            warnings.name(WarningKind::BadImages, || format!("{place}: {why}"));
-            grey(name)
+    let encoded = Encoded {
+        bytes: Ok(Cow::Borrowed(bytes)),
+        name: name.to_owned(),
+        place: place.to_owned(),
+    };
+    let mut textures = decode_all(vec![encoded], budget, warnings);
+    textures.pop().unwrap_or_else(|| grey(name))
+}
+
+/// The textures of images, decoded side by side.
+pub(crate) fn decode_all(images: Vec<Encoded>, budget: &mut Budget, warnings: &mut Warnings) -> Vec<Texture> {
+    let mut crowds = Crowds::default();
+    let admitted: Vec<Result<Measured, String>> = images
+        .iter()
+        .map(|image| {
+            let bytes = image.bytes.as_ref().map_err(String::clone)?;
+            measure(bytes)
+                .and_then(|measured| crowds.admit(measured, budget))
+                .map_err(|why| format!("{}: {why}", image.place))
+        })
+        .collect();
+    let mut textures = Vec::with_capacity(images.len());
+    let mut waiting = &images[..];
+    let mut sizes = &admitted[..];
+    while !waiting.is_empty() {
+        let crowd = crowds.next(sizes);
+        let (now, later) = waiting.split_at(crowd);
+        let (sizes_now, sizes_later) = sizes.split_at(crowd);
+        let decoded: Vec<Result<Texture, String>> = now.par_iter().zip(sizes_now).map(texture).collect();
+        // In order, so that warnings name the same images whichever thread was done first.
+        for (decoded, image) in decoded.into_iter().zip(now) {
+            textures.push(decoded.unwrap_or_else(|why| {
+                warnings.name(WarningKind::BadImages, || why);
+                grey(&image.name)
+            }));
         }
+        (waiting, sizes) = (later, sizes_later);
     }
+    textures
 }
 
 /// A texture of one grey texel.
@@ -32,18 +77,75 @@ pub(crate) fn grey(name: &str) -> Texture {
     Texture::new(name, [1, 1], vec![GREY]).expect("one texel")
 }
 
-/// Rows of texels from the top. Memory is set aside before anything is decoded.
-fn texels(bytes: &[u8], place: &str, budget: &mut Budget) -> Result<([u32; 2], Vec<[u8; 4]>), String> {
-    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format();
-    let mut reader = reader.map_err(|why| why.to_string())?;
-    if reader.format().is_none() {
-        return Err("neither PNG nor JPEG".to_owned());
+/// The same as a file.
+pub(crate) fn grey_png() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    image::RgbaImage::from_pixel(1, 1, image::Rgba(GREY))
+        .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
+        .expect("into memory");
+    bytes
+}
+
+fn texture((image, measured): (&Encoded, &Result<Measured, String>)) -> Result<Texture, String> {
+    let measured = measured.as_ref().map_err(String::clone)?;
+    let bytes = image.bytes.as_ref().map_err(String::clone)?;
+    texels(bytes, measured)
+        .and_then(|texels| Texture::new(&image.name, measured.size, texels).map_err(|why| why.to_string()))
+        .map_err(|why| format!("{}: {why}", image.place))
+}
+
+/// What an image's header says.
+#[derive(Clone, Copy, Debug)]
+struct Measured {
+    size: [u32; 2],
+    /// Bytes that it takes as a texture.
+    kept: u64,
+    /// Bytes that it takes besides, while it is decoded.
+    at_work: u64,
+}
+
+/// Images that are decoded at once take no more than this to do so, if it is not one that takes more. So memory does not
+/// grow with the number of threads, and there is still enough for each.
+const CROWD_BYTES: u64 = 128 << 20;
+
+/// Sets memory aside for images, and says how many of them are decoded at once.
+#[derive(Debug, Default)]
+struct Crowds {
+    /// What all images admitted would take while they are decoded, were it at once.
+    all_at_work: u64,
+    /// What is set aside for that.
+    at_work: u64,
+}
+
+impl Crowds {
+    fn admit(&mut self, image: Measured, budget: &mut Budget) -> Result<Measured, String> {
+        let all_at_work = self.all_at_work.saturating_add(image.at_work);
+        let at_work = all_at_work.min(CROWD_BYTES).max(image.at_work).max(self.at_work);
+        let needs = image.kept.saturating_add(at_work - self.at_work);
+        let [width, height] = image.size;
+        budget
+            .take(needs, String::new)
+            .map_err(|_| format!("{width}x{height} texels need {needs} bytes, more than is allowed"))?;
+        (self.all_at_work, self.at_work) = (all_at_work, at_work);
+        Ok(image)
     }
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(Texture::MOST_TEXELS);
-    limits.max_image_height = Some(Texture::MOST_TEXELS);
-    reader.limits(limits);
-    let mut decoder = reader.into_decoder().map_err(|why| why.to_string())?;
+
+    /// How many of the next images are decoded at once; at least one.
+    fn next(&self, images: &[Result<Measured, String>]) -> usize {
+        let mut together = 0_u64;
+        let too_many = images.iter().position(|image| {
+            together += image.as_ref().map_or(0, |image| image.at_work);
+            together > self.at_work
+        });
+        too_many.unwrap_or(images.len()).max(1)
+    }
+}
+
+/// Reads an image's header.
+fn measure(bytes: &[u8]) -> Result<Measured, String> {
+    /// For what may stand in a header: profiles of colors, and the like.
+    const HEADER_BYTES: u64 = 16 << 20;
+    let decoder = decoder(bytes, HEADER_BYTES)?;
     let (width, height) = decoder.dimensions();
     if width > Texture::MOST_TEXELS || height > Texture::MOST_TEXELS {
         return Err(format!(
@@ -51,23 +153,74 @@ fn texels(bytes: &[u8], place: &str, budget: &mut Budget) -> Result<([u32; 2], V
             Texture::MOST_TEXELS
         ));
     }
-    // Decoded as it stands, and as texels.
-    let needs = decoder.total_bytes() + 4 * u64::from(width) * u64::from(height);
-    budget
-        .take(needs, || place.to_owned())
-        .map_err(|_| format!("{width}x{height} texels need {needs} bytes, more than is allowed"))?;
-    let mut limits = Limits::default();
-    limits.max_alloc = Some(2 * needs);
-    decoder.set_limits(limits).map_err(|why| why.to_string())?;
+    // Decoders make up what is missing of a JPEG, and say nothing.
+    if is_cut_jpeg(bytes) {
+        return Err("it is cut short".to_owned());
+    }
+    let kept = 4 * u64::from(width) * u64::from(height);
+    Ok(Measured {
+        size: [width, height],
+        kept,
+        // Its bytes once more, what it decodes to, what decoders of JPEG hold of that, and texels before they are kept.
+        at_work: bytes.len() as u64 + 3 * decoder.total_bytes() + kept,
+    })
+}
+
+/// Is it a JPEG without an end?
+///
+/// Segments say how long they are, up to the first that has texels. From there on the mark of the end is nothing else.
+/// Source: ITU-T T.81, section B.1.
+fn is_cut_jpeg(bytes: &[u8]) -> bool {
+    const START: u8 = 0xD8;
+    const END: [u8; 2] = [0xFF, 0xD9];
+    const TEXELS: u8 = 0xDA;
+    if !bytes.starts_with(&[0xFF, START]) {
+        return false;
+    }
+    let mut rest = &bytes[2..];
+    while let [0xFF, mark, after @ ..] = rest {
+        rest = match (*mark, after) {
+            (TEXELS, _) => return !after.windows(2).any(|pair| pair == END),
+            // A mark may begin with more of its first byte, and a few have nothing behind them.
+            (0xFF, _) => &rest[1..],
+            (0x01 | 0xD0..=0xD7, _) => after,
+            (_, [high, low, ..]) => {
+                let length = usize::from(u16::from_be_bytes([*high, *low]));
+                after.get(length..).unwrap_or(&[])
+            }
+            _ => &[],
+        };
+    }
+    // Whatever else that is, decoders say it.
+    false
+}
+
+/// Rows of texels from the top.
+fn texels(bytes: &[u8], measured: &Measured) -> Result<Vec<[u8; 4]>, String> {
+    let decoder = decoder(bytes, measured.at_work + measured.kept)?;
     let image = image::DynamicImage::from_decoder(decoder).map_err(|why| why.to_string())?;
     let texels = image.into_rgba8();
-    Ok(([width, height], texels.pixels().map(|pixel| pixel.0).collect()))
+    Ok(texels.pixels().map(|pixel| pixel.0).collect())
+}
+
+/// What decodes the bytes, with memory of at most so many bytes.
+fn decoder(bytes: &[u8], most_bytes: u64) -> Result<impl ImageDecoder + '_, String> {
+    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format();
+    let mut reader = reader.map_err(|why| why.to_string())?;
+    if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
+        return Err("neither PNG nor JPEG".to_owned());
+    }
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(Texture::MOST_TEXELS);
+    limits.max_image_height = Some(Texture::MOST_TEXELS);
+    limits.max_alloc = Some(most_bytes);
+    reader.limits(limits);
+    reader.into_decoder().map_err(|why| why.to_string())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use image::ImageFormat;
 
     fn decoded(bytes: &[u8]) -> (Texture, Vec<String>) {
         let mut warnings = Warnings::default();

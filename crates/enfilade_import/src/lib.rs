@@ -1,4 +1,5 @@
-//! Reads scenes from files: glTF 2.0, as `.glb` and as `.gltf` with its buffers beside it or inside it.
+//! Reads scenes from files: glTF 2.0, as `.glb` and as `.gltf` with its buffers beside it or inside it; and OBJ, with its
+//! MTL files and their images beside it.
 //!
 //! ```
 //! use enfilade::{FragmentId, Method};
@@ -35,6 +36,12 @@
 //! Which two rooms a portal joins is found from what stands at its two sides, unless `to` says it; the room that it is
 //! parented to comes first where it is one of them. Scales of a portal and its exit do not count in a teleport, which moves
 //! and turns only. What stands in no room is one more room.
+//!
+//! Of an OBJ file each `o` and `g` that has faces is an item, all in one room: OBJ has no tree of nodes, so it cannot say
+//! what stands in a room. Polygons of any shape are cut into triangles. Materials are seen from both sides, `d` and `Tr` make
+//! glass, an image that is both `map_Kd` and `map_d` cut-outs. Colors of materials are taken as linear, those of positions as
+//! they look on a screen. Nothing outside the file's folder is read.
+//!
 //! What changes only the
 //! look (textures, normals, lights) and what is not read yet is named in [`Import::warnings`], never silently
 //! dropped. A file that breaks a rule, however it does, gives an [`ImportError`] that names the place and the rule.
@@ -48,6 +55,7 @@ mod gltf;
 mod images;
 #[cfg(feature = "levels")]
 mod levels;
+mod obj;
 mod rooms;
 mod warning;
 
@@ -57,6 +65,7 @@ pub use error::{BrokenRule, ImportError};
 pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};
 #[cfg(feature = "levels")]
 pub use levels::{Levels, details_of};
+pub use obj::ObjError;
 pub use warning::{Warning, WarningKind};
 
 use budget::Budget;
@@ -73,7 +82,8 @@ pub struct Import {
     /// otherwise. At least one; exactly one where none is marked, or where the file was read as [flat](ReadOptions::flat).
     ///
     /// An item is named for its node, `NAME#nodeIndex` where nodes with meshes share the name, `node#12` where it
-    /// has none. No two items of a file have the same name.
+    /// has none; of an OBJ file for its group, `NAME#itemIndex` where groups share the name, `default` where it has none. No
+    /// two items of a file have the same name.
     pub rooms: Vec<Room>,
     /// The ways between them; [`FragmentId`](enfilade::FragmentId) n is room n. A door is two, a mirror one that reflects.
     pub portals: Vec<Portal>,
@@ -146,11 +156,33 @@ impl Default for ReadOptions {
     }
 }
 
-/// Reads a file. Its first bytes say what it is, not its name.
+/// Reads a file. Its first bytes say what it is, not its name; but OBJ files may begin with anything, so what is none of the
+/// others is OBJ where it is called so, or begins with positions, materials or comments before them.
 ///
 /// # Errors
 /// An [`ImportError`] for the first broken rule that is met; the same one every time.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
+    read_file(path, options, |bytes, name, budget| {
+        let is_called_obj = path
+            .extension()
+            .is_some_and(|ending| ending.eq_ignore_ascii_case("obj"));
+        import(bytes, path.parent(), name, is_called_obj, options, budget)
+    })
+}
+
+/// Reads a file that must be glTF.
+fn read_gltf(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
+    read_file(path, options, |bytes, name, budget| {
+        gltf::import(bytes, path.parent(), name, options, budget)
+    })
+}
+
+/// Reads the bytes of a file, and what they hold by `import`, which gets the file's name without its ending.
+fn read_file(
+    path: &Path,
+    options: &ReadOptions,
+    import: impl FnOnce(&[u8], &str, Budget) -> Result<Import, BrokenRule>,
+) -> Result<Import, ImportError> {
     let failed = |rule| ImportError {
         file: path.display().to_string(),
         rule,
@@ -160,11 +192,11 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
     let name = path
         .file_stem()
         .map_or("scene".into(), |stem| stem.to_string_lossy());
-    gltf::import(&bytes, path.parent(), &name, options.flat, budget).map_err(failed)
+    import(&bytes, &name, budget).map_err(failed)
 }
 
-/// Reads the bytes of a file. `folder` is where the buffers that a `.gltf` names lie; with `None`, naming one is an
-/// error.
+/// Reads the bytes of a file. `folder` is where the files lie that it names; with `None`, naming a buffer is an error, and an
+/// image or a file of materials a warning.
 ///
 /// # Errors
 /// As [`read`].
@@ -177,7 +209,29 @@ pub fn read_bytes(bytes: &[u8], folder: Option<&Path>, options: &ReadOptions) ->
     budget
         .take(bytes.len() as u64, || "the file".to_owned())
         .map_err(failed)?;
-    gltf::import(bytes, folder, "scene", options.flat, budget).map_err(failed)
+    import(bytes, folder, "scene", false, options, budget).map_err(failed)
+}
+
+/// Finds out what the bytes are, and reads them. OBJ has no first bytes of its own, so what is not clearly something else
+/// is taken for OBJ where it is called so.
+fn import(
+    bytes: &[u8],
+    folder: Option<&Path>,
+    name: &str,
+    is_called_obj: bool,
+    options: &ReadOptions,
+    budget: Budget,
+) -> Result<Import, BrokenRule> {
+    if gltf::begins_like_gltf(bytes) {
+        return gltf::import(bytes, folder, name, options, budget);
+    }
+    let may_be_obj = !bytes.is_empty() && (is_called_obj || obj::begins_like_obj(bytes));
+    if may_be_obj && let Some(import) = obj::import(bytes, folder, name, options, budget)? {
+        return Ok(import);
+    }
+    Err(BrokenRule::UnknownFormat {
+        begins: gltf::beginning(bytes),
+    })
 }
 
 /// The first `most` bytes of a file, or all. Never waits on a pipe, and never reads more than the budget allows.

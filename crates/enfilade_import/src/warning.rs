@@ -36,6 +36,20 @@ pub enum WarningKind {
     Points,
     /// Primitives that are lines.
     Lines,
+    /// Objects of an OBJ file that are called like rooms, portals or mirrors.
+    NoRoomsInObj,
+    /// Lines of an OBJ file that are not read, by what they begin with.
+    UnreadStatements,
+    /// Files of materials that cannot be had.
+    MaterialFiles,
+    /// Materials that no file defines.
+    UnknownMaterials,
+    /// Lines of files of materials that are not read.
+    MaterialLines,
+    /// Polygons that cross themselves.
+    RoughPolygons,
+    /// Normals, texture coordinates and colors that are NaN or infinite.
+    NotFinite,
     /// Primitives without positions.
     NoPositions,
     /// Triangle lists whose last corners make no triangle.
@@ -44,10 +58,12 @@ pub enum WarningKind {
     Flattened,
     /// Nodes whose matrix shears, which glTF forbids.
     Sheared,
-    /// Cameras without perspective.
-    OrthographicCameras,
     /// Cameras whose angle, near distance or place makes no picture.
     BadCameras,
+    /// Lights whose color, range, cone or place makes no light.
+    BadLights,
+    /// Portals and mirrors that are to be there many times.
+    InstancedOpenings,
     /// Meshes that change their shape.
     MorphTargets,
     /// Nodes whose mesh follows a skeleton.
@@ -56,18 +72,24 @@ pub enum WarningKind {
     Animations,
     /// Images that cannot be had.
     BadImages,
-    /// Images on faces.
-    Textures,
-    /// Primitives with normals.
-    Normals,
-    /// Primitives with colors at their corners.
-    VertexColors,
+    /// Faces with a texture, but without places in it.
+    NoTextureCoordinates,
+    /// Primitives with normals that are NaN or infinite.
+    BadNormals,
+    /// Primitives with texture coordinates that are NaN or infinite.
+    BadTextureCoordinates,
+    /// Primitives with colors that are NaN or infinite.
+    BadColors,
+    /// Materials whose texture of the light they send out lies otherwise than that of their color.
+    EmissionElsewhere,
+    /// Maps of materials for what is not drawn.
+    OtherMaps,
 }
 
 impl WarningKind {
     fn text(self) -> &'static str {
         match self {
-            WarningKind::EmptyScene => "the scene is empty: none of its nodes has a triangle",
+            WarningKind::EmptyScene => "the scene is empty: it has no triangle",
             WarningKind::OtherScenes => "only the default scene is read, others are not",
             WarningKind::InNoRoom => {
                 "nodes stand in no room, and no portal leads to where they are: they are seen only from among them"
@@ -80,6 +102,19 @@ impl WarningKind {
             WarningKind::Extensions => "extensions not read",
             WarningKind::Points => "points are not drawn",
             WarningKind::Lines => "lines are not drawn",
+            WarningKind::NoRoomsInObj => {
+                "objects are called like rooms, portals or mirrors, but OBJ cannot say what stands in a room: all is one"
+            }
+            WarningKind::UnreadStatements => "statements that are not read",
+            WarningKind::MaterialFiles => "files of materials cannot be read",
+            WarningKind::UnknownMaterials => "materials that are not defined are grey",
+            WarningKind::MaterialLines => "what is said of materials and not read",
+            WarningKind::RoughPolygons => {
+                "polygons cross themselves, and are cut into triangles as well as can be"
+            }
+            WarningKind::NotFinite => {
+                "normals, texture coordinates or colors are not finite, and are left out"
+            }
             WarningKind::NoPositions => "primitives without positions are not drawn",
             WarningKind::CornersLeft => {
                 "the last corners of a list of triangles make no triangle and are left out"
@@ -88,15 +123,27 @@ impl WarningKind {
                 "nodes flatten their mesh, which may then be seen as a line or not at all"
             }
             WarningKind::Sheared => "node matrices shear, which glTF forbids; they are taken as they are",
-            WarningKind::OrthographicCameras => "orthographic cameras are not read yet",
             WarningKind::BadCameras => "cameras that can make no picture are left out",
+            WarningKind::BadLights => "lights that can light nothing are left out",
+            WarningKind::InstancedOpenings => {
+                "portals and mirrors are there once, where their node stands: their instances are not read"
+            }
             WarningKind::MorphTargets => "morph targets are not read yet: shapes are those before any morph",
             WarningKind::Skins => "skins are not read yet: meshes are in their rest pose",
             WarningKind::Animations => "animations are not read yet: everything stands still",
             WarningKind::BadImages => "images cannot be read, and are grey",
-            WarningKind::Textures => "textures are not read yet: faces have their base color",
-            WarningKind::Normals => "normals are not read yet: faces are flat",
-            WarningKind::VertexColors => "vertex colors are not read yet",
+            WarningKind::NoTextureCoordinates => {
+                "faces have a texture, but no place in it: they have the color of its corner"
+            }
+            WarningKind::BadNormals => "normals are not finite: faces are flat there",
+            WarningKind::BadTextureCoordinates => "texture coordinates are not finite, and are 0",
+            WarningKind::BadColors => "colors are not finite, and are white",
+            WarningKind::EmissionElsewhere => {
+                "textures of what materials send out lie otherwise than those of their color: they send out nothing"
+            }
+            WarningKind::OtherMaps => {
+                "not drawn: maps of metal, roughness, normals, occlusion and transmission"
+            }
         }
     }
 }
@@ -113,6 +160,9 @@ impl fmt::Display for Warning {
     }
 }
 
+/// Names in a warning, at most.
+const FEW: usize = 6;
+
 /// Gathers warnings, one of each kind.
 #[derive(Debug, Default)]
 pub(crate) struct Warnings(BTreeMap<WarningKind, Warning>);
@@ -127,7 +177,6 @@ impl Warnings {
 
     /// Notes one thing, which is named while there are few.
     pub(crate) fn name(&mut self, kind: WarningKind, name: impl FnOnce() -> String) {
-        const FEW: usize = 6;
         let warning = self.of(kind);
         warning.count += 1;
         if warning.first.len() < FEW {
@@ -139,6 +188,16 @@ impl Warnings {
     pub(crate) fn state(&mut self, kind: WarningKind, is_so: bool) {
         if is_so {
             self.of(kind);
+        }
+    }
+
+    /// Takes over the warnings of a later part of the file.
+    pub(crate) fn absorb(&mut self, later: Warnings) {
+        for (kind, more) in later.0 {
+            let warning = self.of(kind);
+            warning.count += more.count;
+            let room = FEW.saturating_sub(warning.first.len());
+            warning.first.extend(more.first.into_iter().take(room));
         }
     }
 
@@ -162,19 +221,40 @@ mod tests {
     #[test]
     fn a_warning_names_few_and_counts_all() {
         let mut warnings = Warnings::default();
-        warnings.count(WarningKind::Textures, 21);
+        warnings.count(WarningKind::OtherMaps, 21);
         warnings.count(WarningKind::Skins, 0);
         (0..9).for_each(|n| warnings.name(WarningKind::Points, || format!("p{n}")));
         warnings.state(WarningKind::EmptyScene, true);
         let texts: Vec<String> = warnings.into_list().iter().map(Warning::to_string).collect();
-        assert_eq!(texts[0], "the scene is empty: none of its nodes has a triangle");
+        assert_eq!(texts[0], "the scene is empty: it has no triangle");
         assert_eq!(
             texts[1],
             "points are not drawn (p0, p1, p2, p3, p4, p5 and 3 more)"
         );
         assert_eq!(
             texts[2],
-            "textures are not read yet: faces have their base color (21)"
+            "not drawn: maps of metal, roughness, normals, occlusion and transmission (21)"
+        );
+    }
+
+    #[test]
+    fn warnings_of_parts_of_a_file_become_one() {
+        let part = |first: usize| {
+            let mut warnings = Warnings::default();
+            (first..first + 4).for_each(|n| warnings.name(WarningKind::Lines, || format!("line {n}")));
+            warnings.count(WarningKind::NotFinite, 2);
+            warnings
+        };
+        let mut warnings = part(1);
+        warnings.absorb(part(11));
+        warnings.absorb(part(21));
+        let texts: Vec<String> = warnings.into_list().iter().map(Warning::to_string).collect();
+        assert_eq!(
+            texts,
+            [
+                "lines are not drawn (line 1, line 2, line 3, line 4, line 11, line 12 and 6 more)",
+                "normals, texture coordinates or colors are not finite, and are left out (6)"
+            ]
         );
     }
 }

@@ -17,7 +17,7 @@ use crate::check::{Found, hold};
 use crate::draw::{draw, settings};
 use crate::look::tell_what_is_wrong;
 use crate::measure::{self, PASSES};
-use crate::open::{allow_threads, open};
+use crate::open::{For, allow_threads, open};
 use crate::out;
 use crate::prepare::{Prepared, prepare};
 use crate::progress::Progress;
@@ -51,7 +51,13 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
     let page = destination(&args.output)?;
     let sink = Sink::new(&args.json)?;
     allow_threads(&args.how.limits)?;
-    let opened = open(&args.scene.scene, args.method, args.how.flat, &args.how.limits)?;
+    let opened = open(
+        &args.scene.scene,
+        For::Pictures,
+        args.method,
+        args.how.flat,
+        &args.how.limits,
+    )?;
     let views = cameras::views(&args.cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, args.method, &args.how, views.first())?;
     for Skipped { method, why } in &skipped {

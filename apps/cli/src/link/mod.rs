@@ -50,12 +50,16 @@ pub(crate) fn run(args: &LinkArgs) -> Result<Outcome> {
     let text = fs::read_to_string(&args.world).with_context(|| format!("cannot read {name}"))?;
     let world = World::parse(&text).with_context(|| name.clone())?;
     let progress = Progress::spinner("joining");
-    let mut options = ReadOptions::default();
+    let mut options = ReadOptions {
+        textures: false,
+        ..ReadOptions::default()
+    };
     options.limit_bytes = args.limits.memory.unwrap_or(options.limit_bytes);
     let folder = args.world.parent().unwrap_or(Path::new(""));
     let Linked {
         glb,
         left_out,
+        missing_images,
         import,
     } = join(&world, folder, output, options).with_context(|| name.clone())?;
     drop(progress);
@@ -71,6 +75,11 @@ pub(crate) fn run(args: &LinkArgs) -> Result<Outcome> {
             left_out.join(", ")
         ));
     }
+    warnings.extend(
+        missing_images
+            .iter()
+            .map(|why| format!("an image is grey: {why}")),
+    );
     warnings
         .iter()
         .for_each(|warning| out::warn(format_args!("{name}: {warning}")));

@@ -2,7 +2,10 @@
 
 use crate::subject::{SIZE, Subject, drawn, limits, names, subject, subjects, viewer};
 use enfilade::laws::Reference;
-use enfilade::{Content, ContentBuilder, Contract, ItemId, Method, Scene, Viewer};
+use enfilade::{
+    Content, ContentBuilder, Contract, FragmentId, ItemId, Material, MaterialId, Mesh, Method, Scene,
+    SceneBuilder, Transform, View, Viewer,
+};
 use enfilade_scenes::{Random, random_edits};
 use std::sync::Arc;
 
@@ -151,4 +154,64 @@ fn the_palace_may_be_turned_upside_down() {
     ];
     let [_, looked_at] = laws_hold_under_edits(subject("enfilade"), &methods, 3, 1000);
     assert!(looked_at > 100);
+}
+
+/// A wall with a gap in its top, from x = 0.3 to 0.7 and down to the height of 1; and behind it something that leans: a sheet
+/// whose box is as high and as deep as broad.
+fn a_wall_and_a_thing() -> Scene {
+    let material = Material {
+        double_sided: true,
+        ..Material::opaque([0.5; 3])
+    };
+    let mut builder = ContentBuilder::new([material]);
+    let mut add = |name: &str, corners: [[f32; 3]; 4]| {
+        let mesh = Mesh::triangles(&corners, &[0, 1, 2, 0, 2, 3], MaterialId(0)).expect("flat");
+        let mesh = builder.mesh(mesh);
+        builder.item(name, mesh, Transform::IDENTITY);
+    };
+    let leaning = [[0.0; 3], [1.0, 0.0, 0.0], [0.8, 1.0, 1.0], [0.2, 1.0, 1.0]];
+    add("thing", leaning);
+    for (name, [x0, x1], top) in [
+        ("wall", [-3.0, 3.0], 1.0),
+        ("left", [-3.0, 0.3], 4.0),
+        ("right", [0.7, 3.0], 4.0),
+    ] {
+        let corners = [[x0, -3.0], [x1, -3.0], [x1, top], [x0, top]];
+        add(name, corners.map(|[x, y]| [x, y, 0.0]));
+    }
+    let mut scene = SceneBuilder::new();
+    scene.add("room", builder.build().expect("sound"), Method::ZBuffer);
+    scene.build().expect("one room")
+}
+
+#[test]
+fn a_thing_that_was_turned_and_flattened_is_seen_where_it_looks_over_a_wall() {
+    let scene = a_wall_and_a_thing();
+    let view = View::new([0.4, 1.0, 4.0], [0.4, 1.0, 0.0], SIZE);
+    for degrees in [10.0_f64, 40.0, 45.0, 60.0] {
+        // Turned backwards, and what is deep flattened away: its height and its depth both point up, or one of them down.
+        let turn = Transform::rotation([1.0, 0.0, 0.0], -degrees.to_radians());
+        let flattened = Transform::scaling([1.0, 1.0, 0.0]) * turn;
+        let tip = flattened.point([0.5, 1.0, 1.0])[1];
+        for (height, is_seen) in [(1.25, true), (0.9, false)] {
+            let there = Transform::translation([0.0, height - tip, -1.0]) * flattened;
+            for method in Method::ALL {
+                let mut scene = scene.with_method(method, u64::MAX).expect("small");
+                let mut edit = scene.edit();
+                let placed = edit.place(FragmentId(0), ItemId(0), there);
+                placed.expect("it is there");
+                edit.finish().expect("no more than before");
+                let truth = Reference::new(&scene).see(&scene, &view, &limits());
+                let place = format!("{method}, {degrees} degrees, {height} high");
+                assert_eq!(truth.visible().len(), 3 + usize::from(is_seen), "{place}");
+                let verdict = truth.check(viewer().look(&scene, &view), None);
+                if method.contract() > Contract::Approximate {
+                    assert_eq!(verdict.missed, [], "{place}");
+                }
+                if method.contract() == Contract::Exact {
+                    assert_eq!(verdict.extra, 0, "{place}");
+                }
+            }
+        }
+    }
 }

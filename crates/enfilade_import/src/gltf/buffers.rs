@@ -1,48 +1,88 @@
-//! Buffers: the binary chunk, files beside the document, and data inside it.
+//! Buffers: the binary chunk, files beside the document, and data inside it; and views of them that are compressed.
 
-use super::document::{Document, find, short};
+use super::address::fetch;
+use super::compressed::Compressed;
+use super::document::{Document, find};
+use crate::BrokenRule;
 use crate::budget::Budget;
-use crate::{BrokenRule, read_regular_file};
-use base64::Engine;
-use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
-use percent_encoding::percent_decode_str;
 use std::borrow::Cow;
-use std::path::{Component, Path, PathBuf};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
-/// The bytes of those buffers that are used, each at least as long as its document says.
+/// The bytes of those buffers that are used, each at least as long as its document says, and of compressed views.
 #[derive(Debug)]
-pub(super) struct Buffers<'a>(Vec<Option<Cow<'a, [u8]>>>);
+pub(super) struct Buffers<'a> {
+    loaded: Vec<Option<Cow<'a, [u8]>>>,
+    decoded: BTreeMap<u32, Vec<u8>>,
+}
 
-/// Written with or without its padding.
-const BASE64: GeneralPurpose = GeneralPurpose::new(
-    &base64::alphabet::STANDARD,
-    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
-);
+/// What bytes lie in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Source {
+    Buffer(u32),
+    /// A view that is compressed.
+    View(u32),
+}
 
 impl<'a> Buffers<'a> {
-    /// Loads the buffers with the given numbers, which may repeat.
+    /// Loads buffers, and decodes views; either may be named more than once.
     pub(super) fn load(
         document: &Document,
-        used: impl Iterator<Item = u32>,
+        used: impl Iterator<Item = Source>,
         binary: Option<&'a [u8]>,
         folder: Option<&Path>,
         budget: &mut Budget,
     ) -> Result<Buffers<'a>, BrokenRule> {
-        let mut loaded = Vec::new();
-        loaded.resize_with(document.buffers.len(), || None);
-        for index in used {
-            if loaded[index as usize].is_none() {
-                loaded[index as usize] = Some(load(document, index, binary, folder, budget)?);
+        let used: BTreeSet<Source> = used.collect();
+        let mut buffers = Buffers {
+            loaded: Vec::new(),
+            decoded: BTreeMap::new(),
+        };
+        buffers.loaded.resize_with(document.buffers.len(), || None);
+        let mut views = Vec::new();
+        for source in used {
+            let buffer = match source {
+                Source::Buffer(buffer) => buffer,
+                Source::View(view) => match Compressed::of(document, view)? {
+                    Some(compressed) => {
+                        views.push((view, compressed));
+                        compressed.buffer
+                    }
+                    None => continue,
+                },
+            };
+            if buffers.loaded[buffer as usize].is_none() {
+                buffers.loaded[buffer as usize] = Some(load(document, buffer, binary, folder, budget)?);
             }
         }
-        Ok(Buffers(loaded))
+        buffers.decode(&views, budget)?;
+        Ok(buffers)
     }
 
-    /// The bytes of a buffer that was loaded.
-    pub(super) fn bytes(&self, index: u32) -> &[u8] {
-        self.0[index as usize]
-            .as_deref()
-            .expect("a buffer that a row lies in is loaded")
+    /// Decodes one view after the other, so that the memory to do so is that of the largest.
+    fn decode(&mut self, views: &[(u32, Compressed)], budget: &mut Budget) -> Result<(), BrokenRule> {
+        let mut at_work = 0;
+        for (view, compressed) in views {
+            // Decoded, filtered, and as bytes.
+            let kept = compressed.decoded_bytes();
+            let working = kept.saturating_mul(2).max(at_work);
+            budget.take(kept.saturating_add(working - at_work), || {
+                format!("bufferView {view}")
+            })?;
+            at_work = working;
+            let bytes = compressed.decode(self.bytes(Source::Buffer(compressed.buffer)))?;
+            self.decoded.insert(*view, bytes);
+        }
+        Ok(())
+    }
+
+    /// The bytes of what was loaded.
+    pub(super) fn bytes(&self, source: Source) -> &[u8] {
+        match source {
+            Source::Buffer(buffer) => self.loaded[buffer as usize].as_deref(),
+            Source::View(view) => self.decoded.get(&view).map(Vec::as_slice),
+        }
+        .expect("what a row lies in is loaded")
     }
 }
 
@@ -72,135 +112,4 @@ fn load<'a>(
         });
     }
     Ok(bytes)
-}
-
-/// All bytes of what an address names.
-pub(super) fn fetch_all(
-    uri: &str,
-    place: &str,
-    folder: Option<&Path>,
-    budget: &mut Budget,
-) -> Result<Vec<u8>, BrokenRule> {
-    fetch(uri, u64::MAX, &|| place.to_owned(), folder, budget)
-}
-
-/// At most the first `most` bytes of what an address names.
-fn fetch(
-    uri: &str,
-    most: u64,
-    place: &dyn Fn() -> String,
-    folder: Option<&Path>,
-    budget: &mut Budget,
-) -> Result<Vec<u8>, BrokenRule> {
-    match scheme(uri) {
-        Some(scheme) if scheme.eq_ignore_ascii_case("data") => decode(uri, place, budget),
-        Some(_) => Err(BrokenRule::NotLocal {
-            place: place(),
-            uri: short(uri),
-        }),
-        None => {
-            let inside = inside_folder(uri, place)?;
-            let folder = folder.ok_or_else(|| BrokenRule::NoFolder {
-                place: place(),
-                uri: short(uri),
-            })?;
-            let path = folder.join(inside);
-            read_regular_file(&path, Some(most), place, budget).map_err(|why| match why {
-                BrokenRule::TooLarge { .. } => why,
-                why => BrokenRule::BufferFile {
-                    place: place(),
-                    path: path.display().to_string(),
-                    why: Box::new(why),
-                },
-            })
-        }
-    }
-}
-
-/// What stands before the first colon, if that makes it an address with a scheme.
-fn scheme(uri: &str) -> Option<&str> {
-    let (scheme, _) = uri.split_once(':')?;
-    let mut letters = scheme.chars();
-    let begins = letters.next().is_some_and(|first| first.is_ascii_alphabetic());
-    (begins && letters.all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))).then_some(scheme)
-}
-
-fn decode(uri: &str, place: &dyn Fn() -> String, budget: &mut Budget) -> Result<Vec<u8>, BrokenRule> {
-    let bad = |why: String| BrokenRule::BadUri { place: place(), why };
-    let (head, data) = uri
-        .split_once(',')
-        .ok_or_else(|| bad("its data URI has no comma".to_owned()))?;
-    if !head.ends_with(";base64") {
-        return Err(bad("its data URI is not base64".to_owned()));
-    }
-    budget.take(data.len() as u64 / 4 * 3 + 3, place)?;
-    BASE64
-        .decode(data)
-        .map_err(|why| bad(format!("its data URI is not base64: {why}")))
-}
-
-/// The path that a relative address names, which must not lead out of the folder that it starts from.
-fn inside_folder(uri: &str, place: &dyn Fn() -> String) -> Result<PathBuf, BrokenRule> {
-    let decoded = percent_decode_str(uri)
-        .decode_utf8()
-        .map_err(|_| BrokenRule::BadUri {
-            place: place(),
-            why: format!("`{}` is not UTF-8", short(uri)),
-        })?;
-    let path = PathBuf::from(&*decoded);
-    if path
-        .components()
-        .all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
-    {
-        Ok(path)
-    } else {
-        Err(BrokenRule::LeavesFolder {
-            place: place(),
-            uri: short(uri),
-        })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_paths_that_stay_in_the_folder_are_followed() {
-        let place = || "buffer 0".to_owned();
-        for (uri, path) in [
-            ("a.bin", "a.bin"),
-            ("./b/a%20c.bin", "./b/a c.bin"),
-            ("%C3%A9.bin", "é.bin"),
-        ] {
-            assert_eq!(inside_folder(uri, &place).expect("inside"), Path::new(path));
-        }
-        for uri in [
-            "../a.bin",
-            "b/../../a.bin",
-            "/etc/passwd",
-            "%2Fetc/passwd",
-            "%2e%2e/a.bin",
-            "//host/a.bin",
-        ] {
-            assert!(
-                matches!(inside_folder(uri, &place), Err(BrokenRule::LeavesFolder { .. })),
-                "{uri}"
-            );
-        }
-    }
-
-    #[test]
-    fn a_scheme_is_told_from_a_name() {
-        for (uri, expected) in [
-            ("https://a.b/c.bin", Some("https")),
-            ("data:;base64,", Some("data")),
-            ("C:/a.bin", Some("C")),
-            ("a.bin", None),
-            ("a b:c.bin", None),
-            (":a", None),
-        ] {
-            assert_eq!(scheme(uri), expected, "{uri}");
-        }
-    }
 }

@@ -1,64 +1,156 @@
 //! Cameras of the scene, where their nodes put them.
 
-use super::document::{Camera as Source, Document, Perspective, find};
+use super::document::{Camera as Source, Document, Orthographic, Perspective, find};
 use super::names::Names;
 use super::nodes::Placed;
+use super::plan::Plan;
+use crate::rooms::{room_around, room_nearest};
 use crate::warning::{WarningKind, Warnings};
-use crate::{BrokenRule, Camera};
-use enfilade::Transform;
+use crate::{BrokenRule, Camera, Room};
+use enfilade::{Aabb, FragmentId, Transform};
 use glam::DVec3;
 
-/// The perspective cameras among the nodes; others are warned of.
+/// The cameras among the nodes. Those that can make no picture are warned of.
 pub(super) fn read(
     document: &Document,
-    placed: &[Placed],
+    plan: &Plan,
+    rooms: &[Room],
     warnings: &mut Warnings,
 ) -> Result<Vec<Camera>, BrokenRule> {
     let names = Names::of(document, |node| node.camera.is_some());
     let mut cameras = Vec::new();
-    for Placed {
-        node: number, world, ..
-    } in placed
-    {
-        let node = &document.nodes[*number as usize];
+    for placed in plan.shown() {
+        let number = placed.node;
+        let node = &document.nodes[number as usize];
         let Some(camera) = node.camera else { continue };
-        let source = find(&document.cameras, camera, "camera", || {
-            document.node_name(*number)
-        })?;
-        match lens(source).and_then(|lens| stand(&names.name(*number, node), lens, world)) {
-            Ok(camera) => cameras.push(camera),
-            Err(kind) => warnings.name(kind, || document.node_name(*number)),
+        let source = find(&document.cameras, camera, "camera", || document.node_name(number))?;
+        let name = names.name(number, node);
+        let camera = match (&*source.kind, source) {
+            (
+                "perspective",
+                Source {
+                    perspective: Some(lens),
+                    ..
+                },
+            ) => perspective(&name, *lens, &placed.world),
+            (
+                "orthographic",
+                Source {
+                    orthographic: Some(lens),
+                    ..
+                },
+            ) => {
+                let home = || home(plan, placed, rooms);
+                orthographic(&name, *lens, &placed.world, rooms, home)
+            }
+            _ => None,
+        };
+        match camera {
+            Some(camera) => cameras.push(camera),
+            None => warnings.name(WarningKind::BadCameras, || document.node_name(number)),
         }
     }
     Ok(cameras)
 }
 
-fn lens(source: &Source) -> Result<Perspective, WarningKind> {
-    match source.perspective {
-        Some(lens) if source.kind == "perspective" => Ok(lens),
-        _ if source.kind == "orthographic" => Err(WarningKind::OrthographicCameras),
-        _ => Err(WarningKind::BadCameras),
-    }
+/// Where a camera stands, and which way its picture is up and goes back: it looks along −Z of its node with +Y up, and
+/// the node's scale does not count.
+fn frame(world: &Transform) -> Option<[DVec3; 3]> {
+    let [_, up, back, eye] = world.columns().map(|column| DVec3::from(column.map(f64::from)));
+    Some([eye, up.try_normalize()?, back.try_normalize()?])
 }
 
-/// A camera looks along −Z of its node with +Y up; the node's scale does not count.
-fn stand(name: &str, lens: Perspective, world: &Transform) -> Result<Camera, WarningKind> {
-    let Perspective { yfov, znear } = lens;
-    let [_, up, back, eye] = world.columns().map(|column| DVec3::from(column.map(f64::from)));
-    let (Some(up), Some(back)) = (up.try_normalize(), back.try_normalize()) else {
-        return Err(WarningKind::BadCameras);
-    };
-    if !(yfov > 0.0 && yfov < std::f32::consts::PI && znear > 0.0 && znear.is_finite()) {
-        return Err(WarningKind::BadCameras);
+fn rounded(v: DVec3) -> [f32; 3] {
+    v.as_vec3().to_array()
+}
+
+fn perspective(name: &str, lens: Perspective, world: &Transform) -> Option<Camera> {
+    let Perspective {
+        yfov,
+        znear,
+        zfar,
+        aspect_ratio,
+    } = lens;
+    let [eye, up, back] = frame(world)?;
+    // The screen says how wide the picture is, and nothing is too far to be seen; yet who writes nonsense there is not to
+    // be trusted with the rest.
+    let others = zfar.is_none_or(|zfar| zfar > znear) && aspect_ratio.is_none_or(|ratio| ratio > 0.0);
+    if !(others && yfov > 0.0 && yfov < std::f32::consts::PI && znear > 0.0 && znear.is_finite()) {
+        return None;
     }
     let ahead = (eye.abs().max_element() / 1000.0).max(1.0);
-    let rounded = |v: DVec3| v.as_vec3().to_array();
-    Ok(Camera {
+    Some(Camera {
         name: name.to_owned(),
         eye: rounded(eye),
         toward: rounded(eye - ahead * back),
         up: rounded(up),
         fov_y: yfov,
         near: znear,
+        fragment: None,
+        height: None,
     })
+}
+
+/// How many times half the depth of a scene an eye stands away from its middle, so that at the sides of a picture 1280
+/// pixels wide nothing is more than half a pixel off where parallel lines of sight would have it.
+const AWAY: f64 = 1281.0;
+
+/// A camera whose lines of sight are parallel, as one with a lens that stands far behind it.
+fn orthographic(
+    name: &str,
+    lens: Orthographic,
+    world: &Transform,
+    rooms: &[Room],
+    home: impl FnOnce() -> Option<FragmentId>,
+) -> Option<Camera> {
+    let Orthographic {
+        xmag,
+        ymag,
+        znear,
+        zfar,
+    } = lens;
+    let others = xmag > 0.0 && zfar > znear;
+    let [ymag, znear] = [ymag, znear].map(f64::from);
+    let [eye, up, back] = frame(world)?;
+    if !(others && ymag > 0.0 && znear >= 0.0 && ymag.is_finite() && znear.is_finite()) {
+        return None;
+    }
+    // Depths along the line of sight, from the camera: of what there is before it.
+    let all = rooms
+        .iter()
+        .fold(Aabb::EMPTY, |all, room| all.union(&room.content.bounds()));
+    let depths = all
+        .corners()
+        .map(|corner| (eye - DVec3::from(corner.map(f64::from))).dot(back));
+    let ends = |better: fn(f64, f64) -> f64, none: f64| match all.is_empty() {
+        true => none,
+        false => depths.into_iter().fold(f64::NAN, better).max(znear),
+    };
+    let (nearest, farthest) = (ends(f64::min, znear), ends(f64::max, znear + 1.0));
+    let (middle, half) = (0.5 * (nearest + farthest), 0.5 * (farthest - nearest));
+    let away = (AWAY * half).max(ymag).max(2.0 * (middle - znear));
+    let camera = Camera {
+        name: name.to_owned(),
+        eye: rounded(eye + (away - middle) * back),
+        toward: rounded(eye - middle * back),
+        up: rounded(up),
+        fov_y: (2.0 * (ymag / away).atan()) as f32,
+        near: (away - (middle - znear)) as f32,
+        fragment: home(),
+        height: Some((2.0 * ymag) as f32),
+    };
+    let numbers = camera.eye.into_iter().chain(camera.toward);
+    let is_finite = numbers.chain([camera.near]).all(f32::is_finite);
+    // What is too small for the place where it stands is lost in rounding.
+    let is_seen = camera.eye != camera.toward && camera.fov_y > 0.0 && camera.near > 0.0;
+    (is_finite && is_seen).then_some(camera)
+}
+
+/// The room that a camera stands in, which cannot be told from where the eye is that sees its picture.
+fn home(plan: &Plan, placed: &Placed, rooms: &[Room]) -> Option<FragmentId> {
+    let eye = placed.world.columns()[3];
+    let [own, rest] = plan.homes(placed, rooms.len());
+    own.or_else(|| room_around(rooms, eye))
+        .or(rest)
+        .or_else(|| room_nearest(rooms, eye))
 }

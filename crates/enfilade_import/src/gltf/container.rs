@@ -21,15 +21,35 @@ impl<'a> Container<'a> {
         if bytes.starts_with(MAGIC) {
             return split_binary(bytes);
         }
-        let json = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-        if json.trim_ascii_start().starts_with(b"{") {
+        if begins_like_json(bytes) {
+            let json = without_mark(bytes);
             return Ok(Container { json, binary: None });
         }
-        let begins = match bytes {
-            [] => "nothing at all".to_owned(),
-            _ => format!("`{}`", bytes[..bytes.len().min(12)].escape_ascii()),
-        };
-        Err(BrokenRule::NotGltf { begins })
+        Err(BrokenRule::NotGltf {
+            begins: beginning(bytes),
+        })
+    }
+}
+
+/// Do the bytes begin as those of glTF files do?
+pub(crate) fn begins_like_gltf(bytes: &[u8]) -> bool {
+    bytes.starts_with(MAGIC) || begins_like_json(bytes)
+}
+
+fn begins_like_json(bytes: &[u8]) -> bool {
+    without_mark(bytes).trim_ascii_start().starts_with(b"{")
+}
+
+/// What a byte order mark stands before.
+fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)
+}
+
+/// How people are told what a file begins with.
+pub(crate) fn beginning(bytes: &[u8]) -> String {
+    match bytes {
+        [] => "nothing at all".to_owned(),
+        _ => format!("`{}`", bytes[..bytes.len().min(12)].escape_ascii()),
     }
 }
 

@@ -1,55 +1,54 @@
-//! Extensions: which can be left out with a warning, and which make a file unreadable.
+//! Extensions: which are read, which can be left out with a warning, and which make a file unreadable.
 
+use super::compressed::{COMPRESSION, Compressed};
 use super::document::{Document, short};
 use crate::BrokenRule;
 use crate::warning::{WarningKind, Warnings};
 
-/// Without these, and without any that begins with `KHR_materials_`, shapes stay where they are: only their look or
-/// what is known about them changes.
-const ONLY_LOOK: [&str; 11] = [
-    "EXT_lights_ies",
-    "EXT_lights_image_based",
-    "EXT_texture_avif",
-    "EXT_texture_webp",
+/// Extensions that are read.
+const READ: [&str; 7] = [
+    "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
-    "KHR_texture_basisu",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
     "KHR_texture_transform",
-    "KHR_xmp",
-    "KHR_xmp_json_ld",
-    "MSFT_packing_normalRoughnessMetallic",
-    "MSFT_texture_dds",
 ];
 
-const REMEDIES: [(&str, &str); 5] = [
-    (
-        "EXT_mesh_gpu_instancing",
-        "export it again with one node for each copy",
-    ),
-    ("EXT_meshopt_compression", "export it again without compression"),
+const REMEDIES: [(&str, &str); 3] = [
+    ("EXT_meshopt_compression", WITHOUT_MESHOPT),
     (
         "KHR_draco_mesh_compression",
         "export it again without compression",
     ),
-    (
-        "KHR_mesh_quantization",
-        "export it again with positions as 32-bit floats",
-    ),
-    ("KHR_meshopt_compression", "export it again without compression"),
+    ("KHR_meshopt_compression", WITHOUT_MESHOPT),
 ];
 
-/// Refuses a file that cannot be shown without what it requires; warns of everything else.
+const WITHOUT_MESHOPT: &str =
+    "export it again without compression, or build enfilade_import with its feature `meshopt`";
+
+fn is_read(name: &str) -> bool {
+    READ.contains(&name) || Compressed::ARE_READ && COMPRESSION.contains(&name)
+}
+
+/// Refuses a file that requires what is not read; warns of what else it uses.
 pub(super) fn check(document: &Document, warnings: &mut Warnings) -> Result<(), BrokenRule> {
-    for name in &document.extensions_required {
-        if !(name.starts_with("KHR_materials_") || ONLY_LOOK.contains(&&**name)) {
-            let known = REMEDIES.iter().find(|(extension, _)| extension == name);
-            let remedy = known.map_or("export it again without it", |&(_, remedy)| remedy);
-            return Err(BrokenRule::ExtensionRequired {
-                extension: short(name),
-                remedy,
-            });
+    let required = document.extensions_required.iter();
+    let unread: Vec<&String> = required.filter(|name| !is_read(name)).collect();
+    if let Some(first) = unread.first() {
+        const FEW: usize = 4;
+        let mut names: Vec<String> = unread.iter().take(FEW).map(|name| short(name)).collect();
+        if unread.len() > FEW {
+            names.push(format!("{} more", unread.len() - FEW));
         }
+        let known = REMEDIES.iter().find(|(extension, _)| extension == first);
+        return Err(BrokenRule::ExtensionRequired {
+            extension: names.join(", "),
+            remedy: known.map_or("export it again without", |&(_, remedy)| remedy),
+        });
     }
-    for name in document.extensions_used.union(&document.extensions_required) {
+    for name in document.extensions_used.iter().filter(|name| !is_read(name)) {
         warnings.name(WarningKind::Extensions, || short(name));
     }
     Ok(())

@@ -123,6 +123,11 @@ fn kind_by_name(name: &str) -> Option<Kind> {
         .map(|(_, kind)| *kind)
 }
 
+/// Does a name end as the convention has it for rooms, portals and mirrors?
+pub(crate) fn is_called_like_an_opening_or_a_room(name: &str) -> bool {
+    kind_by_name(name).is_some_and(|kind| kind != Kind::Terrain)
+}
+
 /// A hint is a few words.
 const MOST_BYTES: usize = 1 << 16;
 

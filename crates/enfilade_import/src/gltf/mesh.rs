@@ -5,14 +5,15 @@
 //! Cost: O(triangles), or O(triangles · log) where a part's positions are scattered; memory O(triangles).
 
 use super::accessor::{Row, Wanted};
+use super::attributes::{AttributePlan, Carried};
 use super::buffers::Buffers;
 use super::document::{Document, Primitive, find};
-use super::materials::default_material;
+use super::materials::{Surface, default_material};
 use super::topology::Topology;
 use crate::BrokenRule;
 use crate::budget::Budget;
 use crate::warning::{WarningKind, Warnings};
-use enfilade::{Attributes, MaterialId, Mesh, Part};
+use enfilade::{MaterialId, Mesh, Part};
 
 /// A mesh of the document, everything about it checked that can be without its bytes.
 #[derive(Debug)]
@@ -20,6 +21,15 @@ pub(super) struct MeshPlan {
     mesh: u32,
     parts: Vec<PartPlan>,
     triangles: u64,
+    /// Bytes that a position takes for what it carries.
+    carried_bytes: u64,
+}
+
+/// A mesh, and what was odd in its bytes.
+pub(super) struct Built {
+    pub(super) mesh: Mesh,
+    /// By place, in order.
+    pub(super) oddities: Vec<(WarningKind, String)>,
 }
 
 /// A primitive that has triangles.
@@ -30,12 +40,13 @@ struct PartPlan {
     indices: Option<Row>,
     topology: Topology,
     material: MaterialId,
+    attributes: AttributePlan,
 }
 
-/// What a triangle takes in a mesh, at most: where it shares no corner with another.
+/// What a triangle takes in a mesh, at most: where it shares no corner with another. What corners carry comes to it.
 const BYTES_KEPT: u64 = 52;
 /// What it takes besides, while its mesh is built.
-const BYTES_AT_WORK: u64 = 120;
+const BYTES_AT_WORK: u64 = 132;
 /// Triangles of meshes that are built at once, if it is not one mesh that has more. So memory does not grow with the
 /// number of threads, and there is still enough for each.
 const CROWD: u64 = 1_000_000;
@@ -58,32 +69,34 @@ pub(super) fn crowds(plans: &[MeshPlan]) -> impl Iterator<Item = &[MeshPlan]> {
 
 /// What it takes, besides the meshes, to build the largest crowd of them.
 pub(super) fn bytes_to_build(plans: &[MeshPlan]) -> u64 {
-    let triangles = |crowd: &[MeshPlan]| crowd.iter().map(|plan| plan.triangles).sum::<u64>();
-    crowds(plans)
-        .map(triangles)
-        .max()
-        .unwrap_or(0)
-        .saturating_mul(BYTES_AT_WORK)
+    let bytes = |plan: &MeshPlan| {
+        plan.triangles
+            .saturating_mul(BYTES_AT_WORK + 3 * plan.carried_bytes)
+    };
+    let together = |crowd: &[MeshPlan]| crowd.iter().map(bytes).fold(0, u64::saturating_add);
+    crowds(plans).map(together).max().unwrap_or(0)
 }
 
 impl MeshPlan {
     /// Checks a mesh that is there, and sets aside the memory that it will keep.
     pub(super) fn new(
         document: &Document,
+        surfaces: &[Surface],
         mesh: u32,
         budget: &mut Budget,
         warnings: &mut Warnings,
     ) -> Result<MeshPlan, BrokenRule> {
         let mut parts = Vec::new();
         let mut triangles = 0_u64;
-        for (number, primitive) in document.meshes[mesh as usize].primitives.iter().enumerate() {
-            if let Some(part) = PartPlan::new(document, mesh, number, primitive, warnings)? {
+        for number in 0..document.meshes[mesh as usize].primitives.len() {
+            if let Some(part) = PartPlan::new(document, surfaces, mesh, number, warnings)? {
                 triangles = triangles.saturating_add(part.triangles());
                 parts.push(part);
             }
         }
         let place = || format!("meshes[{mesh}]");
-        budget.take(triangles.saturating_mul(BYTES_KEPT), place)?;
+        let carried_bytes = AttributePlan::bytes_of_each(parts.iter().map(|part| &part.attributes));
+        budget.take(triangles.saturating_mul(BYTES_KEPT + 3 * carried_bytes), place)?;
         if triangles >= u64::from(u32::MAX / 3) {
             return Err(BrokenRule::TooManyCorners { place: place() });
         }
@@ -91,20 +104,25 @@ impl MeshPlan {
             mesh,
             parts,
             triangles,
+            carried_bytes,
         })
     }
 
-    /// The buffers that it is built from; some are named more than once.
-    pub(super) fn buffers(&self) -> impl Iterator<Item = u32> {
-        let rows = self
-            .parts
-            .iter()
-            .flat_map(|part| [Some(&part.positions), part.indices.as_ref()]);
-        rows.flatten().filter_map(Row::buffer)
+    /// What it is built from; some rows lie in one place.
+    pub(super) fn rows(&self) -> impl Iterator<Item = &Row> {
+        self.parts.iter().flat_map(|part| {
+            let shape = [Some(&part.positions), part.indices.as_ref()];
+            shape.into_iter().flatten().chain(part.attributes.rows())
+        })
+    }
+
+    /// What it is made of; some materials are named more than once.
+    pub(super) fn materials(&self) -> impl Iterator<Item = u32> {
+        self.parts.iter().map(|part| part.material.0)
     }
 
     /// Reads the triangles and builds the mesh.
-    pub(super) fn build(&self, buffers: &Buffers) -> Result<Mesh, BrokenRule> {
+    pub(super) fn build(&self, buffers: &Buffers) -> Result<Built, BrokenRule> {
         let read: Vec<Triangles> = self
             .parts
             .iter()
@@ -113,18 +131,25 @@ impl MeshPlan {
         let parts: Vec<Part> = read
             .iter()
             .zip(&self.parts)
-            .map(|(Triangles { positions, corners }, plan)| Part {
-                positions,
-                corners,
+            .map(|(triangles, plan)| Part {
+                positions: &triangles.positions,
+                corners: &triangles.corners,
                 sides: None,
                 material: plan.material,
-                attributes: Attributes::default(),
+                attributes: triangles.carried.attributes(),
             })
             .collect();
-        Mesh::new(&parts).map_err(|why| BrokenRule::Mesh {
+        let mesh = Mesh::new(&parts).map_err(|why| BrokenRule::Mesh {
             place: format!("meshes[{}]", self.mesh),
             why,
-        })
+        })?;
+        let odd = |(triangles, plan): (&Triangles, &PartPlan)| {
+            let place = place(self.mesh, plan.primitive);
+            let kinds: Vec<WarningKind> = triangles.carried.oddities().collect();
+            kinds.into_iter().map(move |kind| (kind, place.clone()))
+        };
+        let oddities = read.iter().zip(&self.parts).flat_map(odd).collect();
+        Ok(Built { mesh, oddities })
     }
 }
 
@@ -132,11 +157,12 @@ impl PartPlan {
     /// Checks a primitive; `None` where it has no triangle.
     fn new(
         document: &Document,
+        surfaces: &[Surface],
         mesh: u32,
         number: usize,
-        primitive: &Primitive,
         warnings: &mut Warnings,
     ) -> Result<Option<PartPlan>, BrokenRule> {
+        let primitive: &Primitive = &document.meshes[mesh as usize].primitives[number];
         let place = || place(mesh, number);
         let topology = match primitive.mode.unwrap_or(4) {
             0 => {
@@ -182,21 +208,21 @@ impl PartPlan {
         if !primitive.targets.is_empty() {
             warnings.name(WarningKind::MorphTargets, place);
         }
-        warnings.count(
-            WarningKind::Normals,
-            usize::from(primitive.attributes.normal.is_some()),
-        );
-        warnings.count(
-            WarningKind::VertexColors,
-            usize::from(primitive.attributes.color_0.is_some()),
-        );
-
+        let attributes = AttributePlan::new(
+            document,
+            primitive,
+            positions.count,
+            surfaces[material.0 as usize].coordinates,
+            &place,
+            warnings,
+        )?;
         let part = PartPlan {
             primitive: number,
             positions,
             indices,
             topology,
             material,
+            attributes,
         };
         if topology == Topology::List && !part.corners().is_multiple_of(3) {
             warnings.name(WarningKind::CornersLeft, place);
@@ -229,13 +255,24 @@ impl PartPlan {
             });
         }
         let mut corners = self.topology.list(row);
-        let positions = gather(&mut corners, &self.positions, buffers).map_err(|NotFinite(position)| {
-            BrokenRule::PositionNotFinite {
-                place: place(),
-                position,
+        let used = gather(&mut corners);
+        let elements = self.positions.elements(buffers);
+        let sound = |&position: &u32| {
+            let place_of_it: [f32; 3] = elements.floats(position as usize);
+            if place_of_it.iter().all(|value| value.is_finite()) {
+                Ok(place_of_it)
+            } else {
+                Err(BrokenRule::PositionNotFinite {
+                    place: place(),
+                    position,
+                })
             }
-        })?;
-        Ok(Triangles { positions, corners })
+        };
+        Ok(Triangles {
+            positions: used.iter().map(sound).collect::<Result<_, _>>()?,
+            corners,
+            carried: self.attributes.read(&used, buffers),
+        })
     }
 }
 
@@ -247,50 +284,37 @@ fn place(mesh: u32, primitive: usize) -> String {
 struct Triangles {
     positions: Vec<[f32; 3]>,
     corners: Vec<u32>,
+    carried: Carried,
 }
 
-/// A position with a NaN or an infinity in it.
-struct NotFinite(u32);
-
-/// Takes the positions that `corners` name out of `row`, and names them anew.
-fn gather(corners: &mut [u32], row: &Row, buffers: &Buffers) -> Result<Vec<[f32; 3]>, NotFinite> {
-    let elements = row.elements(buffers);
-    let sound = |index: u32| {
-        let position = elements.position(index);
-        if position.iter().all(|value| value.is_finite()) {
-            Ok(position)
-        } else {
-            Err(NotFinite(index))
-        }
-    };
+/// The positions that `corners` name, each once; the corners then name their places among these.
+fn gather(corners: &mut [u32]) -> Vec<u32> {
     let (Some(&least), Some(&most)) = (corners.iter().min(), corners.iter().max()) else {
-        return Ok(Vec::new());
+        return Vec::new();
     };
-    let mut positions = Vec::new();
     let reach = (most - least) as usize + 1;
     if reach <= 2 * corners.len() {
+        let mut used = Vec::new();
         // Where each stands among the positions taken, plus one; 0 where it is not yet taken.
         let mut taken = vec![0_u32; reach];
         for corner in corners {
             let slot = &mut taken[(*corner - least) as usize];
             if *slot == 0 {
-                positions.push(sound(*corner)?);
-                *slot = positions.len() as u32;
+                used.push(*corner);
+                *slot = used.len() as u32;
             }
             *corner = *slot - 1;
         }
+        used
     } else {
         let mut used = corners.to_vec();
         used.sort_unstable();
         used.dedup();
-        for &index in &used {
-            positions.push(sound(index)?);
-        }
         for corner in corners {
             *corner = used.partition_point(|before| before < corner) as u32;
         }
+        used
     }
-    Ok(positions)
 }
 
 #[cfg(test)]
@@ -303,6 +327,7 @@ mod tests {
             mesh: 0,
             parts: Vec::new(),
             triangles,
+            carried_bytes: 0,
         };
         for (triangles, crowd_sizes) in [
             (&[][..], vec![]),

@@ -6,41 +6,57 @@
 //! Cost: O(bytes of the file + triangles + nodes), but for `Mesh::new`, which sorts.
 
 mod accessor;
+mod address;
+mod attributes;
 mod buffers;
 mod camera;
+mod compressed;
 mod container;
 mod document;
 mod extensions;
 mod hints;
+mod instances;
+mod lights;
 pub(crate) mod link;
 mod materials;
 mod mesh;
+#[cfg(feature = "meshopt")]
+mod meshopt;
 mod names;
 mod nodes;
 mod plan;
+mod textures;
 mod topology;
+
+pub(crate) use container::{beginning, begins_like_gltf};
+pub(crate) use hints::is_called_like_an_opening_or_a_room;
 
 use crate::budget::Budget;
 use crate::warning::{WarningKind, Warnings};
-use crate::{BrokenRule, Import};
+use crate::{BrokenRule, Import, ReadOptions};
+use accessor::Row;
 use buffers::Buffers;
 use container::Container;
 use document::Document;
-use enfilade::{ContentError, Mesh};
+use enfilade::{ContentError, Material, Mesh, Texture};
+use instances::{InstancePlan, Instances};
+use materials::Surface;
 use mesh::MeshPlan;
 use names::Names;
 use nodes::Placed;
 use plan::Plan;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
+use textures::TexturePlan;
 
-/// Reads the bytes of a `.glb` or `.gltf` file called `name`; `folder` is where its buffers lie.
+/// Reads the bytes of a `.glb` or `.gltf` file called `name`; `folder` is where its buffers and images lie.
 pub(crate) fn import(
     bytes: &[u8],
     folder: Option<&Path>,
     name: &str,
-    flat: bool,
+    options: &ReadOptions,
     mut budget: Budget,
 ) -> Result<Import, BrokenRule> {
     let mut warnings = Warnings::default();
@@ -48,36 +64,58 @@ pub(crate) fn import(
     let document = Document::parse(container.json, &mut budget)?;
     extensions::check(&document, &mut warnings)?;
     warn_of_the_unread(&document, &mut warnings);
-    let plan = Plan::new(&document, flat, &mut warnings)?;
+    let plan = Plan::new(&document, options.flat, &mut warnings)?;
     let shown = plan.shown();
     budget.take(shown.len() as u64 * BYTES_PER_NODE, || "the nodes".to_owned())?;
-    let materials = materials::read(&document)?;
+    let mut surfaces = materials::read(&document, options.textures)?;
 
     let used = used_meshes(&document, shown)?;
     let mut plans = Vec::with_capacity(used.len());
     for &mesh in &used {
-        plans.push(MeshPlan::new(&document, mesh, &mut budget, &mut warnings)?);
+        plans.push(MeshPlan::new(
+            &document,
+            &surfaces,
+            mesh,
+            &mut budget,
+            &mut warnings,
+        )?);
     }
     budget.take(mesh::bytes_to_build(&plans), || {
         "the building of meshes".to_owned()
     })?;
-    let named_buffers = plans.iter().flat_map(MeshPlan::buffers);
-    let buffers = Buffers::load(&document, named_buffers, container.binary, folder, &mut budget)?;
+    let instances = InstancePlan::new(&document, &plan, &mut budget, &mut warnings)?;
+    let used_materials = plans.iter().flat_map(MeshPlan::materials).collect();
+    let textures = TexturePlan::new(&document, &mut surfaces, &used_materials)?;
+    warn_of_surfaces(&surfaces, &used_materials, &mut warnings);
 
-    let mut meshes: Vec<Arc<Mesh>> = Vec::with_capacity(used.len());
-    for crowd in mesh::crowds(&plans) {
-        let built: Vec<_> = crowd.par_iter().map(|plan| plan.build(&buffers)).collect();
-        // In order, so that of several broken meshes the first is named, whichever thread was done first.
-        for mesh in built {
-            meshes.push(Arc::new(mesh?));
+    let rows = || plans.iter().flat_map(MeshPlan::rows).chain(instances.rows());
+    let sources = rows().flat_map(Row::sources).chain(textures.sources());
+    let buffers = Buffers::load(&document, sources, container.binary, folder, &mut budget)?;
+    let mut checked = BTreeSet::new();
+    for row in rows() {
+        if row
+            .sparse_accessor()
+            .is_some_and(|accessor| checked.insert(accessor))
+        {
+            row.check_sparse(&buffers)?;
         }
     }
-    let meshes = Meshes { used, built: meshes };
+    let instances = instances.read(&document, &buffers)?;
+    let textures = textures.load(&buffers, folder, &mut budget, &mut warnings);
+    let built = build(&plans, &buffers, &mut warnings)?;
+    let materials: Vec<Material> = surfaces.into_iter().map(|surface| surface.material).collect();
+    let things = Things {
+        meshes: Meshes { used, built },
+        materials: materials.into(),
+        textures: textures.into(),
+        instances,
+    };
     let names = Names::of(&document, |node| node.mesh.is_some());
-    let cameras = camera::read(&document, shown, &mut warnings)?;
     let (rooms, portals) = plan
-        .rooms(name, &meshes, &materials.into(), &names, &mut warnings)
+        .rooms(name, &things, &names, &mut warnings)
         .map_err(|why| name_the_node(why, &document, plan.shown(), &names))?;
+    let cameras = camera::read(&document, &plan, &rooms, &mut warnings)?;
+    let lights = lights::read(&document, &plan, &rooms, &mut warnings)?;
     let triangles = rooms
         .iter()
         .map(|room| room.content.triangle_count())
@@ -87,9 +125,38 @@ pub(crate) fn import(
         rooms,
         portals,
         cameras,
-        lights: Vec::new(),
+        lights,
         warnings: warnings.into_list(),
     })
+}
+
+/// Builds meshes, side by side.
+fn build(
+    plans: &[MeshPlan],
+    buffers: &Buffers,
+    warnings: &mut Warnings,
+) -> Result<Vec<Arc<Mesh>>, BrokenRule> {
+    let mut meshes = Vec::with_capacity(plans.len());
+    for crowd in mesh::crowds(plans) {
+        let built: Vec<_> = crowd.par_iter().map(|plan| plan.build(buffers)).collect();
+        // In order, so that of several broken meshes the first is named, whichever thread was done first.
+        for built in built {
+            let built = built?;
+            for (kind, place) in built.oddities {
+                warnings.name(kind, || place);
+            }
+            meshes.push(Arc::new(built.mesh));
+        }
+    }
+    Ok(meshes)
+}
+
+/// What rooms are made from.
+struct Things {
+    meshes: Meshes,
+    materials: Arc<[Material]>,
+    textures: Arc<[Arc<Texture>]>,
+    instances: Instances,
 }
 
 /// The meshes of the document that something uses.
@@ -126,9 +193,19 @@ fn used_meshes(document: &Document, placed: &[Placed]) -> Result<Vec<u32>, Broke
 /// Warns of what stands at the top of the document and is left there.
 fn warn_of_the_unread(document: &Document, warnings: &mut Warnings) {
     warnings.count(WarningKind::OtherScenes, document.scenes.len().saturating_sub(1));
-    warnings.count(WarningKind::Textures, document.textures.len());
     warnings.count(WarningKind::Skins, document.skins.len());
     warnings.count(WarningKind::Animations, document.animations.len());
+}
+
+/// Warns of what used materials have and pictures have not.
+fn warn_of_surfaces(surfaces: &[Surface], used: &BTreeSet<u32>, warnings: &mut Warnings) {
+    for &number in used {
+        let surface = &surfaces[number as usize];
+        warnings.count(WarningKind::OtherMaps, surface.other_maps);
+        if surface.lost_emission {
+            warnings.name(WarningKind::EmissionElsewhere, || format!("material {number}"));
+        }
+    }
 }
 
 /// Says which node is meant where the content knows only the item.

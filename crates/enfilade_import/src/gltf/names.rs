@@ -38,4 +38,15 @@ impl<'d> Names<'d> {
         }
         Cow::Owned(name)
     }
+
+    /// The name of one of several things that such a node shows: `NAME[7]`.
+    ///
+    /// A node may be called so; then the number of the node is set behind it, as above.
+    pub(super) fn instance(&self, name: &str, number: u32, instance: usize) -> String {
+        let mut name = format!("{name}[{instance}]");
+        while self.bearers.contains_key(&*name) {
+            name = format!("{name}#{number}");
+        }
+        name
+    }
 }

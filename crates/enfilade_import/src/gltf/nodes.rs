@@ -18,7 +18,7 @@ pub(super) struct Placed {
     pub(super) room: Option<u32>,
 }
 
-/// The nodes of the default scene that show something (a mesh, a camera) or are `wanted` besides, by their numbers.
+/// The nodes of the default scene that show something (a mesh, a camera, a light) or are `wanted` besides, by their numbers.
 pub(super) fn place(
     document: &Document,
     is_room: impl Fn(u32) -> bool,
@@ -45,7 +45,8 @@ pub(super) fn place(
         let node = &document.nodes[number as usize];
         let world_from_node = world_from_parent * parent_from_node(document, number, node, warnings)?;
         let room = if is_room(number) { Some(number) } else { outer_room };
-        if node.mesh.is_some() || node.camera.is_some() || wanted(number) {
+        let shows = node.mesh.is_some() || node.camera.is_some() || node.light().is_some();
+        if shows || wanted(number) {
             let world = rounded(&world_from_node);
             if !world.is_finite() {
                 return Err(BrokenRule::NodeNotFinite(document.node_name(number)));

@@ -1,6 +1,6 @@
 //! From nodes and hints to rooms: which node belongs to which room, what is an item, and what an opening.
 
-use super::Meshes;
+use super::Things;
 use super::document::{Document, short};
 use super::hints::{self, Hint, Way};
 use super::names::Names;
@@ -8,7 +8,7 @@ use super::nodes::{self, Placed};
 use crate::rooms::{self, Frame, Marked, Shell, Teleport};
 use crate::warning::{WarningKind, Warnings};
 use crate::{AuthoringError, BrokenRule, Room};
-use enfilade::{ContentBuilder, Material, MeshId, Portal};
+use enfilade::{ContentBuilder, FragmentId, MeshId, Portal};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
@@ -111,8 +111,7 @@ impl<'d> Plan<'d> {
     pub(super) fn rooms(
         &self,
         name: &str,
-        meshes: &Meshes,
-        materials: &Arc<[Material]>,
+        things: &Things,
         names: &Names<'d>,
         warnings: &mut Warnings,
     ) -> Result<(Vec<Room>, Vec<Portal>), BrokenRule> {
@@ -123,7 +122,7 @@ impl<'d> Plan<'d> {
             .partition(|placed| self.room(placed).is_some());
         let mut shells: Vec<Shell> = Vec::new();
         if !self.flat {
-            shells.extend(self.rooms.iter().map(|&room| self.shell(room, materials)));
+            shells.extend(self.rooms.iter().map(|&room| self.shell(room, things)));
         }
         let marked_rooms = shells.len();
         let has_rest = marked_rooms == 0 || !stray.is_empty();
@@ -131,7 +130,7 @@ impl<'d> Plan<'d> {
             shells.push(Shell {
                 name: name.to_owned(),
                 spoken: "what stands in no room".to_owned(),
-                builder: ContentBuilder::new(Arc::clone(materials)),
+                builder: things.builder(),
                 method: None,
             });
         }
@@ -146,12 +145,12 @@ impl<'d> Plan<'d> {
             if held.is_empty() && number < marked_rooms {
                 warnings.name(WarningKind::EmptyRooms, || shell.spoken.clone());
             }
-            self.fill(&mut shell.builder, &held, meshes, names);
+            self.fill(&mut shell.builder, &held, things, names);
         }
         let marked = if self.flat {
             Vec::new()
         } else {
-            self.marked(meshes, names)?
+            self.marked(things, names)?
         };
         let (rooms, portals) = rooms::join(shells, &marked)?;
         let is_seen = portals.iter().any(|portal| portal.to.0 as usize == marked_rooms);
@@ -169,8 +168,16 @@ impl<'d> Plan<'d> {
         self.rooms.binary_search(&room).ok()
     }
 
+    /// The room that a node is below, and the one that all is in which is below none: of the rooms that [`Plan::rooms`]
+    /// built, of which there are so many.
+    pub(super) fn homes(&self, placed: &Placed, rooms: usize) -> [Option<FragmentId>; 2] {
+        let marked = if self.flat { 0 } else { self.rooms.len() };
+        let rest = (rooms > marked).then_some(marked);
+        [self.room(placed), rest].map(|room| room.map(|room| FragmentId(room as u32)))
+    }
+
     /// Does a node show its mesh? A portal does not; a mirror does where everything is one room.
-    fn is_item(&self, placed: &Placed) -> bool {
+    pub(super) fn is_item(&self, placed: &Placed) -> bool {
         let has_mesh = self.document.nodes[placed.node as usize].mesh.is_some();
         has_mesh
             && match self.hints.get(&placed.node) {
@@ -179,7 +186,7 @@ impl<'d> Plan<'d> {
             }
     }
 
-    fn shell(&self, room: u32, materials: &Arc<[Material]>) -> Shell {
+    fn shell(&self, room: u32, things: &Things) -> Shell {
         let name = &*self.document.nodes[room as usize].name;
         let method = match self.hints.get(&room) {
             Some(Hint::Room { method }) => *method,
@@ -192,29 +199,41 @@ impl<'d> Plan<'d> {
                 name.to_owned()
             },
             spoken: self.document.node_name(room),
-            builder: ContentBuilder::new(Arc::clone(materials)),
+            builder: things.builder(),
             method,
         }
     }
 
     /// Puts items into a room, and the meshes that they are copies of, each once.
-    fn fill(&self, builder: &mut ContentBuilder, held: &[&Placed], meshes: &Meshes, names: &Names<'d>) {
+    fn fill(&self, builder: &mut ContentBuilder, held: &[&Placed], things: &Things, names: &Names<'d>) {
         let node = |placed: &Placed| &self.document.nodes[placed.node as usize];
         let own: BTreeSet<u32> = held.iter().filter_map(|placed| node(placed).mesh).collect();
         let own: BTreeMap<u32, MeshId> = own
             .into_iter()
-            .map(|mesh| (mesh, builder.mesh(Arc::clone(meshes.get(mesh)))))
+            .map(|mesh| (mesh, builder.mesh(Arc::clone(things.meshes.get(mesh)))))
             .collect();
         for placed in held {
             let node = node(placed);
-            if let Some(mesh) = node.mesh.and_then(|mesh| own.get(&mesh)) {
-                builder.item(&names.name(placed.node, node), *mesh, placed.world);
+            let Some(mesh) = node.mesh.and_then(|mesh| own.get(&mesh)) else {
+                continue;
+            };
+            let name = names.name(placed.node, node);
+            match things.instances.of(placed.node) {
+                None => {
+                    builder.item(&name, *mesh, placed.world);
+                }
+                Some(instances) => {
+                    for (number, &node_from_instance) in instances.iter().enumerate() {
+                        let name = names.instance(&name, placed.node, number);
+                        builder.item(&name, *mesh, placed.world * node_from_instance);
+                    }
+                }
             }
         }
     }
 
     /// Every opening, with where its author says that it leads.
-    fn marked(&self, meshes: &Meshes, names: &Names<'d>) -> Result<Vec<Marked>, AuthoringError> {
+    fn marked(&self, things: &Things, names: &Names<'d>) -> Result<Vec<Marked>, AuthoringError> {
         let mut marked = Vec::new();
         for placed in &self.placed {
             let Some(Hint::Opening { way, .. }) = self.hints.get(&placed.node) else {
@@ -227,7 +246,7 @@ impl<'d> Plan<'d> {
             };
             marked.push(Marked {
                 name: names.name(placed.node, node).into_owned(),
-                mesh: Arc::clone(meshes.get(mesh)),
+                mesh: Arc::clone(things.meshes.get(mesh)),
                 world: placed.world,
                 owner: self.room(placed),
                 way: self.way(placed, way, &spoken)?,
@@ -299,6 +318,15 @@ impl<'d> Plan<'d> {
                 second: self.document.node_name(second.node),
             }),
         }
+    }
+}
+
+impl Things {
+    /// Starts a room.
+    fn builder(&self) -> ContentBuilder {
+        let mut builder = ContentBuilder::new(Arc::clone(&self.materials));
+        builder.textures(Arc::clone(&self.textures));
+        builder
     }
 }
 

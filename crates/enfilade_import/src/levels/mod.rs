@@ -8,16 +8,16 @@
 //! No point of either surface is farther from the other than the level's error; only the mesh itself hides.
 
 mod measure;
+mod welded;
 
-use enfilade::{
-    Aabb, Attributes, DetailError, DetailOptions, DetailSource, Details, MaterialId, Mesh, Part, Scene,
-};
+use enfilade::{Aabb, DetailError, DetailOptions, DetailSource, Details, MaterialId, Mesh, Part, Scene};
 use glam::DVec3;
 use measure::within;
 use meshopt::{SimplifyOptions, simplify_with_locks_decoder};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::error::Error;
 use std::sync::Arc;
+use welded::{Welded, triangles};
 
 /// The levels of a mesh.
 #[derive(Clone, Debug)]
@@ -68,7 +68,7 @@ impl Levels {
                 corners,
                 sides: None,
                 material: *material,
-                attributes: Attributes::default(),
+                attributes: welded.attributes(),
             })
             .collect();
         Ok(Mesh::new(&parts)?)
@@ -140,60 +140,6 @@ pub fn details_of(
     let mut details = Details::new(options);
     details.adopt(scene, large)?;
     Ok(details)
-}
-
-/// A mesh whose corners at one place are one: clusters have positions of their own, and would come apart.
-struct Welded {
-    positions: Vec<[f32; 3]>,
-    /// Triangles of each material.
-    parts: BTreeMap<MaterialId, Vec<u32>>,
-    /// Is a position one of two materials? Those stay, or there would be cracks between the two.
-    shared: Vec<bool>,
-}
-
-impl Welded {
-    fn new(mesh: &Mesh) -> Welded {
-        let mut known: HashMap<[u32; 3], u32> = HashMap::new();
-        let mut positions = Vec::new();
-        let welded: Vec<u32> = mesh
-            .positions()
-            .iter()
-            .map(|&position| {
-                // 0 and −0 are one place.
-                let bits = position.map(|value| (value + 0.0).to_bits());
-                *known.entry(bits).or_insert_with(|| {
-                    positions.push(position);
-                    positions.len() as u32 - 1
-                })
-            })
-            .collect();
-        let mut parts: BTreeMap<MaterialId, Vec<u32>> = BTreeMap::new();
-        let mut used: Vec<Option<MaterialId>> = vec![None; positions.len()];
-        let mut shared = vec![false; positions.len()];
-        for cluster in mesh.clusters() {
-            let part = parts.entry(cluster.material).or_default();
-            for face in cluster.faces.clone() {
-                for corners in triangles(mesh.face(face)) {
-                    let corners = corners.map(|corner| welded[corner as usize]);
-                    for corner in corners.map(|corner| corner as usize) {
-                        shared[corner] |= used[corner].is_some_and(|other| other != cluster.material);
-                        used[corner] = Some(cluster.material);
-                    }
-                    part.extend(corners);
-                }
-            }
-        }
-        Welded {
-            positions,
-            parts,
-            shared,
-        }
-    }
-}
-
-/// The triangles of a convex face.
-fn triangles(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> {
-    corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]])
 }
 
 fn mean_edge(mesh: &Mesh) -> f64 {

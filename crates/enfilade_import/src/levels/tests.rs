@@ -1,7 +1,9 @@
 //! Levels of meshes made in code, and of what real scenes hold.
 
 use super::*;
-use enfilade::{ContentBuilder, FragmentId, Material, Method, SceneBuilder, Transform, View, Viewer};
+use enfilade::{
+    Attributes, ContentBuilder, FragmentId, Material, Method, SceneBuilder, Transform, View, Viewer,
+};
 use std::path::Path;
 
 /// Hills of n × n squares, the half to the left of grass, the other of stone.
@@ -71,6 +73,57 @@ fn each_level_has_fewer_faces_and_is_no_farther_off_than_it_says() {
         "{faces:?}"
     );
     assert_eq!(levels.error(levels.levels() - 1), 0.0);
+}
+
+#[test]
+fn levels_keep_what_corners_carry_and_the_seams_of_textures() {
+    let mesh = hills(64);
+    // The texture is unrolled twice: what is left of the middle ends at 1, what is right of it begins at 0.
+    let is_right = |&&corner: &&u32| mesh.positions()[corner as usize][0] > 0.5;
+    let half = |right: bool| -> Vec<u32> {
+        let faces = (0..mesh.face_count()).map(|face| mesh.face(face));
+        faces
+            .filter(|corners| corners.iter().any(|corner| is_right(&corner)) == right)
+            .flatten()
+            .copied()
+            .collect()
+    };
+    let halves = [false, true].map(half);
+    let places = [0.0, 1.0].map(|shift| {
+        let place = |&[x, _, z]: &[f32; 3]| [2.0 * x - shift, z];
+        mesh.positions().iter().map(place).collect::<Vec<[f32; 2]>>()
+    });
+    let part = |number: usize| Part {
+        positions: mesh.positions(),
+        corners: &halves[number],
+        sides: None,
+        material: MaterialId(0),
+        attributes: Attributes {
+            texture: &places[number],
+            ..Attributes::default()
+        },
+    };
+    let textured = Arc::new(Mesh::new(&[part(0), part(1)]).expect("textured hills"));
+    let levels = Levels::of(Arc::clone(&textured));
+    for level in 0..levels.levels() {
+        let made = levels.build(level).expect("it can be made");
+        assert_eq!(made.texture().len(), made.positions().len());
+        let right = |(position, place): (&[f32; 3], &[f32; 2])| {
+            let [u, v] = [2.0 * position[0], position[2]];
+            *place == [u, v] || *place == [u - 1.0, v]
+        };
+        assert!(
+            made.positions().iter().zip(made.texture()).all(right),
+            "level {level}"
+        );
+        let error = f64::from(levels.error(level)) * (1.0 + 1e-6) + 1e-7;
+        assert!(
+            within(&textured, &made, error),
+            "a crack at the seam, level {level}"
+        );
+    }
+    let coarse = levels.build(0).expect("it can be made").face_count();
+    assert!(coarse < 1000, "{coarse} faces");
 }
 
 #[test]

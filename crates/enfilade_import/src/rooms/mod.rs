@@ -3,12 +3,14 @@
 //! Nothing here knows a file format. What stands at the two sides of an opening is found by rays, for boxes overlap:
 //! a garden's box holds the whole house.
 
+mod around;
 mod frame;
 mod join;
 mod outline;
 mod overlap;
 mod sides;
 
+pub(crate) use around::{room_around, room_nearest};
 pub(crate) use frame::Frame;
 pub(crate) use join::join;
 

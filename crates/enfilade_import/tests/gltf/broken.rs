@@ -155,14 +155,14 @@ fn accessors_that_reach_too_far() {
 fn accessors_of_another_type() {
     check(&[
         (
-            "quantized positions",
-            &|j| j["accessors"][0]["componentType"] = json!(5122),
-            "accessor 0 holds VEC3 of SHORT, but positions as VEC3 of FLOAT are wanted; export it again without quant",
+            "positions of long whole numbers",
+            &|j| j["accessors"][0]["componentType"] = json!(5125),
+            "accessor 0 holds VEC3 of UNSIGNED_INT, but positions as VEC3 of FLOAT, or of bytes or shorts are wanted; export",
         ),
         (
             "flat positions",
             &|j| j["accessors"][0]["type"] = json!("VEC2"),
-            "accessor 0 holds VEC2 of FLOAT, but positions as VEC3 of FLOAT are wanted",
+            "accessor 0 holds VEC2 of FLOAT, but positions as VEC3 of FLOAT, or of bytes or shorts are wanted",
         ),
         (
             "broken indices",
@@ -175,9 +175,9 @@ fn accessors_of_another_type() {
             "accessor 1 holds SCALAR of component type 5130",
         ),
         (
-            "a sparse accessor",
+            "a sparse accessor that says nothing",
             &|j| j["accessors"][0]["sparse"] = json!({}),
-            "accessor 0 is sparse, which is not read yet",
+            "its JSON cannot be read: missing field `count`",
         ),
         (
             "compressed positions without a plain copy",

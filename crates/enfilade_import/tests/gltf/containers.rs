@@ -175,24 +175,28 @@ fn what_is_no_file_is_not_read() {
     );
     let said = read_here(folder.path()).expect_err("a folder").to_string();
     assert!(
-        said.ends_with("is not a file; name a .glb or .gltf file"),
+        said.ends_with("is not a file, but a folder, a pipe or a device"),
         "{said}"
     );
 }
 
 #[test]
 fn other_formats_are_told_what_is_read() {
-    let only = "Only glTF 2.0 is read yet (.glb, or .gltf with its .bin files)";
+    let only =
+        "read from glTF 2.0 (.glb, or .gltf with its .bin files) and from OBJ (.obj with its .mtl files)";
     for (bytes, begins) in [
-        (&b""[..], "is not glTF: it begins with nothing at all"),
-        (b"# OBJ\nv 0 0 0", "is not glTF: it begins with `# OBJ\\nv 0 0 `"),
+        (&b""[..], "is neither glTF nor OBJ: it begins with nothing at all"),
+        (
+            b"# a poem\nby v 0 0 0",
+            "is neither glTF nor OBJ: it begins with `# a poem\\nby `",
+        ),
         (
             b"IBSP\x2e\0\0\0",
-            "is not glTF: it begins with `IBSP.\\x00\\x00\\x00`",
+            "is neither glTF nor OBJ: it begins with `IBSP.\\x00\\x00\\x00`",
         ),
         (
             b"GLTF\x02\0\0\0",
-            "is not glTF: it begins with `GLTF\\x02\\x00\\x00\\x00`",
+            "is neither glTF nor OBJ: it begins with `GLTF\\x02\\x00\\x00\\x00`",
         ),
     ] {
         let said = refusal(bytes).expect("not glTF");

@@ -71,6 +71,41 @@ impl File {
         )
     }
 
+    /// Adds an accessor of floats, so many in each element, and says its number.
+    pub(crate) fn floats(&mut self, values: &[f32], each: usize) -> usize {
+        let bytes = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        let shape = ["SCALAR", "VEC2", "VEC3", "VEC4"][each - 1];
+        self.accessor(5126, shape, values.len() / each, bytes)
+    }
+
+    /// Adds an accessor of anything and says its number.
+    pub(crate) fn accessor(&mut self, component: u32, shape: &str, count: usize, bytes: Vec<u8>) -> usize {
+        let view = self.view(bytes);
+        self.push(
+            "accessors",
+            json!({ "bufferView": view, "componentType": component, "type": shape, "count": count }),
+        )
+    }
+
+    /// Adds a material that all of the first primitive is made of, and says its number.
+    pub(crate) fn material(&mut self, material: Value) -> usize {
+        let number = self.push("materials", material);
+        self.json["meshes"][0]["primitives"][0]["material"] = json!(number);
+        number
+    }
+
+    /// Gives the corners of the first primitive something to carry.
+    pub(crate) fn carry(&mut self, attribute: &str, accessor: usize) {
+        self.json["meshes"][0]["primitives"][0]["attributes"][attribute] = json!(accessor);
+    }
+
+    /// Adds an image in the buffer and a texture of it, and says the texture's number.
+    pub(crate) fn texture(&mut self, bytes: Vec<u8>) -> usize {
+        let view = self.view(bytes);
+        let image = self.push("images", json!({ "bufferView": view, "mimeType": "image/png" }));
+        self.push("textures", json!({ "source": image }))
+    }
+
     /// Adds bytes to the buffer and says the number of their view.
     pub(crate) fn view(&mut self, bytes: Vec<u8>) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
@@ -111,6 +146,48 @@ impl File {
     pub(crate) fn glb(&self) -> Vec<u8> {
         glb(&self.json.to_string(), &self.bytes)
     }
+}
+
+/// A PNG of some texels in rows.
+pub(crate) fn png(size: [u32; 2], texel: impl Fn(u32, u32) -> [u8; 4]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    image::RgbaImage::from_fn(size[0], size[1], |x, y| image::Rgba(texel(x, y)))
+        .write_to(&mut std::io::Cursor::new(&mut bytes), image::ImageFormat::Png)
+        .expect("into memory");
+    bytes
+}
+
+/// A leaf with a texture of four texels, red, green, blue and white, and places in it: (0, 0), (1, 0) and (0, 1).
+pub(crate) fn textured_leaf() -> File {
+    let mut file = File::leaf();
+    let texels = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255; 4]];
+    let texture = file.texture(png([2, 2], |x, y| texels[(2 * y + x) as usize]));
+    file.material(json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": texture } } }));
+    let places = file.floats(&[0.0, 0.0, 1.0, 0.0, 0.0, 1.0], 2);
+    file.carry("TEXCOORD_0", places);
+    file
+}
+
+/// What the corners of the first mesh at (0, 0, 0), (1, 0, 0) and (0, 1, 0) carry, in that order.
+pub(crate) fn carried<const N: usize>(
+    import: &Import,
+    list: impl Fn(&enfilade::Mesh) -> &[[f32; N]],
+) -> Vec<[f32; N]> {
+    let mesh = &import.rooms[0].content.meshes()[0];
+    if list(mesh).is_empty() {
+        return Vec::new();
+    }
+    let at = |place: [f32; 3]| {
+        let corner = mesh.positions().iter().position(|&position| position == place);
+        list(mesh)[corner.expect("a corner of the leaf")]
+    };
+    [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(at).to_vec()
+}
+
+/// The first material that is drawn.
+pub(crate) fn material(import: &Import) -> enfilade::Material {
+    let content = &import.rooms[0].content;
+    *content.material(&content.meshes()[0].clusters()[0])
 }
 
 /// A `.glb` of any JSON text.

@@ -1,6 +1,6 @@
 //! Joining files: what else is in them goes over whole, and nothing in them does harm.
 
-use crate::file::File;
+use crate::file::{File, textured_leaf};
 use crate::rooms::{door, two_rooms, ways};
 use enfilade_import::{Linked, Linker, Placing, ReadOptions, Shape};
 use serde_json::{Value, json};
@@ -133,4 +133,98 @@ fn what_nobody_reads_may_be_anything() {
     }
     file.json["nodes"][0]["extras"] = json!([1, 2]);
     assert_eq!(linked(&[&file], |_, _| ()).import.rooms[0].name, "a-room");
+}
+
+#[test]
+fn textures_lights_and_instances_go_over() {
+    let mut file = textured_leaf();
+    let places = file.floats(&[0.0, 0.0, 0.0, 0.0, 2.0, 0.0], 3);
+    file.json["nodes"][0]["extensions"] =
+        json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": places } } });
+    file.json["extensions"] =
+        json!({ "KHR_lights_punctual": { "lights": [{ "type": "point", "range": 3 }] } });
+    file.node(
+        json!({ "translation": [0.2, 0.2, 0], "extensions": { "KHR_lights_punctual": { "light": 0 } } }),
+    );
+    file.json["extensionsUsed"] = json!([
+        "EXT_mesh_gpu_instancing",
+        "KHR_lights_punctual",
+        "KHR_mesh_quantization"
+    ]);
+    file.json["extensionsRequired"] = json!(["EXT_mesh_gpu_instancing", "KHR_mesh_quantization"]);
+    let mut other = file.clone();
+    other.json["extensions"]["KHR_lights_punctual"]["lights"][0]["range"] = json!(5);
+    let made = linked(&[&file, &other], |_, _| ());
+    assert_eq!((made.left_out.len(), made.missing_images.len()), (0, 0));
+    let import = &made.import;
+    assert!(import.warnings.is_empty(), "{:?}", import.warnings);
+    let lights: Vec<_> = import
+        .lights
+        .iter()
+        .map(|light| (light.fragment.0, light.range))
+        .collect();
+    assert_eq!(lights, [(0, 3.0), (1, 5.0)]);
+    assert_eq!(import.lights[1].position, [10.2, 0.2, 0.0]);
+    for room in &import.rooms {
+        assert_eq!(room.content.items().len(), 2);
+        assert_eq!(room.content.textures().len(), 2);
+        assert!(
+            room.content
+                .textures()
+                .iter()
+                .all(|texture| texture.size() == [2, 2])
+        );
+        let bounds = room.content.bounds();
+        assert_eq!(bounds.max[1] - bounds.min[1], 3.0);
+    }
+    let required = &document(&made.glb)["extensionsRequired"];
+    assert_eq!(
+        *required,
+        json!(["EXT_mesh_gpu_instancing", "KHR_mesh_quantization"])
+    );
+}
+
+#[test]
+fn images_that_cannot_be_had_are_grey_in_the_world_and_named() {
+    let mut file = textured_leaf();
+    file.json["images"] = json!([{ "uri": "nowhere.png", "name": "Wall" }]);
+    let made = linked(&[&file], |_, _| ());
+    let [missing] = &made.missing_images[..] else {
+        panic!("{:?}", made.missing_images)
+    };
+    assert!(missing.starts_with("a: image 0 is the file `"), "{missing}");
+    assert!(made.import.warnings.is_empty());
+    let texture = &made.import.rooms[0].content.textures()[0];
+    assert_eq!(
+        (texture.texels(), &*texture.name),
+        (&[[128, 128, 128, 255]][..], "Wall")
+    );
+}
+
+#[test]
+#[cfg(feature = "meshopt")]
+fn what_is_compressed_is_plain_in_the_world() {
+    let corners: [[f32; 3]; 3] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let mut file = File::leaf();
+    let encoded = file.view(meshopt::encode_vertex_buffer(&corners).expect("encoded"));
+    let source = file.json["bufferViews"][encoded].clone();
+    // What one would have who cannot decode, of which nothing is there.
+    file.push(
+        "buffers",
+        json!({ "byteLength": 36, "extensions": { "EXT_meshopt_compression": { "fallback": true } } }),
+    );
+    file.json["bufferViews"][0] = json!({ "buffer": 1, "byteLength": 36, "extensions": { "EXT_meshopt_compression": {
+        "buffer": 0, "byteOffset": source["byteOffset"], "byteLength": source["byteLength"],
+        "byteStride": 12, "count": 3, "mode": "ATTRIBUTES"
+    } } });
+    file.json["extensionsUsed"] = json!(["EXT_meshopt_compression"]);
+    file.json["extensionsRequired"] = json!(["EXT_meshopt_compression"]);
+    let made = linked(&[&file, &file], |_, _| ());
+    assert!(made.left_out.is_empty(), "{:?}", made.left_out);
+    let world = document(&made.glb);
+    assert!(world["extensionsUsed"].is_null() && !world.to_string().contains("meshopt"));
+    assert_eq!(world["buffers"].as_array().expect("a list").len(), 1);
+    for (number, room) in made.import.rooms.iter().enumerate() {
+        assert_eq!(room.content.bounds().max, [1.0 + 10.0 * number as f32, 1.0, 0.0]);
+    }
 }

@@ -2,16 +2,28 @@
 
 mod authoring;
 mod broken;
+mod cameras;
+#[cfg(feature = "meshopt")]
+mod compressed;
 mod containers;
 mod file;
+mod fixtures;
 mod hostile;
+mod hostile_look;
+mod instances;
+mod lights;
 mod link;
 mod nodes;
 mod queries;
 mod rooms;
 mod scenes;
 mod shapes;
+mod stored;
+mod surfaces;
+mod textures;
 mod unsound;
 mod villa;
 mod villa_doors;
+mod villa_pixels;
+mod villa_walk;
 mod warnings;

@@ -233,27 +233,29 @@ fn a_camera_stands_in_the_world_and_looks_along_its_negative_z() {
 
 #[test]
 fn cameras_that_make_no_picture_are_left_out_with_a_warning() {
-    let orthographic =
-        json!({ "type": "orthographic", "orthographic": { "xmag": 1, "ymag": 1, "znear": 0.1, "zfar": 9 } });
+    let orthographic = |ymag: f64, znear: f64, zfar: f64| json!({ "type": "orthographic", "orthographic": { "xmag": 1, "ymag": ymag, "znear": znear, "zfar": zfar } });
     let bad = "cameras that can make no picture are left out (node 1 \"Eye\")";
-    for (camera, scale, expected) in [
-        (
-            orthographic,
-            1,
-            "orthographic cameras are not read yet (node 1 \"Eye\")",
-        ),
-        (json!({ "type": "fisheye" }), 1, bad),
-        (json!({ "type": "perspective" }), 1, bad),
-        (lens(0.0, 0.1), 1, bad),
-        (lens(3.5, 0.1), 1, bad),
-        (lens(1.0, 0.0), 1, bad),
-        (lens(1.0, 0.1), 0, bad),
+    for (camera, scale) in [
+        (orthographic(0.0, 0.1, 9.0), 1),
+        (orthographic(-2.0, 0.1, 9.0), 1),
+        (orthographic(1.0, -0.1, 9.0), 1),
+        (orthographic(1.0, 9.0, 0.1), 1),
+        (orthographic(1e39, 0.1, 9.0), 1),
+        (orthographic(1e-38, 0.1, 1e37), 1),
+        (orthographic(1.0, 0.1, 9.0), 0),
+        (json!({ "type": "fisheye" }), 1),
+        (json!({ "type": "perspective" }), 1),
+        (json!({ "type": "orthographic" }), 1),
+        (lens(0.0, 0.1), 1),
+        (lens(3.5, 0.1), 1),
+        (lens(1.0, 0.0), 1),
+        (lens(1.0, 0.1), 0),
     ] {
         let import = with_camera(
             camera.clone(),
             json!({ "name": "Eye", "camera": 0, "scale": [scale, scale, scale] }),
         );
-        assert!(import.cameras.is_empty());
-        assert_eq!(warnings(&import), [expected], "{camera}");
+        assert!(import.cameras.is_empty(), "{camera}");
+        assert_eq!(warnings(&import), [bad], "{camera}");
     }
 }

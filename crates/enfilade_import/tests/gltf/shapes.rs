@@ -195,7 +195,7 @@ fn materials_say_what_hides_and_from_which_side() {
         // What light goes through must not hide, even if its author calls it opaque.
         (
             json!({ "extensions": glass }),
-            material([1.0; 4], Alpha::Blend, false),
+            material([1.0, 1.0, 1.0, 1.0 - 0.9 * 0.9], Alpha::Blend, false),
         ),
         (json!({ "extensions": solid }), Material::opaque([1.0; 3])),
     ] {

@@ -139,3 +139,62 @@ fn a_villa_has_the_rooms_and_portals_that_its_maker_gave_it() {
         import.warnings
     );
 }
+
+#[test]
+#[allow(clippy::print_stderr, reason = "a skipped test must say so")]
+fn a_villa_has_its_textures_and_its_lights_hang_in_their_rooms() {
+    let Some(folder) = std::env::var_os("ENFILADE_SCENES") else {
+        eprintln!("skipped: ENFILADE_SCENES names no folder of .glb files");
+        return;
+    };
+    let path = Path::new(&folder).join("blender_villa.glb");
+    let import = read(&path, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let textures = import.rooms[0].content.textures();
+    // One more is a map of what is metal, which is not drawn.
+    assert_eq!(textures.len(), 20);
+    let mut names: Vec<&str> = textures.iter().map(|texture| &*texture.name).collect();
+    assert!(names.contains(&"wood") && names.contains(&"stone"), "{names:?}");
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), 20, "each image is there once");
+    let large = |texture: &std::sync::Arc<enfilade::Texture>| texture.size().iter().all(|&side| side >= 16);
+    assert!(textures.iter().all(large));
+    for room in &import.rooms {
+        assert!(
+            std::sync::Arc::ptr_eq(&textures[0], &room.content.textures()[0]),
+            "texels are kept once"
+        );
+        let meshes = room.content.meshes().iter();
+        for mesh in meshes.filter(|mesh| mesh.triangle_count() > 0) {
+            assert_eq!(mesh.normals().len(), mesh.positions().len());
+            let textured = mesh
+                .clusters()
+                .iter()
+                .any(|cluster| room.content.material(cluster).texture.is_some());
+            assert_eq!(textured, !mesh.texture().is_empty());
+        }
+    }
+
+    // `Kitchen-spot` is below `Kitchen-room`; the sun is the garden's.
+    let bytes = std::fs::read(&path).expect("the file");
+    let end = 20 + u32::from_le_bytes(bytes[12..16].try_into().expect("four bytes")) as usize;
+    let document: Value = serde_json::from_slice(&bytes[20..end]).expect("JSON");
+    let lamps = list(&document["nodes"])
+        .iter()
+        .filter(|node| !node["extensions"]["KHR_lights_punctual"].is_null());
+    let lamps: Vec<&str> = lamps.map(|node| text(&node["name"])).collect();
+    assert_eq!((lamps.len(), import.lights.len()), (11, 11));
+    for (lamp, light) in lamps.iter().zip(&import.lights) {
+        let room = &*import.rooms[light.fragment.0 as usize].name;
+        let expected = match lamp.split_once('-') {
+            Some((room, _)) => format!("{room}-room"),
+            None => "Garden-room".to_owned(),
+        };
+        assert_eq!(room, expected, "{lamp}");
+        let bounds = import.rooms[light.fragment.0 as usize].content.bounds();
+        assert!(*lamp == "Sun" || bounds.contains(light.position), "{lamp}");
+    }
+    assert_eq!(import.cameras.len(), 4);
+    let left_out: Vec<WarningKind> = import.warnings.iter().map(|warning| warning.kind).collect();
+    assert_eq!(left_out, [WarningKind::InNoRoom, WarningKind::OtherMaps]);
+}

@@ -18,7 +18,7 @@ fn a_plain_file_gives_no_warning() {
 
 #[test]
 fn a_scene_without_triangles_is_called_empty() {
-    let empty = "the scene is empty: none of its nodes has a triangle";
+    let empty = "the scene is empty: it has no triangle";
     warns(|file| file.json["nodes"] = json!([]), &[empty]);
     warns(
         |file| file.json["nodes"] = json!([{ "name": "Nothing" }]),
@@ -38,13 +38,18 @@ fn scenes_beside_the_default_one_are_counted() {
 }
 
 #[test]
-fn extensions_that_only_change_the_look_are_named_even_if_required() {
+fn extensions_that_are_read_are_not_named_and_others_are() {
     warns(
         |file| {
-            file.json["extensionsUsed"] = json!(["KHR_materials_clearcoat", "EXT_mesh_gpu_instancing"]);
-            file.json["extensionsRequired"] = json!(["KHR_texture_transform", "KHR_materials_clearcoat"]);
+            file.json["extensionsUsed"] = json!([
+                "KHR_materials_clearcoat",
+                "EXT_mesh_gpu_instancing",
+                "KHR_texture_transform",
+                "KHR_materials_ior"
+            ]);
+            file.json["extensionsRequired"] = json!(["KHR_texture_transform", "KHR_lights_punctual"]);
         },
-        &["extensions not read (EXT_mesh_gpu_instancing, KHR_materials_clearcoat, KHR_texture_transform)"],
+        &["extensions not read (KHR_materials_clearcoat, KHR_materials_ior)"],
     );
 }
 
@@ -63,20 +68,20 @@ fn compression_with_a_plain_copy_beside_it_is_passed_over() {
 fn what_changes_only_the_look_is_counted() {
     warns(
         |file| {
-            file.json["textures"] = json!([{}, { "source": 0 }]);
+            file.json["materials"] = json!([
+                { "normalTexture": { "index": 9 }, "occlusionTexture": { "index": 8 } },
+                { "normalTexture": { "index": 9 } },
+            ]);
+            file.json["meshes"][0]["primitives"][0]["material"] = json!(0);
             file.json["skins"] = json!([{ "joints": [0] }]);
             file.json["animations"] = json!([{}, {}, {}]);
-            let attributes = &mut file.json["meshes"][0]["primitives"][0]["attributes"];
-            *attributes = json!({ "POSITION": 0, "NORMAL": 7, "COLOR_0": 8, "TEXCOORD_0": 9 });
             file.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 0 }]);
         },
         &[
             "morph targets are not read yet: shapes are those before any morph (meshes[0].primitives[0])",
             "skins are not read yet: meshes are in their rest pose (1)",
             "animations are not read yet: everything stands still (3)",
-            "textures are not read yet: faces have their base color (2)",
-            "normals are not read yet: faces are flat (1)",
-            "vertex colors are not read yet (1)",
+            "not drawn: maps of metal, roughness, normals, occlusion and transmission (2)",
         ],
     );
 }

@@ -17,7 +17,7 @@ const ROUNDING: f64 = 1.0 / (1_u64 << 46) as f64;
 struct Faces {
     /// Four corners each, around the face.
     corners: [[DVec3; 4]; 6],
-    /// Does the face look toward the eye, as far as one can say?
+    /// May the face look toward the eye? The others certainly do not.
     front: [bool; 6],
 }
 
@@ -102,14 +102,15 @@ impl Faces {
             let off = ROUNDING * size(along) * size(up) * (size(*origin) + size(across));
             let heights = [normal.dot(*origin), normal.dot(*origin + across)];
             // The eye has height 0: outside if both faces are certainly on one side of it, and then the nearer is
-            // seen. What is edge-on, as far as one can say, is asked after too.
+            // seen. What is edge-on, as far as one can say, is asked after too. Of a box that is flat, as of a thing that
+            // was flattened, both lie in one plane, side by side or one partly over the other: neither is the nearer.
             let beyond = heights.iter().all(|&h| h > off) || heights.iter().all(|&h| h < -off);
             is_outside |= beyond;
-            let low_first = heights[0].abs() <= heights[1].abs();
-            for (face, first) in [low_first, !low_first].into_iter().enumerate() {
+            let lead = heights[1].abs() - heights[0].abs();
+            for (face, lead) in [lead, -lead].into_iter().enumerate() {
                 let corner = if face == 0 { *origin } else { *origin + across };
                 corners[2 * axis + face] = [corner, corner + along, corner + along + up, corner + up];
-                front[2 * axis + face] = (beyond && first) || heights[face].abs() <= off;
+                front[2 * axis + face] = (beyond && lead >= -2.0 * off) || heights[face].abs() <= off;
             }
         }
         is_outside.then_some(Faces { corners, front })

@@ -1,9 +1,11 @@
 //! One document out of several: every list is appended, every number that names something in it is raised.
 
-use super::raise::{LIGHTS, Shift, raise};
+use super::raise::{INSTANCING, LIGHTS, Shift, raise};
 use crate::BrokenRule;
+use crate::gltf::compressed::{COMPRESSION, Compressed};
+use crate::images;
 use serde_json::{Map, Value, json};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The lists that are taken over, each with what of its things names others.
 const LISTS: [&str; 11] = [
@@ -21,8 +23,10 @@ const LISTS: [&str; 11] = [
 ];
 
 /// Extensions that are taken over, besides those of materials: they name nothing, or what they name is known here.
-const TAKEN: [&str; 6] = [
+const TAKEN: [&str; 8] = [
     "KHR_lights_punctual",
+    "KHR_mesh_quantization",
+    INSTANCING,
     "KHR_texture_transform",
     "KHR_texture_basisu",
     "EXT_texture_webp",
@@ -106,19 +110,36 @@ impl Merged {
         self.push("meshes", json!({ "primitives": [primitive] }))
     }
 
-    /// Appends a sound document; `fetch` gets the bytes of images.
+    /// Appends a sound document, and says which of its images are grey from now on, and why. `buffers` are those that are
+    /// used; views that were compressed are no longer; `fetch` gets the bytes of images.
     pub(super) fn take_in(
         &mut self,
         mut json: Value,
-        buffers: &[&[u8]],
+        buffers: &[Option<&[u8]>],
+        decoded: &BTreeMap<usize, &[u8]>,
         fetch: &mut Fetch,
-    ) -> Result<(), BrokenRule> {
-        let starts: Vec<usize> = buffers.iter().map(|bytes| self.append(bytes)).collect();
+    ) -> Result<Vec<String>, BrokenRule> {
+        let starts: Vec<usize> = buffers
+            .iter()
+            .map(|bytes| bytes.map_or(0, |bytes| self.append(bytes)))
+            .collect();
+        let decoded: BTreeMap<usize, usize> = decoded
+            .iter()
+            .map(|(&view, bytes)| (view, self.append(bytes)))
+            .collect();
+        let mut missing = Vec::new();
         // Images in files become views of the buffer, before anything is counted.
         let mut images = Vec::new();
         for (number, image) in list(&json, "images").iter().enumerate() {
             let bytes = match image["uri"].as_str() {
-                Some(uri) => Some(fetch(uri, &format!("image {number}"))?),
+                Some(uri) => match fetch(uri, &format!("image {number}")) {
+                    Ok(bytes) => Some(bytes),
+                    Err(why @ BrokenRule::TooLarge { .. }) => return Err(why),
+                    Err(why) => {
+                        missing.push(why.to_string());
+                        Some(images::grey_png())
+                    }
+                },
                 None => None,
             };
             images.push(bytes.map(|bytes| (self.view(&bytes), mime_type(&bytes))));
@@ -139,8 +160,11 @@ impl Merged {
                         let buffer = thing["buffer"].as_u64().unwrap_or(0) as usize;
                         let offset = thing["byteOffset"].as_u64().unwrap_or(0);
                         let start = starts.get(buffer).copied().unwrap_or(0) as u64;
+                        let start = decoded
+                            .get(&number)
+                            .map_or(start.saturating_add(offset), |&start| start as u64);
                         thing["buffer"] = json!(0);
-                        thing["byteOffset"] = json!(start.saturating_add(offset));
+                        thing["byteOffset"] = json!(start);
                     }
                     "images" => match images.get(number) {
                         Some(Some((view, mime_type))) => {
@@ -156,7 +180,7 @@ impl Merged {
                 self.push(name, thing);
             }
         }
-        Ok(())
+        Ok(missing)
     }
 
     /// Takes over what is known of extensions and removes the others, which may name anything.
@@ -173,6 +197,18 @@ impl Merged {
         }
         if let Some(json) = json.as_object_mut() {
             json.remove("extensions");
+        }
+        // Views are plain by now; what is left of their compression was no loss.
+        if Compressed::ARE_READ {
+            for name in ["buffers", "bufferViews"] {
+                let things = json.get_mut(name).and_then(Value::as_array_mut);
+                let extensions = things
+                    .into_iter()
+                    .flatten()
+                    .filter_map(|thing| thing.get_mut("extensions"));
+                let extensions = extensions.filter_map(Value::as_object_mut);
+                extensions.for_each(|each| each.retain(|name, _| !COMPRESSION.contains(&&**name)));
+            }
         }
         strip(json, &mut self.left_out);
     }

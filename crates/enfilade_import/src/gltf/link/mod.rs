@@ -11,9 +11,10 @@ mod shape;
 pub use error::LinkError;
 pub use shape::Shape;
 
-use super::buffers::Buffers;
+use super::buffers::{Buffers, Source};
+use super::compressed::Compressed;
 use super::container::Container;
-use super::document::Document;
+use super::document::{BufferView, Document};
 use super::hints::{self, Hint};
 use super::{extensions, nodes};
 use crate::budget::Budget;
@@ -22,7 +23,7 @@ use crate::{BrokenRule, Import, ImportError, ReadOptions, read_regular_file};
 use merge::Merged;
 use serde_json::{Value, json};
 use shape::Turned;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// A world in the making: glTF files placed in one space, and portals that join them.
@@ -33,6 +34,7 @@ use std::path::Path;
 pub struct Linker {
     merged: Merged,
     parts: Vec<Part>,
+    missing_images: Vec<String>,
     options: ReadOptions,
 }
 
@@ -72,6 +74,8 @@ pub struct Linked {
     pub glb: Vec<u8>,
     /// Extensions of the parts that are not in it: they may name what has other numbers there.
     pub left_out: Vec<String>,
+    /// Which images of the parts cannot be had, and why. They are grey in it.
+    pub missing_images: Vec<String>,
     /// What it holds.
     pub import: Import,
 }
@@ -118,9 +122,10 @@ impl Linker {
         // As one room: what portals in it lead to is not known yet.
         let flat = ReadOptions {
             flat: true,
+            textures: false,
             ..self.options.clone()
         };
-        crate::read(path, &flat)?;
+        crate::read_gltf(path, &flat)?;
         let failed = |rule| ImportError {
             file: path.display().to_string(),
             rule,
@@ -160,10 +165,10 @@ impl Linker {
         let is_room = |node: u32| matches!(hints.get(&node), Some(Hint::Room { .. }));
         let placed = nodes::place(&document, is_room, is_room, &mut unread)?;
         let has_rooms = placed.iter().any(|placed| placed.room.is_some());
-        let all = 0..document.buffers.len() as u32;
+        let sources = view_sources(&document)?;
         let buffers = Buffers::load(
             &document,
-            all.clone(),
+            sources.iter().copied().flatten(),
             container.binary,
             path.parent(),
             &mut budget,
@@ -172,10 +177,25 @@ impl Linker {
         let json: Value =
             serde_json::from_slice(container.json).map_err(|why| BrokenRule::Json(why.to_string()))?;
         let first = self.merged.count("nodes");
-        let bytes: Vec<&[u8]> = all.map(|buffer| buffers.bytes(buffer)).collect();
-        self.merged.take_in(json, &bytes, &mut |uri, place| {
-            super::buffers::fetch_all(uri, place, path.parent(), &mut budget)
+        let plain: BTreeSet<Source> = sources.iter().copied().flatten().collect();
+        let of_buffer = |buffer| {
+            let source = Source::Buffer(buffer);
+            plain.contains(&source).then(|| buffers.bytes(source))
+        };
+        let bytes: Vec<Option<&[u8]>> = (0..document.buffers.len() as u32).map(of_buffer).collect();
+        let decoded: BTreeMap<usize, &[u8]> = sources
+            .iter()
+            .enumerate()
+            .filter_map(|(view, source)| match source {
+                Some(source @ Source::View(_)) => Some((view, buffers.bytes(*source))),
+                _ => None,
+            })
+            .collect();
+        let missing = self.merged.take_in(json, &bytes, &decoded, &mut |uri, place| {
+            super::address::fetch_all(uri, place, path.parent(), &mut budget)
         })?;
+        self.missing_images
+            .extend(missing.into_iter().map(|why| format!("{name}: {why}")));
         self.merged.rename(first, name);
         Ok((
             roots.iter().map(|&root| first + root as usize).collect(),
@@ -344,7 +364,21 @@ impl Linker {
         Ok(Linked {
             glb,
             left_out,
+            missing_images: self.missing_images,
             import,
         })
     }
+}
+
+/// What each view lies in, by its number: what it decodes to where it is compressed. Nothing where it names no buffer.
+fn view_sources(document: &Document) -> Result<Vec<Option<Source>>, BrokenRule> {
+    let source = |(number, view): (u32, &BufferView)| {
+        Ok(match Compressed::of(document, number)? {
+            Some(_) => Some(Source::View(number)),
+            None => {
+                Some(Source::Buffer(view.buffer)).filter(|_| (view.buffer as usize) < document.buffers.len())
+            }
+        })
+    };
+    (0..).zip(&document.buffer_views).map(source).collect()
 }

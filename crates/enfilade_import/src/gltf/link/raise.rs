@@ -5,6 +5,9 @@ use serde_json::{Value, json};
 /// The extension whose lights are a list as well.
 pub(super) const LIGHTS: &str = "KHR_lights_punctual";
 
+/// The extension whose attributes are accessors.
+pub(super) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+
 /// How far the numbers of one part are raised, list by list.
 pub(super) struct Shift(pub(super) Vec<(&'static str, usize)>, pub(super) usize);
 
@@ -87,6 +90,9 @@ pub(super) fn raise(list: &str, thing: &mut Value, shift: &Shift) {
             shift.raise_all(thing, "children", "nodes");
             if let Some(light) = thing.pointer_mut(&format!("/extensions/{LIGHTS}")) {
                 shift.raise(light, "light", LIGHTS);
+            }
+            if let Some(attributes) = thing.pointer_mut(&format!("/extensions/{INSTANCING}/attributes")) {
+                raise_each(attributes, shift);
             }
         }
         "animations" => {

@@ -140,6 +140,55 @@ fn only_what_is_in_the_aperture_is_seen() {
 }
 
 #[test]
+fn a_box_that_was_flattened_is_seen_where_it_looks_over_a_wall() {
+    // The wall hides what is lower than this.
+    const TOP: f64 = 0.5;
+    let wall = Polygon::new(&[
+        [-3.0, -9.0, 2.0],
+        [3.0, -9.0, 2.0],
+        [3.0, TOP, 2.0],
+        [-3.0, TOP, 2.0],
+    ]);
+    let mut both = Both::new(&[wall.expect("the eye is before it")]);
+    let mut chance = Chance(11);
+    let mut tally = [0; 2];
+    for round in 0..3000 {
+        let at = DVec3::new(chance.between(-1.0, 1.0), chance.between(-3.0, 1.0), 4.0);
+        // All sides in one plane: of every slope, or upright, and often two of them along each other.
+        let along = chance.direction();
+        let up = if round % 3 == 0 {
+            DVec3::Y
+        } else {
+            chance.direction()
+        };
+        let mut sides = [(); 3].map(|()| along * chance.between(-0.5, 0.5) + up * chance.between(-0.5, 0.5));
+        if round % 2 == 0 {
+            sides[2] = sides[1] * chance.between(-2.0, 2.0);
+        }
+        sides.rotate_left(round % 3);
+        let flat = Volume {
+            origin: on_screen(at.into()),
+            sides: sides.map(|side| on_screen((at + side).into()) - on_screen(at.into())),
+        };
+        let highest = |corner: DVec3| (400.0 - corner.y / corner.z) / 700.0 - TOP / 2.0;
+        let over = flat
+            .corners()
+            .map(highest)
+            .into_iter()
+            .fold(f64::NEG_INFINITY, f64::max);
+        let sights = both.see(&flat);
+        if over > 1e-9 {
+            assert!(
+                !sights.contains(&Sight::Hidden),
+                "round {round}: {sights:?} of {flat:?}"
+            );
+        }
+        tally[usize::from(over > 1e-9)] += usize::from((sights[0] == Sight::Hidden) == (over < -1e-9));
+    }
+    assert!(tally[0] > 1000 && tally[1] > 200, "{tally:?}");
+}
+
+#[test]
 fn odd_boxes_and_occluders_are_no_trouble() {
     let wall = square([0.0, 0.0, 2.0], 3.0);
     let mut both = Both::new(std::slice::from_ref(&wall));

@@ -1,0 +1,229 @@
+//! Everything that may be drawn, in one vertex and one index buffer.
+//!
+//! What stands in one place only is moved there beforehand, sorted by place, so that neighbours that are drawn together
+//! are one draw; what stands in several is kept once and drawn as instances.
+
+use crate::weld::{Look, Vertex, Weld};
+use enfilade::{Aabb, Alpha, Content, Item, ItemId, Mesh};
+use glam::{DMat3, DVec3};
+use std::ops::Range;
+
+/// Which pipeline a face needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Class {
+    pub(crate) glass: bool,
+    pub(crate) double_sided: bool,
+}
+
+impl Class {
+    pub(crate) const ALL: [Class; 4] = [
+        Class {
+            glass: false,
+            double_sided: false,
+        },
+        Class {
+            glass: false,
+            double_sided: true,
+        },
+        Class {
+            glass: true,
+            double_sided: false,
+        },
+        Class {
+            glass: true,
+            double_sided: true,
+        },
+    ];
+
+    pub(crate) fn number(self) -> usize {
+        usize::from(self.glass) * 2 + usize::from(self.double_sided)
+    }
+}
+
+/// Faces of one class that follow each other in the index buffer.
+#[derive(Clone, Debug)]
+pub(crate) struct Piece {
+    pub(crate) class: Class,
+    pub(crate) indices: Range<u32>,
+}
+
+/// An item, or what several are copies of.
+#[derive(Debug, Default)]
+pub(crate) struct Shape {
+    /// All of it: one piece for each class.
+    pub(crate) whole: Vec<Piece>,
+    /// One for each cluster of the mesh.
+    pub(crate) clusters: Vec<Piece>,
+}
+
+/// How an item is drawn.
+#[derive(Clone, Copy)]
+pub(crate) struct Placed {
+    /// Its number among the shapes.
+    pub(crate) shape: usize,
+    /// Where the instance is; `None`: its vertices are where they belong.
+    pub(crate) at: Option<(DMat3, DVec3)>,
+    pub(crate) bounds: Aabb,
+}
+
+/// Buffers, and what is where in them.
+pub(crate) struct Stock {
+    pub(crate) vertices: Vec<Vertex>,
+    pub(crate) indices: Vec<u32>,
+    pub(crate) shapes: Vec<Shape>,
+    /// By [`ItemId`].
+    pub(crate) items: Vec<Placed>,
+}
+
+impl Stock {
+    pub(crate) fn new(content: &Content) -> Stock {
+        let mut copies = vec![0; content.meshes().len()];
+        for item in content.items() {
+            copies[item.mesh.0 as usize] += 1;
+        }
+        let mut shared = vec![None; content.meshes().len()];
+        let mut builder = Builder::default();
+        let mut items = vec![None; content.items().len()];
+        for id in by_place(content) {
+            let item = content.item(id);
+            let (matrix, translation) = place(item);
+            // Mirrored copies show their faces the other way round, so each is a shape of its own.
+            let instanced = copies[item.mesh.0 as usize] > 1 && !item.transform().mirrors();
+            let shape = if instanced {
+                let known = &mut shared[item.mesh.0 as usize];
+                *known.get_or_insert_with(|| builder.add(content, id, DMat3::IDENTITY, DVec3::ZERO))
+            } else {
+                builder.add(content, id, matrix, translation)
+            };
+            items[id.0 as usize] = Some(Placed {
+                shape,
+                at: instanced.then_some((matrix, translation)),
+                bounds: item.bounds,
+            });
+        }
+        builder.finish(items.into_iter().flatten().collect())
+    }
+}
+
+/// The linear part and the translation of an item's place.
+fn place(item: &Item) -> (DMat3, DVec3) {
+    let [x, y, z, translation] = item
+        .fragment_from_item
+        .map(|column| DVec3::from(column.map(f64::from)));
+    (DMat3::from_cols(x, y, z), translation)
+}
+
+/// Items along a curve that keeps neighbours together (Morton's).
+fn by_place(content: &Content) -> Vec<ItemId> {
+    let bounds = content.bounds();
+    let code = |item: &Item| {
+        let center = item.bounds.center();
+        let steps: [u32; 3] = std::array::from_fn(|axis| {
+            let size = (bounds.max[axis] - bounds.min[axis]).max(f32::MIN_POSITIVE);
+            (1023.0 * (center[axis] - bounds.min[axis]) / size) as u32
+        });
+        (0..10).rev().fold(0_u32, |code, bit| {
+            steps.iter().fold(code, |code, step| code << 1 | step >> bit & 1)
+        })
+    };
+    let mut order: Vec<ItemId> = (0..content.items().len() as u32).map(ItemId).collect();
+    order.sort_by_key(|&id| (code(content.item(id)), id));
+    order
+}
+
+/// Index buffers of each class, to be joined, and pieces that count within them.
+#[derive(Default)]
+struct Builder {
+    weld: Weld,
+    indices: [Vec<u32>; Class::ALL.len()],
+    shapes: Vec<Shape>,
+}
+
+impl Builder {
+    /// Adds an item's mesh, moved. Gives the shape's number.
+    fn add(&mut self, content: &Content, id: ItemId, matrix: DMat3, translation: DVec3) -> usize {
+        let mesh = content.mesh_of(id);
+        let mirrored = matrix.determinant() < 0.0;
+        let moved: Vec<DVec3> = mesh
+            .positions()
+            .iter()
+            .map(|position| matrix * DVec3::from(position.map(f64::from)) + translation)
+            .collect();
+        let mut shape = Shape::default();
+        self.weld.start();
+        let starts: [u32; 4] = std::array::from_fn(|class| self.indices[class].len() as u32);
+        for cluster in mesh.clusters() {
+            let material = content.material_of(id, cluster);
+            let class = Class {
+                glass: material.alpha == Alpha::Blend,
+                double_sided: material.double_sided,
+            };
+            let start = self.indices[class.number()].len() as u32;
+            for face in cluster.faces.clone() {
+                // A cut-out has no texture here, so it is painted whole, as on the other side.
+                let [r, g, b, a] = material.base_color;
+                let color = [r, g, b, if class.glass { a } else { 1.0 }];
+                self.face(class, mesh, face, &moved, mirrored, color);
+            }
+            let end = self.indices[class.number()].len() as u32;
+            shape.clusters.push(Piece {
+                class,
+                indices: start..end,
+            });
+        }
+        for class in Class::ALL {
+            let indices = starts[class.number()]..self.indices[class.number()].len() as u32;
+            if !indices.is_empty() {
+                shape.whole.push(Piece { class, indices });
+            }
+        }
+        self.shapes.push(shape);
+        self.shapes.len() - 1
+    }
+
+    /// Adds the triangles of a face; none where it has no area.
+    fn face(
+        &mut self,
+        class: Class,
+        mesh: &Mesh,
+        face: u32,
+        moved: &[DVec3],
+        mirrored: bool,
+        color: [f32; 4],
+    ) {
+        let corners = mesh.face(face);
+        let at = |corner: u32| moved[corner as usize];
+        let fan = || corners[1..].windows(2).map(|last| [corners[0], last[0], last[1]]);
+        let sum: DVec3 = fan().map(|[a, b, c]| (at(b) - at(a)).cross(at(c) - at(a))).sum();
+        let Some(normal) = sum.try_normalize() else {
+            return;
+        };
+        let look = Look::new(if mirrored { -normal } else { normal }, color);
+        for [a, b, c] in fan() {
+            let at_corners = if mirrored { [a, c, b] } else { [a, b, c] };
+            let positions = at_corners.map(|corner| at(corner).as_vec3().into());
+            self.indices[class.number()].extend(self.weld.triangle(at_corners, positions, look));
+        }
+    }
+
+    fn finish(self, items: Vec<Placed>) -> Stock {
+        let mut starts = [0; Class::ALL.len()];
+        for class in 1..starts.len() {
+            starts[class] = starts[class - 1] + self.indices[class - 1].len() as u32;
+        }
+        let mut shapes = self.shapes;
+        for piece in shapes
+            .iter_mut()
+            .flat_map(|shape| shape.whole.iter_mut().chain(&mut shape.clusters))
+        {
+            let start = starts[piece.class.number()];
+            piece.indices = piece.indices.start + start..piece.indices.end + start;
+        }
+        Stock {
+            vertices: self.weld.finish(),
+            indices: self.indices.concat(),
+            shapes,
+            items,
+        }
+    }
+}

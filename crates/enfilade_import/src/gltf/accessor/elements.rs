@@ -1,0 +1,170 @@
+//! Elements of a row, read one by one.
+
+/// A number of an element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Component {
+    I8,
+    U8,
+    I16,
+    U16,
+    U32,
+    F32,
+}
+
+/// What each element of a row is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Kind {
+    pub(super) component: Component,
+    /// Numbers in an element, 1 to 4.
+    pub(super) parts: u8,
+    /// Do whole numbers stand for parts of one?
+    pub(super) normalized: bool,
+}
+
+/// Elements that are read one by one.
+pub(in crate::gltf) struct Elements<'b> {
+    /// The bytes from the first element on, and from one element to the next.
+    base: Option<(&'b [u8], usize)>,
+    replacements: Option<Replacements<'b>>,
+    kind: Kind,
+}
+
+/// Elements that stand instead of those with some numbers, which are in order.
+pub(super) struct Replacements<'b> {
+    pub(super) count: usize,
+    pub(super) numbers: &'b [u8],
+    pub(super) number_kind: Component,
+    pub(super) values: &'b [u8],
+}
+
+impl Component {
+    pub(super) fn of(component_type: u32) -> Option<Component> {
+        match component_type {
+            5120 => Some(Component::I8),
+            5121 => Some(Component::U8),
+            5122 => Some(Component::I16),
+            5123 => Some(Component::U16),
+            5125 => Some(Component::U32),
+            5126 => Some(Component::F32),
+            _ => None,
+        }
+    }
+
+    /// As one that numbers something.
+    pub(super) fn of_index(component_type: u32) -> Option<Component> {
+        Component::of(component_type)
+            .filter(|component| matches!(component, Component::U8 | Component::U16 | Component::U32))
+    }
+
+    pub(super) fn bytes(self) -> u64 {
+        match self {
+            Component::I8 | Component::U8 => 1,
+            Component::I16 | Component::U16 => 2,
+            Component::U32 | Component::F32 => 4,
+        }
+    }
+}
+
+impl Kind {
+    /// Bytes of an element.
+    pub(super) fn bytes(self) -> u64 {
+        self.component.bytes() * u64::from(self.parts)
+    }
+}
+
+impl Replacements<'_> {
+    pub(super) fn number(&self, at: usize) -> u32 {
+        match self.number_kind {
+            Component::U8 => u32::from(self.numbers[at]),
+            Component::U16 => u32::from(u16::from_le_bytes(first(&self.numbers[2 * at..]))),
+            _ => u32::from_le_bytes(first(&self.numbers[4 * at..])),
+        }
+    }
+
+    /// The bytes of what stands instead of an element, if anything does.
+    fn find(&self, index: usize, element_bytes: usize) -> Option<&[u8]> {
+        let (mut low, mut high) = (0, self.count);
+        while low < high {
+            let middle = low + (high - low) / 2;
+            match (self.number(middle) as usize).cmp(&index) {
+                std::cmp::Ordering::Less => low = middle + 1,
+                std::cmp::Ordering::Equal => return Some(&self.values[middle * element_bytes..]),
+                std::cmp::Ordering::Greater => high = middle,
+            }
+        }
+        None
+    }
+}
+
+impl<'b> Elements<'b> {
+    pub(super) fn new(
+        base: Option<(&'b [u8], usize)>,
+        replacements: Option<Replacements<'b>>,
+        kind: Kind,
+    ) -> Elements<'b> {
+        Elements {
+            base,
+            replacements,
+            kind,
+        }
+    }
+
+    /// The first numbers of an element; 0 where it has fewer. What is normalized lies between −1 and 1.
+    pub(in crate::gltf) fn floats<const N: usize>(&self, index: usize) -> [f32; N] {
+        let bytes = self.at(index);
+        let parts = usize::from(self.kind.parts);
+        let each = |size: usize, number: fn(&[u8]) -> f32, one: f32| -> [f32; N] {
+            std::array::from_fn(|part| match bytes {
+                Some(bytes) if part < parts => {
+                    let number = number(&bytes[part * size..]);
+                    if self.kind.normalized {
+                        (number / one).max(-1.0)
+                    } else {
+                        number
+                    }
+                }
+                _ => 0.0,
+            })
+        };
+        match self.kind.component {
+            Component::I8 => each(1, |bytes| f32::from(i8::from_le_bytes(first(bytes))), 127.0),
+            Component::U8 => each(1, |bytes| f32::from(bytes[0]), 255.0),
+            Component::I16 => each(2, |bytes| f32::from(i16::from_le_bytes(first(bytes))), 32767.0),
+            Component::U16 => each(2, |bytes| f32::from(u16::from_le_bytes(first(bytes))), 65535.0),
+            // Never normalized, by the types that are wanted.
+            Component::U32 => each(4, |bytes| u32::from_le_bytes(first(bytes)) as f32, 1.0),
+            Component::F32 => std::array::from_fn(|part| match bytes {
+                Some(bytes) if part < parts => f32::from_le_bytes(first(&bytes[part * 4..])),
+                _ => 0.0,
+            }),
+        }
+    }
+
+    pub(super) fn u8(&self, index: usize) -> u32 {
+        self.at(index).map_or(0, |bytes| u32::from(bytes[0]))
+    }
+
+    pub(super) fn u16(&self, index: usize) -> u32 {
+        self.at(index)
+            .map_or(0, |bytes| u32::from(u16::from_le_bytes(first(bytes))))
+    }
+
+    pub(super) fn u32(&self, index: usize) -> u32 {
+        self.at(index).map_or(0, |bytes| u32::from_le_bytes(first(bytes)))
+    }
+
+    /// The bytes from an element on; `None` where it is zero.
+    #[inline]
+    fn at(&self, index: usize) -> Option<&[u8]> {
+        let replaced = self
+            .replacements
+            .as_ref()
+            .and_then(|replacements| replacements.find(index, self.kind.bytes() as usize));
+        replaced.or_else(|| self.base.map(|(bytes, stride)| &bytes[index * stride..]))
+    }
+}
+
+#[inline]
+fn first<const SIZE: usize>(bytes: &[u8]) -> [u8; SIZE] {
+    *bytes.first_chunk().expect("an element that was checked")
+}

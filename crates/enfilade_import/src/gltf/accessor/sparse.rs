@@ -1,0 +1,109 @@
+//! Sparse accessors: some elements stand elsewhere, listed by their numbers.
+//!
+//! Their numbers are checked once, and then searched where they lie: nothing is copied, however many rows use them.
+//! Cost: O(numbers) to check; O(log numbers) for each element that is read.
+//! Source: glTF 2.0 Specification, section 3.6.2.3.
+
+use super::Stretch;
+use super::elements::{Component, Replacements};
+use crate::BrokenRule;
+use crate::gltf::buffers::{Buffers, Source};
+use crate::gltf::document::{self, Document};
+
+/// Elements that stand instead of others.
+#[derive(Clone, Debug)]
+pub(super) struct Sparse {
+    count: u64,
+    numbers: Stretch,
+    number_kind: Component,
+    values: Stretch,
+}
+
+impl Sparse {
+    pub(super) fn new(
+        document: &Document,
+        sparse: &document::Sparse,
+        elements: u64,
+        element_bytes: u64,
+        place: &dyn Fn() -> String,
+    ) -> Result<Sparse, BrokenRule> {
+        let document::Sparse {
+            count,
+            indices,
+            values,
+        } = sparse;
+        if *count > elements {
+            return Err(BrokenRule::SparseCount {
+                place: place(),
+                count: *count,
+                elements,
+            });
+        }
+        let number_kind =
+            Component::of_index(indices.component_type).ok_or_else(|| BrokenRule::WrongType {
+                place: format!("{}.sparse.indices", place()),
+                found: format!("component type {}", indices.component_type),
+                wanted: "UNSIGNED_BYTE, UNSIGNED_SHORT or UNSIGNED_INT",
+                remedy: "export it again",
+            })?;
+        let numbers = Stretch::packed(
+            document,
+            indices.buffer_view,
+            indices.byte_offset,
+            *count,
+            number_kind.bytes(),
+            || format!("{}.sparse.indices", place()),
+        )?;
+        let values = Stretch::packed(
+            document,
+            values.buffer_view,
+            values.byte_offset,
+            *count,
+            element_bytes,
+            || format!("{}.sparse.values", place()),
+        )?;
+        Ok(Sparse {
+            count: *count,
+            numbers,
+            number_kind,
+            values,
+        })
+    }
+
+    pub(super) fn sources(&self) -> impl Iterator<Item = Source> {
+        [self.numbers.source, self.values.source].into_iter()
+    }
+
+    /// Are its numbers those of elements, each greater than the one before?
+    pub(super) fn check(
+        &self,
+        buffers: &Buffers,
+        elements: u64,
+        place: impl Fn() -> String,
+    ) -> Result<(), BrokenRule> {
+        let found = self.replacements(buffers);
+        let mut least = 0_u64;
+        for at in 0..found.count {
+            let number = u64::from(found.number(at));
+            if number < least || number >= elements {
+                return Err(BrokenRule::SparseIndex {
+                    place: place(),
+                    at,
+                    number,
+                    elements,
+                });
+            }
+            least = number + 1;
+        }
+        Ok(())
+    }
+
+    pub(super) fn replacements<'b>(&self, buffers: &'b Buffers) -> Replacements<'b> {
+        Replacements {
+            count: self.count as usize,
+            numbers: self.numbers.bytes(buffers).0,
+            number_kind: self.number_kind,
+            values: self.values.bytes(buffers).0,
+        }
+    }
+}

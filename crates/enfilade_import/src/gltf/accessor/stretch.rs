@@ -1,0 +1,115 @@
+//! Stretches: elements of one size at equal steps, known to lie inside their view and its buffer.
+
+use crate::BrokenRule;
+use crate::gltf::buffers::{Buffers, Source};
+use crate::gltf::compressed::Compressed;
+use crate::gltf::document::{BufferView, Document, find};
+
+/// Where elements lie.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::gltf) struct Stretch {
+    pub(in crate::gltf) source: Source,
+    start: u64,
+    stride: u64,
+}
+
+impl Stretch {
+    /// Elements of an accessor, at the steps that their view says, else one right after the other.
+    pub(super) fn of_elements(
+        document: &Document,
+        view: u32,
+        offset: u64,
+        count: u64,
+        element: u64,
+        place: impl Fn() -> String,
+    ) -> Result<Stretch, BrokenRule> {
+        let held = find(&document.buffer_views, view, "bufferView", &place)?;
+        let stride = held.byte_stride.unwrap_or(element);
+        if stride < element {
+            return Err(BrokenRule::BadStride {
+                place: place(),
+                view,
+                stride,
+                element,
+            });
+        }
+        Stretch::new(document, view, offset, [count, element, stride], place)
+    }
+
+    /// Elements one right after the other.
+    pub(super) fn packed(
+        document: &Document,
+        view: u32,
+        offset: u64,
+        count: u64,
+        element: u64,
+        place: impl Fn() -> String,
+    ) -> Result<Stretch, BrokenRule> {
+        Stretch::new(document, view, offset, [count, element, element], place)
+    }
+
+    /// The bytes of a whole view, and how many they are.
+    pub(in crate::gltf) fn whole_view(
+        document: &Document,
+        view: u32,
+        place: impl Fn() -> String,
+    ) -> Result<(Stretch, u64), BrokenRule> {
+        let length = find(&document.buffer_views, view, "bufferView", &place)?.byte_length;
+        Ok((Stretch::new(document, view, 0, [length, 1, 1], place)?, length))
+    }
+
+    fn new(
+        document: &Document,
+        view: u32,
+        offset: u64,
+        [count, element, stride]: [u64; 3],
+        place: impl Fn() -> String,
+    ) -> Result<Stretch, BrokenRule> {
+        let held = find(&document.buffer_views, view, "bufferView", &place)?;
+        let (source, view_start) = match Compressed::of(document, view)? {
+            Some(_) => (Source::View(view), 0),
+            None => (Source::Buffer(held.buffer), in_buffer(document, view, held)?),
+        };
+        // The last element needs no gap behind it. Products and sums of numbers below 2⁶⁴ fit into u128 here.
+        let last = u128::from(stride) * u128::from(count.saturating_sub(1));
+        let last_bytes = if count > 0 { element } else { 0 };
+        let end = u128::from(offset) + last + u128::from(last_bytes);
+        if end > u128::from(held.byte_length) {
+            let length = held.byte_length;
+            return Err(BrokenRule::AccessorOutOfView {
+                place: place(),
+                end,
+                view,
+                length,
+            });
+        }
+        Ok(Stretch {
+            source,
+            start: view_start + offset,
+            stride,
+        })
+    }
+
+    /// The bytes from the first element on, and from one element to the next.
+    pub(in crate::gltf) fn bytes<'b>(&self, buffers: &'b Buffers) -> (&'b [u8], usize) {
+        // Checked against the source, whose bytes are in memory: these numbers fit.
+        let bytes = &buffers.bytes(self.source)[self.start as usize..];
+        (bytes, self.stride as usize)
+    }
+}
+
+/// Where a view begins in its buffer, which holds all of it.
+fn in_buffer(document: &Document, number: u32, view: &BufferView) -> Result<u64, BrokenRule> {
+    let place = || format!("bufferView {number}");
+    let buffer = find(&document.buffers, view.buffer, "buffer", place)?;
+    let end = u128::from(view.byte_offset) + u128::from(view.byte_length);
+    if end > u128::from(buffer.byte_length) {
+        return Err(BrokenRule::ViewOutOfBuffer {
+            place: place(),
+            end,
+            buffer: view.buffer,
+            length: buffer.byte_length,
+        });
+    }
+    Ok(view.byte_offset)
+}

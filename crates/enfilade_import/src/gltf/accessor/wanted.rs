@@ -1,0 +1,88 @@
+//! What accessors are wanted for, and which types serve for it.
+
+use super::elements::{Component, Kind};
+use crate::BrokenRule;
+use crate::gltf::document::{Accessor, short};
+
+/// What an accessor is wanted for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::gltf) enum Wanted {
+    Positions,
+    Normals,
+    TextureCoordinates,
+    Colors,
+    Indices,
+    /// Of instances.
+    Places,
+    Turns,
+    Scales,
+}
+
+impl Wanted {
+    /// What the elements of an accessor are, if they serve. Types that only `KHR_mesh_quantization` allows do so whether or
+    /// not the file says that it uses it: there is but one thing that they can mean.
+    pub(super) fn kind(
+        self,
+        accessor: &Accessor,
+        place: impl FnOnce() -> String,
+    ) -> Result<Kind, BrokenRule> {
+        let component = Component::of(accessor.component_type);
+        let parts = match &*accessor.shape {
+            "SCALAR" => 1,
+            "VEC2" => 2,
+            "VEC3" => 3,
+            "VEC4" => 4,
+            _ => 0,
+        };
+        match component {
+            Some(component) if self.takes(component, parts, accessor.normalized) => Ok(Kind {
+                component,
+                parts,
+                // A color of whole numbers that are not parts of one would be a glare.
+                normalized: (accessor.normalized || self == Wanted::Colors)
+                    && !matches!(component, Component::U32 | Component::F32),
+            }),
+            _ => Err(self.wrong_type(place(), accessor)),
+        }
+    }
+
+    fn takes(self, component: Component, parts: u8, normalized: bool) -> bool {
+        use Component::{F32, I8, I16, U8, U16, U32};
+        match self {
+            Wanted::Positions => parts == 3 && component != U32,
+            Wanted::Normals => parts == 3 && matches!(component, F32 | I8 | I16),
+            Wanted::TextureCoordinates => parts == 2 && component != U32,
+            Wanted::Colors => (parts == 3 || parts == 4) && matches!(component, F32 | U8 | U16),
+            Wanted::Indices => parts == 1 && matches!(component, U8 | U16 | U32),
+            Wanted::Places | Wanted::Scales => parts == 3 && component == F32,
+            Wanted::Turns => parts == 4 && (component == F32 || normalized && matches!(component, I8 | I16)),
+        }
+    }
+
+    fn wrong_type(self, place: String, accessor: &Accessor) -> BrokenRule {
+        let component = match accessor.component_type {
+            5120 => "BYTE".to_owned(),
+            5121 => "UNSIGNED_BYTE".to_owned(),
+            5122 => "SHORT".to_owned(),
+            5123 => "UNSIGNED_SHORT".to_owned(),
+            5125 => "UNSIGNED_INT".to_owned(),
+            5126 => "FLOAT".to_owned(),
+            other => format!("component type {other}"),
+        };
+        BrokenRule::WrongType {
+            place,
+            found: format!("{} of {component}", short(&accessor.shape)),
+            wanted: match self {
+                Wanted::Positions => "positions as VEC3 of FLOAT, or of bytes or shorts",
+                Wanted::Normals => "normals as VEC3 of FLOAT, BYTE or SHORT",
+                Wanted::TextureCoordinates => "texture coordinates as VEC2 of FLOAT, or of bytes or shorts",
+                Wanted::Colors => "colors as VEC3 or VEC4 of FLOAT, UNSIGNED_BYTE or UNSIGNED_SHORT",
+                Wanted::Indices => "indices as SCALAR of UNSIGNED_BYTE, UNSIGNED_SHORT or UNSIGNED_INT",
+                Wanted::Places => "places of instances as VEC3 of FLOAT",
+                Wanted::Turns => "turns of instances as VEC4 of FLOAT, or of normalized BYTE or SHORT",
+                Wanted::Scales => "scales of instances as VEC3 of FLOAT",
+            },
+            remedy: "export it again",
+        }
+    }
+}

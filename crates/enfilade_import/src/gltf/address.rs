@@ -1,0 +1,146 @@
+//! Addresses: files beside the document, and data inside it.
+
+use super::document::short;
+use crate::budget::Budget;
+use crate::{BrokenRule, read_regular_file};
+use base64::Engine;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use percent_encoding::percent_decode_str;
+use std::path::{Component, Path, PathBuf};
+
+/// Written with or without its padding.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &base64::alphabet::STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);
+
+/// All bytes of what an address names.
+pub(super) fn fetch_all(
+    uri: &str,
+    place: &str,
+    folder: Option<&Path>,
+    budget: &mut Budget,
+) -> Result<Vec<u8>, BrokenRule> {
+    fetch(uri, u64::MAX, &|| place.to_owned(), folder, budget)
+}
+
+/// At most the first `most` bytes of what an address names.
+pub(super) fn fetch(
+    uri: &str,
+    most: u64,
+    place: &dyn Fn() -> String,
+    folder: Option<&Path>,
+    budget: &mut Budget,
+) -> Result<Vec<u8>, BrokenRule> {
+    match scheme(uri) {
+        Some(scheme) if scheme.eq_ignore_ascii_case("data") => decode(uri, place, budget),
+        Some(_) => Err(BrokenRule::NotLocal {
+            place: place(),
+            uri: short(uri),
+        }),
+        None => {
+            let inside = inside_folder(uri, place)?;
+            let folder = folder.ok_or_else(|| BrokenRule::NoFolder {
+                place: place(),
+                uri: short(uri),
+            })?;
+            let path = folder.join(inside);
+            read_regular_file(&path, Some(most), place, budget).map_err(|why| match why {
+                BrokenRule::TooLarge { .. } => why,
+                why => BrokenRule::BufferFile {
+                    place: place(),
+                    path: path.display().to_string(),
+                    why: Box::new(why),
+                },
+            })
+        }
+    }
+}
+
+/// What stands before the first colon, if that makes it an address with a scheme.
+fn scheme(uri: &str) -> Option<&str> {
+    let (scheme, _) = uri.split_once(':')?;
+    let mut letters = scheme.chars();
+    let begins = letters.next().is_some_and(|first| first.is_ascii_alphabetic());
+    (begins && letters.all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))).then_some(scheme)
+}
+
+fn decode(uri: &str, place: &dyn Fn() -> String, budget: &mut Budget) -> Result<Vec<u8>, BrokenRule> {
+    let bad = |why: String| BrokenRule::BadUri { place: place(), why };
+    let (head, data) = uri
+        .split_once(',')
+        .ok_or_else(|| bad("its data URI has no comma".to_owned()))?;
+    if !head.ends_with(";base64") {
+        return Err(bad("its data URI is not base64".to_owned()));
+    }
+    budget.take(data.len() as u64 / 4 * 3 + 3, place)?;
+    BASE64
+        .decode(data)
+        .map_err(|why| bad(format!("its data URI is not base64: {why}")))
+}
+
+/// The path that a relative address names, which must not lead out of the folder that it starts from.
+fn inside_folder(uri: &str, place: &dyn Fn() -> String) -> Result<PathBuf, BrokenRule> {
+    let decoded = percent_decode_str(uri)
+        .decode_utf8()
+        .map_err(|_| BrokenRule::BadUri {
+            place: place(),
+            why: format!("`{}` is not UTF-8", short(uri)),
+        })?;
+    let path = PathBuf::from(&*decoded);
+    if path
+        .components()
+        .all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+    {
+        Ok(path)
+    } else {
+        Err(BrokenRule::LeavesFolder {
+            place: place(),
+            uri: short(uri),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_paths_that_stay_in_the_folder_are_followed() {
+        let place = || "buffer 0".to_owned();
+        for (uri, path) in [
+            ("a.bin", "a.bin"),
+            ("./b/a%20c.bin", "./b/a c.bin"),
+            ("%C3%A9.bin", "é.bin"),
+        ] {
+            assert_eq!(inside_folder(uri, &place).expect("inside"), Path::new(path));
+        }
+        for uri in [
+            "../a.bin",
+            "b/../../a.bin",
+            "/etc/passwd",
+            "%2Fetc/passwd",
+            "%2e%2e/a.bin",
+            "//host/a.bin",
+        ] {
+            assert!(
+                matches!(inside_folder(uri, &place), Err(BrokenRule::LeavesFolder { .. })),
+                "{uri}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_scheme_is_told_from_a_name() {
+        for (uri, expected) in [
+            ("https://a.b/c.bin", Some("https")),
+            ("data:;base64,", Some("data")),
+            ("C:/a.bin", Some("C")),
+            ("a.bin", None),
+            ("a b:c.bin", None),
+            (":a", None),
+        ] {
+            assert_eq!(scheme(uri), expected, "{uri}");
+        }
+    }
+}

@@ -1,0 +1,340 @@
+//! The part of a glTF document that is read, as it stands in its JSON. Numbers in it may still name nothing.
+
+mod geometry;
+mod surfaces;
+
+pub(in crate::gltf) use geometry::*;
+pub(in crate::gltf) use surfaces::*;
+
+use crate::BrokenRule;
+use crate::budget::Budget;
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+use serde_json::value::RawValue;
+use std::borrow::Cow;
+use std::collections::BTreeSet;
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(in crate::gltf) struct Document<'a> {
+    #[serde(borrow)]
+    pub(in crate::gltf) asset: Asset<'a>,
+    #[serde(default)]
+    pub(in crate::gltf) extensions_used: BTreeSet<String>,
+    #[serde(default)]
+    pub(in crate::gltf) extensions_required: BTreeSet<String>,
+    pub(in crate::gltf) scene: Option<u32>,
+    #[serde(default)]
+    pub(in crate::gltf) scenes: Vec<Scene>,
+    #[serde(borrow, default)]
+    pub(in crate::gltf) nodes: Vec<Node<'a>>,
+    #[serde(default)]
+    pub(in crate::gltf) meshes: Vec<Mesh>,
+    #[serde(borrow, default)]
+    pub(in crate::gltf) materials: Vec<Material<'a>>,
+    #[serde(borrow, default)]
+    pub(in crate::gltf) cameras: Vec<Camera<'a>>,
+    #[serde(borrow, default)]
+    pub(in crate::gltf) accessors: Vec<Accessor<'a>>,
+    #[serde(borrow, default)]
+    pub(in crate::gltf) buffer_views: Vec<BufferView<'a>>,
+    #[serde(borrow, default)]
+    pub(in crate::gltf) buffers: Vec<Buffer<'a>>,
+    // Looked into by `list` and `lights` once something needs them, so that what nobody uses may be anything.
+    #[serde(borrow)]
+    pub(in crate::gltf) textures: Option<&'a RawValue>,
+    #[serde(borrow)]
+    pub(in crate::gltf) images: Option<&'a RawValue>,
+    #[serde(borrow)]
+    pub(in crate::gltf) samplers: Option<&'a RawValue>,
+    #[serde(borrow)]
+    pub(in crate::gltf) extensions: Option<&'a RawValue>,
+    // Only counted: `IgnoredAny` takes no memory.
+    #[serde(default)]
+    pub(in crate::gltf) skins: Vec<IgnoredAny>,
+    #[serde(default)]
+    pub(in crate::gltf) animations: Vec<IgnoredAny>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(in crate::gltf) struct Asset<'a> {
+    #[serde(borrow)]
+    pub(in crate::gltf) version: Cow<'a, str>,
+    #[serde(borrow, default)]
+    pub(in crate::gltf) min_version: Cow<'a, str>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(in crate::gltf) struct Scene {
+    #[serde(default)]
+    pub(in crate::gltf) nodes: Vec<u32>,
+}
+
+/// Numbers are f64 as in JSON, so that places far out do not lose digits before they are added up.
+#[derive(Debug, Deserialize)]
+pub(in crate::gltf) struct Node<'a> {
+    #[serde(borrow, default)]
+    pub(in crate::gltf) name: Cow<'a, str>,
+    #[serde(default)]
+    pub(in crate::gltf) children: Vec<u32>,
+    pub(in crate::gltf) mesh: Option<u32>,
+    pub(in crate::gltf) camera: Option<u32>,
+    // In boxes: most nodes have few of them, and there may be millions of nodes.
+    pub(in crate::gltf) matrix: Option<Box<[f64; 16]>>,
+    pub(in crate::gltf) translation: Option<Box<[f64; 3]>>,
+    pub(in crate::gltf) rotation: Option<Box<[f64; 4]>>,
+    pub(in crate::gltf) scale: Option<Box<[f64; 3]>>,
+    pub(in crate::gltf) extensions: Option<Box<NodeExtensions>>,
+    /// Anything at all.
+    #[serde(borrow)]
+    pub(in crate::gltf) extras: Option<&'a RawValue>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(in crate::gltf) struct NodeExtensions {
+    #[serde(rename = "KHR_lights_punctual")]
+    pub(in crate::gltf) light: Option<LightNumber>,
+    #[serde(rename = "EXT_mesh_gpu_instancing")]
+    pub(in crate::gltf) instancing: Option<Instancing>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub(in crate::gltf) struct LightNumber {
+    pub(in crate::gltf) light: u32,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub(in crate::gltf) struct Instancing {
+    #[serde(default)]
+    pub(in crate::gltf) attributes: InstanceAttributes,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub(in crate::gltf) struct InstanceAttributes {
+    pub(in crate::gltf) translation: Option<u32>,
+    pub(in crate::gltf) rotation: Option<u32>,
+    pub(in crate::gltf) scale: Option<u32>,
+}
+
+impl Node<'_> {
+    /// The light that it carries.
+    pub(in crate::gltf) fn light(&self) -> Option<u32> {
+        Some(self.extensions.as_ref()?.light?.light)
+    }
+
+    /// How often it shows its mesh, and where.
+    pub(in crate::gltf) fn instancing(&self) -> Option<InstanceAttributes> {
+        Some(self.extensions.as_ref()?.instancing?.attributes)
+    }
+}
+
+#[derive(Debug, Deserialize)]
+pub(in crate::gltf) struct Camera<'a> {
+    #[serde(rename = "type", borrow)]
+    pub(in crate::gltf) kind: Cow<'a, str>,
+    pub(in crate::gltf) perspective: Option<Perspective>,
+    pub(in crate::gltf) orthographic: Option<Orthographic>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(in crate::gltf) struct Perspective {
+    pub(in crate::gltf) yfov: f32,
+    pub(in crate::gltf) znear: f32,
+    pub(in crate::gltf) zfar: Option<f32>,
+    pub(in crate::gltf) aspect_ratio: Option<f32>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub(in crate::gltf) struct Orthographic {
+    pub(in crate::gltf) xmag: f32,
+    pub(in crate::gltf) ymag: f32,
+    pub(in crate::gltf) znear: f32,
+    pub(in crate::gltf) zfar: f32,
+}
+
+/// What stands in the extensions of the document itself.
+#[derive(Debug, Default, Deserialize)]
+struct DocumentExtensions<'a> {
+    #[serde(rename = "KHR_lights_punctual", borrow)]
+    lights: Option<Lights<'a>>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Lights<'a> {
+    #[serde(borrow, default)]
+    lights: Vec<Light<'a>>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(in crate::gltf) struct Light<'a> {
+    #[serde(rename = "type", borrow)]
+    pub(in crate::gltf) kind: Cow<'a, str>,
+    #[serde(default = "white")]
+    pub(in crate::gltf) color: [f32; 3],
+    #[serde(default = "one")]
+    pub(in crate::gltf) intensity: f32,
+    pub(in crate::gltf) range: Option<f32>,
+    #[serde(default)]
+    pub(in crate::gltf) spot: Spot,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(in crate::gltf) struct Spot {
+    pub(in crate::gltf) inner_cone_angle: f32,
+    pub(in crate::gltf) outer_cone_angle: f32,
+}
+
+impl Default for Spot {
+    fn default() -> Spot {
+        Spot {
+            inner_cone_angle: 0.0,
+            outer_cone_angle: std::f32::consts::FRAC_PI_4,
+        }
+    }
+}
+
+fn white() -> [f32; 3] {
+    [1.0; 3]
+}
+
+fn one() -> f32 {
+    1.0
+}
+
+impl<'a> Document<'a> {
+    /// Parses the JSON and checks that it is of version 2.
+    pub(in crate::gltf) fn parse(json: &'a [u8], budget: &mut Budget) -> Result<Document<'a>, BrokenRule> {
+        budget.take(estimated_bytes(json), || "the JSON".to_owned())?;
+        let document: Document = serde_json::from_slice(json).map_err(json_error)?;
+        let Asset { version, min_version } = &document.asset;
+        // A later 2.x is read as 2.0, unless it says that this is not enough.
+        for (wanted, is_read) in [
+            (version, version == "2" || version.starts_with("2.")),
+            (min_version, matches!(&**min_version, "" | "2.0")),
+        ] {
+            if !is_read {
+                return Err(BrokenRule::Version(short(wanted)));
+            }
+        }
+        Ok(document)
+    }
+
+    /// Its lights.
+    pub(in crate::gltf) fn lights(&self) -> Result<Vec<Light<'a>>, BrokenRule> {
+        let Some(extensions) = self.extensions else {
+            return Ok(Vec::new());
+        };
+        let extensions: DocumentExtensions =
+            serde_json::from_str(extensions.get()).map_err(|why| within("extensions", &why))?;
+        Ok(extensions.lights.map_or_else(Vec::new, |lights| lights.lights))
+    }
+
+    /// What to call a node: `node 7 "Door"`.
+    pub(in crate::gltf) fn node_name(&self, node: u32) -> String {
+        match self.nodes.get(node as usize).map(|node| &*node.name) {
+            Some(name) if !name.is_empty() => format!("node {node} {:?}", short(name)),
+            _ => format!("node {node}"),
+        }
+    }
+}
+
+/// A list that is looked into only now; no list is an empty one.
+pub(in crate::gltf) fn list<'a, T: Deserialize<'a>>(
+    raw: Option<&'a RawValue>,
+    name: &str,
+) -> Result<Vec<T>, BrokenRule> {
+    let Some(raw) = raw else {
+        return Ok(Vec::new());
+    };
+    serde_json::from_str(raw.get()).map_err(|why| within(name, &why))
+}
+
+/// About the memory that a parsed document takes, with what is worked out about its nodes.
+fn estimated_bytes(json: &[u8]) -> u64 {
+    // The largest thing that brackets can hold, and room for lists that grow by doubling.
+    const EACH_BRACKET: u64 = 256;
+    const EACH_COMMA: u64 = 12;
+    let count = |is: fn(&u8) -> bool| json.iter().filter(|byte| is(byte)).count() as u64;
+    EACH_BRACKET * count(|&byte| byte == b'{' || byte == b'[') + EACH_COMMA * count(|&byte| byte == b',')
+}
+
+/// The thing that a number names, or an error that says that it names none.
+pub(in crate::gltf) fn find<'t, T>(
+    list: &'t [T],
+    index: u32,
+    kind: &'static str,
+    place: impl FnOnce() -> String,
+) -> Result<&'t T, BrokenRule> {
+    let nothing = || BrokenRule::NoSuch {
+        place: place(),
+        kind,
+        index,
+        count: list.len(),
+    };
+    list.get(index as usize).ok_or_else(nothing)
+}
+
+/// The beginning of a text out of the file, without control characters: a message must stay readable, and must not
+/// command a terminal, whatever the file says.
+pub(in crate::gltf) fn short(text: &str) -> String {
+    const MOST: usize = 80;
+    let mut letters = text.chars();
+    let printable = |letter: char| if letter.is_control() { '\u{fffd}' } else { letter };
+    let mut short: String = letters.by_ref().take(MOST).map(printable).collect();
+    if letters.next().is_some() {
+        short.push('…');
+    }
+    short
+}
+
+fn json_error(why: serde_json::Error) -> BrokenRule {
+    let (text, place) = parted(&why);
+    BrokenRule::Json(short(&text) + &place)
+}
+
+/// What is wrong in a part of the document. Lines and columns would be those of the part, and mislead.
+fn within(part: &str, why: &serde_json::Error) -> BrokenRule {
+    BrokenRule::Json(format!("{part}: {}", short(&parted(why).0)))
+}
+
+/// What is wrong, and where.
+fn parted(why: &serde_json::Error) -> (String, String) {
+    let place = format!(" at line {} column {}", why.line(), why.column());
+    let text = why.to_string();
+    match text.strip_suffix(&place) {
+        Some(text) => (text.to_owned(), place),
+        None => (text, String::new()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_brackets_hold_is_no_larger_than_estimated() {
+        let sizes = [
+            size_of::<Scene>(),
+            size_of::<Node>(),
+            size_of::<Primitive>(),
+            size_of::<Material>(),
+            size_of::<Camera>(),
+            size_of::<Accessor>(),
+            size_of::<BufferView>(),
+            size_of::<Buffer>(),
+            size_of::<Light>(),
+            size_of::<Texture>(),
+            size_of::<Image>(),
+            size_of::<Sampler>(),
+            size_of::<NodeExtensions>(),
+            size_of::<Compression>(),
+            size_of::<TextureInfo>(),
+        ];
+        assert!(sizes.iter().all(|&size| size <= 128), "{sizes:?}");
+    }
+}

@@ -1,0 +1,150 @@
+//! Instances: one node that shows its mesh many times.
+//!
+//! Source: EXT_mesh_gpu_instancing.
+//! Cost: O(instances).
+
+use super::BYTES_PER_NODE;
+use super::accessor::{Row, Wanted};
+use super::buffers::Buffers;
+use super::document::Document;
+use super::plan::Plan;
+use crate::BrokenRule;
+use crate::budget::Budget;
+use crate::warning::{WarningKind, Warnings};
+use enfilade::Transform;
+use glam::{DAffine3, DQuat, DVec3, DVec4};
+use std::collections::BTreeMap;
+
+/// Where instances stand, checked as far as it can be without the bytes.
+pub(super) struct InstancePlan(BTreeMap<u32, Rows>);
+
+/// Of one node; at least one row, and all of one length.
+struct Rows {
+    places: Option<Row>,
+    turns: Option<Row>,
+    scales: Option<Row>,
+    count: u64,
+}
+
+/// Where instances stand, by the numbers of their nodes.
+pub(super) struct Instances(BTreeMap<u32, Vec<Transform>>);
+
+impl InstancePlan {
+    /// Checks the instances of all items, and sets aside the memory that they will take.
+    pub(super) fn new(
+        document: &Document,
+        plan: &Plan,
+        budget: &mut Budget,
+        warnings: &mut Warnings,
+    ) -> Result<InstancePlan, BrokenRule> {
+        let mut nodes = BTreeMap::new();
+        for placed in plan.shown() {
+            let node = &document.nodes[placed.node as usize];
+            let (Some(attributes), Some(_)) = (node.instancing(), node.mesh) else {
+                continue;
+            };
+            let name = || document.node_name(placed.node);
+            if !plan.is_item(placed) {
+                warnings.name(WarningKind::InstancedOpenings, name);
+                continue;
+            }
+            let row = |accessor: Option<u32>, wanted| {
+                accessor
+                    .map(|accessor| Row::new(document, accessor, wanted, name))
+                    .transpose()
+            };
+            let places = row(attributes.translation, Wanted::Places)?;
+            let turns = row(attributes.rotation, Wanted::Turns)?;
+            let scales = row(attributes.scale, Wanted::Scales)?;
+            let named = [
+                ("places (TRANSLATION)", &places),
+                ("turns (ROTATION)", &turns),
+                ("scales (SCALE)", &scales),
+            ];
+            let mut counts = named
+                .iter()
+                .filter_map(|(what, row)| Some((*what, row.as_ref()?.count)));
+            // Without any there is nothing to tell instances by: the node stands for itself.
+            let Some((first_what, count)) = counts.next() else {
+                continue;
+            };
+            if let Some((second_what, second)) = counts.find(|(_, other)| *other != count) {
+                return Err(BrokenRule::InstanceCount {
+                    node: name(),
+                    first: count,
+                    first_what,
+                    second,
+                    second_what,
+                });
+            }
+            let each = BYTES_PER_NODE + node.name.len() as u64;
+            budget.take(count.saturating_mul(each), || {
+                format!("{}, its instances", name())
+            })?;
+            let rows = Rows {
+                places,
+                turns,
+                scales,
+                count,
+            };
+            nodes.insert(placed.node, rows);
+        }
+        Ok(InstancePlan(nodes))
+    }
+
+    pub(super) fn rows(&self) -> impl Iterator<Item = &Row> {
+        self.0
+            .values()
+            .flat_map(|rows| [&rows.places, &rows.turns, &rows.scales])
+            .flatten()
+    }
+
+    /// Reads where the instances stand.
+    pub(super) fn read(&self, document: &Document, buffers: &Buffers) -> Result<Instances, BrokenRule> {
+        let read = |(&node, rows): (&u32, &Rows)| Ok((node, rows.read(document, node, buffers)?));
+        Ok(Instances(
+            self.0.iter().map(read).collect::<Result<_, BrokenRule>>()?,
+        ))
+    }
+}
+
+impl Rows {
+    fn read(&self, document: &Document, node: u32, buffers: &Buffers) -> Result<Vec<Transform>, BrokenRule> {
+        let [places, turns, scales] = [&self.places, &self.turns, &self.scales]
+            .map(|row| row.as_ref().map(|row| row.elements(buffers)));
+        let mut transforms = Vec::with_capacity(self.count as usize);
+        for number in 0..self.count as usize {
+            let name = || format!("{}, instance {number}", document.node_name(node));
+            let vector = |v: [f32; 3]| DVec3::from(v.map(f64::from));
+            let place = places
+                .as_ref()
+                .map_or(DVec3::ZERO, |places| vector(places.floats(number)));
+            let scale = scales
+                .as_ref()
+                .map_or(DVec3::ONE, |scales| vector(scales.floats(number)));
+            let turn = turns
+                .as_ref()
+                .map_or(DVec4::W, |turns| DVec4::from(turns.floats(number).map(f64::from)));
+            if !(place.is_finite() && scale.is_finite() && turn.is_finite()) {
+                return Err(BrokenRule::NodeNotFinite(name()));
+            }
+            let turn = turn
+                .try_normalize()
+                .ok_or_else(|| BrokenRule::NoRotation(name()))?;
+            let affine = DAffine3::from_scale_rotation_translation(scale, DQuat::from_vec4(turn), place);
+            transforms.push(Transform::from_columns(
+                affine
+                    .to_cols_array_2d()
+                    .map(|column| column.map(|value| value as f32)),
+            ));
+        }
+        Ok(transforms)
+    }
+}
+
+impl Instances {
+    /// Where the instances of a node stand, in its space; `None` where it has none and stands for itself.
+    pub(super) fn of(&self, node: u32) -> Option<&[Transform]> {
+        self.0.get(&node).map(Vec::as_slice)
+    }
+}

@@ -1,0 +1,256 @@
+//! What faces are made of: materials of MTL files as ours, and their images.
+//!
+//! OBJ has no sides, so every material is seen from both. `Kd` and `Ke` are taken as linear, as Blender writes and reads
+//! them; an image is multiplied by them, but where they are black it stands alone, for a black image is nobody's wish.
+//! Alpha maps make cut-outs, since leaves and fences are what they are made for; `d` and `Tr` make glass.
+
+use super::files::Inside;
+use super::groups::Groups;
+use super::mtl::{self, Entry, Map};
+use crate::budget::Budget;
+use crate::images;
+use crate::warning::{WarningKind, Warnings};
+use enfilade::{Alpha, Material, Texture, TextureId, Wrap};
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+use std::sync::Arc;
+
+/// What the groups of a file are made of.
+#[derive(Debug, Default)]
+pub(super) struct Materials {
+    /// One for each name in [`Groups::materials`], then the one of faces that name none.
+    pub(super) materials: Vec<Material>,
+    pub(super) textures: Vec<Arc<Texture>>,
+    /// Where images lie on faces of each material; `None` where it has none.
+    pub(super) placings: Vec<Option<Placing>>,
+}
+
+/// How texture coordinates of the file become those of the image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Placing {
+    scale: [f32; 2],
+    offset: [f32; 2],
+}
+
+impl Placing {
+    /// V counts upwards in OBJ, and downwards in ours. What cannot be held is 0.
+    pub(super) fn place(&self, at: [f32; 2]) -> [f32; 2] {
+        let [u, v] = [0, 1].map(|axis| at[axis] * self.scale[axis] + self.offset[axis]);
+        let place = [u, 1.0 - v];
+        if place.iter().all(|value| value.is_finite()) {
+            place
+        } else {
+            [0.0; 2]
+        }
+    }
+}
+
+/// Of what no file defines: as grey as an image that cannot be had.
+const GREY: [f32; 3] = [0.215_860_5; 3];
+/// What a line of an MTL file takes when it is read, as a multiple of its length.
+const TIMES_ITS_LENGTH: u64 = 40;
+
+impl Materials {
+    /// Reads the materials that are used. Without `with_images` none is read or named.
+    pub(super) fn read(
+        groups: &Groups,
+        folder: Option<&Path>,
+        with_images: bool,
+        budget: &mut Budget,
+        warnings: &mut Warnings,
+    ) -> Materials {
+        let library = Library::load(&groups.libraries, folder, budget, warnings);
+        let mut reader = Reader {
+            folder,
+            with_images,
+            found: Materials::default(),
+            known: HashMap::new(),
+            budget,
+            warnings,
+        };
+        for name in &groups.materials {
+            match library.0.get(name) {
+                Some((entry, here)) => reader.add(entry, here),
+                None => {
+                    reader
+                        .warnings
+                        .name(WarningKind::UnknownMaterials, || match &**name {
+                            "" => "(no name)".to_owned(),
+                            name => name.to_owned(),
+                        });
+                    reader.push(Material::opaque(GREY), None);
+                }
+            }
+        }
+        reader.push(Material::opaque([1.0; 3]), None);
+        reader.found
+    }
+}
+
+/// All materials of all files by their names, each with the file that it is from.
+struct Library(HashMap<String, (Entry, Inside)>);
+
+impl Library {
+    fn load(
+        statements: &[String],
+        folder: Option<&Path>,
+        budget: &mut Budget,
+        warnings: &mut Warnings,
+    ) -> Library {
+        let mut library = HashMap::new();
+        let mut read = HashSet::new();
+        let top = Inside::default();
+        for file in statements.iter().flat_map(|names| files(names, folder)) {
+            let here = Inside::of(file, &top);
+            if !read.insert(here.clone()) {
+                continue;
+            }
+            let bytes = here.read(folder, budget).and_then(|bytes| {
+                budget
+                    .take(TIMES_ITS_LENGTH * bytes.len() as u64, || here.spoken())
+                    .map_err(|why| why.to_string())?;
+                Ok(bytes)
+            });
+            match bytes {
+                Ok(bytes) => {
+                    for entry in mtl::parse(&bytes, &here.spoken(), warnings) {
+                        // Of several that share a name the first counts.
+                        library
+                            .entry(entry.name.clone())
+                            .or_insert_with(|| (entry, here.clone()));
+                    }
+                }
+                Err(why) => warnings.name(WarningKind::MaterialFiles, || format!("{file}: {why}")),
+            }
+        }
+        Library(library)
+    }
+}
+
+/// The files that a line names: one whose name has spaces in it, or several.
+fn files<'s>(names: &'s str, folder: Option<&Path>) -> Vec<&'s str> {
+    let names = names.trim_matches('"');
+    if Inside::of(names, &Inside::default()).exists(folder) {
+        return vec![names];
+    }
+    // Cut after every `.mtl` that space follows.
+    let mut files = Vec::new();
+    let mut start = 0;
+    for (at, ending) in names.to_ascii_lowercase().match_indices(".mtl ") {
+        let end = at + ending.len() - 1;
+        files.push(names[start..end].trim());
+        start = end;
+    }
+    files.push(names[start..].trim());
+    files
+}
+
+struct Reader<'r> {
+    folder: Option<&'r Path>,
+    with_images: bool,
+    found: Materials,
+    /// Images that were read, by file and whether they repeat.
+    known: HashMap<(Inside, bool), TextureId>,
+    budget: &'r mut Budget,
+    warnings: &'r mut Warnings,
+}
+
+impl Reader<'_> {
+    fn push(&mut self, material: Material, placing: Option<Placing>) {
+        self.found.materials.push(Material {
+            double_sided: true,
+            ..material
+        });
+        self.found.placings.push(placing);
+    }
+
+    fn add(&mut self, entry: &Entry, here: &Inside) {
+        let coverage = self.coverage(entry);
+        let base = entry.diffuse.unwrap_or([1.0; 3]);
+        let maps = [&entry.diffuse_map, &entry.emission_map].map(Option::as_ref);
+        let [diffuse, emission] = maps.map(|map| map.filter(|_| self.with_images));
+        let [r, g, b] = lit(base, maps[0].is_some()).map(|value| value.min(1.0));
+        let placing = |map: &Map| Placing {
+            scale: map.scale,
+            offset: map.offset,
+        };
+        if let (Some(diffuse), Some(emission)) = (diffuse, emission)
+            && placing(diffuse) != placing(emission)
+        {
+            self.warnings.name(WarningKind::MaterialLines, || {
+                format!("{}: map_Ke has another place than map_Kd", entry.name)
+            });
+        }
+        let material = Material {
+            base_color: [r, g, b, coverage],
+            texture: diffuse.map(|map| self.texture(map, here)),
+            emission: lit(entry.emission.unwrap_or_default(), emission.is_some()),
+            emission_texture: emission.map(|map| self.texture(map, here)),
+            alpha: self.alpha(entry, coverage, here),
+            ..Material::opaque([r, g, b])
+        };
+        self.push(material, diffuse.or(emission).map(placing));
+    }
+
+    /// How much of what is behind a material it hides.
+    fn coverage(&mut self, entry: &Entry) -> f32 {
+        let by_transparency = entry.transparency.map(|through| 1.0 - through);
+        if let (Some(d), Some(other)) = (entry.coverage, by_transparency)
+            && (d - other).abs() > 0.01
+        {
+            // Some programs write `Tr` as if it was `d`, so of the two that is believed.
+            self.warnings.name(WarningKind::MaterialLines, || {
+                format!("{}: Tr says otherwise than d, which is taken", entry.name)
+            });
+        }
+        entry.coverage.or(by_transparency).unwrap_or(1.0)
+    }
+
+    /// Whether it hides what is behind it must not depend on whether images are read.
+    fn alpha(&mut self, entry: &Entry, coverage: f32, here: &Inside) -> Alpha {
+        let image = |map: &Map| Inside::of(&map.file, here);
+        if let Some(map) = &entry.coverage_map
+            && entry.diffuse_map.as_ref().map(image) != Some(image(map))
+        {
+            self.warnings.name(WarningKind::MaterialLines, || {
+                format!("{}: map_d is not the image of map_Kd", entry.name)
+            });
+        }
+        match entry.coverage_map {
+            _ if coverage < 1.0 => Alpha::Blend,
+            Some(_) => Alpha::Mask,
+            None => Alpha::Opaque,
+        }
+    }
+
+    fn texture(&mut self, map: &Map, here: &Inside) -> TextureId {
+        let file = Inside::of(&map.file, here);
+        let next = TextureId(self.found.textures.len() as u32);
+        let id = *self.known.entry((file.clone(), map.clamp)).or_insert(next);
+        if id == next {
+            let name = file.spoken();
+            let mut texture = match file.read(self.folder, self.budget) {
+                Ok(bytes) => images::decode(&bytes, &name, &name, self.budget, self.warnings),
+                Err(why) => {
+                    self.warnings
+                        .name(WarningKind::BadImages, || format!("{name}: {why}"));
+                    images::grey(&name)
+                }
+            };
+            if map.clamp {
+                texture.wrap = [Wrap::Clamp; 2];
+            }
+            self.found.textures.push(Arc::new(texture));
+        }
+        id
+    }
+}
+
+/// A color that an image is multiplied by: white where it is black.
+fn lit(color: [f32; 3], has_image: bool) -> [f32; 3] {
+    if has_image && color == [0.0; 3] {
+        [1.0; 3]
+    } else {
+        color
+    }
+}

@@ -1,0 +1,190 @@
+//! OBJ and MTL: text to items, in two readings.
+//!
+//! The first counts, so that memory is set aside before anything is stored; the second reads numbers, piece by piece, side
+//! by side. Then marks between faces are followed in order, materials and images are read, and the meshes of groups are
+//! built side by side. OBJ has no transforms: all items are where their positions are.
+//! Source: Wavefront Technologies. Advanced Visualizer Manual, Appendix B1 (object files) and B2 (material files), 1995,
+//! as far as it is of polygons; and where it is silent, what Blender does.
+//! Cost: O(bytes + corners · log), but for polygons that are hard to cut.
+
+mod corner;
+mod error;
+mod files;
+mod groups;
+mod materials;
+mod mesh;
+mod mtl;
+mod parse;
+mod polygon;
+mod ring;
+mod smooth;
+mod survey;
+mod text;
+
+pub use error::ObjError;
+
+use crate::budget::Budget;
+use crate::warning::{WarningKind, Warnings};
+use crate::{BrokenRule, Import, ReadOptions, Room, gltf};
+use enfilade::{ContentBuilder, Transform};
+use groups::{Group, Groups};
+use materials::Materials;
+use mesh::{Built, Size, Source};
+use parse::Tables;
+use rayon::prelude::*;
+use std::path::Path;
+use std::sync::Arc;
+use survey::{Counts, survey};
+use text::{Lines, has_old_line_ends, number, with_line_ends, without_mark};
+
+impl From<ObjError> for BrokenRule {
+    fn from(why: ObjError) -> BrokenRule {
+        BrokenRule::Obj(Box::new(why))
+    }
+}
+
+/// Does a text begin as OBJ files do: after comments and names, numbers of a position or the name of a file of materials?
+pub(crate) fn begins_like_obj(bytes: &[u8]) -> bool {
+    const ENOUGH: usize = 1 << 16;
+    let begin = with_line_ends(without_mark(&bytes[..bytes.len().min(ENOUGH)]));
+    let mut lines = Lines::of(&begin, 0);
+    let told = lines.find(|line| !matches!(line.keyword(), b"o" | b"g" | b"s" | b"usemtl"));
+    told.is_some_and(|line| match line.keyword() {
+        b"mtllib" => !line.rest().is_empty(),
+        b"v" | b"vt" | b"vn" => line.words().count() >= 2 && line.words().all(|word| number(word).is_some()),
+        _ => false,
+    })
+}
+
+/// Reads the bytes of an OBJ file called `name`; `folder` is where its materials and images lie. `None` where there is not
+/// one line of OBJ in it.
+pub(crate) fn import(
+    bytes: &[u8],
+    folder: Option<&Path>,
+    name: &str,
+    options: &ReadOptions,
+    mut budget: Budget,
+) -> Result<Option<Import>, BrokenRule> {
+    // Lines that go on, and line ends of old, are copied.
+    if bytes.contains(&b'\\') || has_old_line_ends(bytes) {
+        budget.take(bytes.len() as u64, || "the text".to_owned())?;
+    }
+    let text = with_line_ends(without_mark(bytes));
+    let (pieces, all) = survey(&text)?;
+    if all.unknown > 0 && !all.any_known() {
+        return Ok(None);
+    }
+    read(&pieces, &all, folder, name, options, budget).map(Some)
+}
+
+fn read(
+    pieces: &[survey::Piece],
+    all: &Counts,
+    folder: Option<&Path>,
+    name: &str,
+    options: &ReadOptions,
+    mut budget: Budget,
+) -> Result<Import, BrokenRule> {
+    let mut warnings = Warnings::default();
+    budget.take(bytes_of_tables(all), || "the text".to_owned())?;
+    // Places are held in 32 bits, and a polygon has up to three corners of triangles for each of its own.
+    if all.corners.max(all.positions) >= u32::MAX as usize / 3 {
+        return Err(BrokenRule::TooManyCorners {
+            place: "the file".to_owned(),
+        });
+    }
+    let (tables, faces) = parse::parse(pieces, all, &mut warnings)?;
+    let found = Groups::of(&faces, &mut budget)?;
+    let materials = Materials::read(&found, folder, options.textures, &mut budget, &mut warnings);
+    let source = Source {
+        pieces,
+        faces: &faces,
+        tables: &tables,
+        placings: &materials.placings,
+    };
+
+    let mut content = ContentBuilder::new(materials.materials);
+    content.textures(materials.textures);
+    let crowds = crowds(&found.groups, &source);
+    let carried = bytes_carried(&tables, found.any_smooth());
+    let mut kept = 0;
+    let mut at_work = 0;
+    for (_, size) in &crowds {
+        kept += size.triangles * BYTES_KEPT + size.corners * (12 + carried);
+        at_work = at_work.max(size.triangles * BYTES_AT_WORK + size.corners * (40 + carried));
+    }
+    budget.take(kept + at_work, || "the triangles".to_owned())?;
+    for (crowd, _) in crowds {
+        let built: Vec<_> = crowd.par_iter().map(|group| source.build(group)).collect();
+        // In order, so that of several broken groups the first is named, whichever thread was done first.
+        for (group, built) in crowd.iter().zip(built) {
+            let Built { mesh, rough } = built?;
+            for (piece, face) in rough {
+                warnings.name(WarningKind::RoughPolygons, || {
+                    format!("line {}", source.line(piece, face))
+                });
+            }
+            let mesh = content.mesh(mesh);
+            content.item(&group.name, mesh, Transform::IDENTITY);
+            if !options.flat && gltf::is_called_like_an_opening_or_a_room(&group.name) {
+                warnings.name(WarningKind::NoRoomsInObj, || group.name.clone());
+            }
+        }
+    }
+    let content = Arc::new(content.build().map_err(BrokenRule::Content)?);
+    warnings.state(WarningKind::EmptyScene, content.triangle_count() == 0);
+    Ok(Import {
+        rooms: vec![Room {
+            name: name.to_owned(),
+            content,
+            method: None,
+        }],
+        portals: Vec::new(),
+        cameras: Vec::new(),
+        lights: Vec::new(),
+        warnings: warnings.into_list(),
+    })
+}
+
+/// What is stored of the text, at most: each position may have a color.
+fn bytes_of_tables(all: &Counts) -> u64 {
+    let bytes = all.positions * 24 + all.texture * 8 + all.normals * 12;
+    (bytes + all.corners * 12 + all.faces * 4 + all.marks * 64) as u64
+}
+
+/// What a triangle takes in a mesh, but for its corners, no two of which may be one.
+const BYTES_KEPT: u64 = 16;
+/// What it takes besides, while its mesh is built.
+const BYTES_AT_WORK: u64 = 120;
+
+/// What a corner carries, at most.
+fn bytes_carried(tables: &Tables, any_smooth: bool) -> u64 {
+    let bytes = |is_there: bool, bytes| if is_there { bytes } else { 0 };
+    bytes(!tables.normals.is_empty(), 12)
+        + bytes(any_smooth, 60)
+        + bytes(!tables.texture.is_empty(), 8)
+        + bytes(!tables.colors.is_empty(), 16)
+}
+
+/// Triangles of groups that are built at once, if it is not one group that has more. So memory does not grow with the
+/// number of threads, and there is still enough for each.
+const CROWD: u64 = 1_000_000;
+
+/// Runs of groups that are built at once, and how large each is.
+fn crowds<'g>(groups: &'g [Group], source: &Source) -> Vec<(&'g [Group], Size)> {
+    let mut crowds = Vec::new();
+    let mut start = 0;
+    let mut crowd = Size::default();
+    for (end, group) in groups.iter().enumerate() {
+        let size = source.size(group);
+        if crowd.triangles > 0 && crowd.triangles + size.triangles > CROWD {
+            crowds.push((&groups[start..end], crowd));
+            (start, crowd) = (end, Size::default());
+        }
+        crowd += size;
+    }
+    if start < groups.len() {
+        crowds.push((&groups[start..], crowd));
+    }
+    crowds
+}

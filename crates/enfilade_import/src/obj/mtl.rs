@@ -1,0 +1,285 @@
+//! MTL files: what faces are made of, as far as we draw it.
+//!
+//! Nothing in them keeps a scene from being opened: a line that makes no sense is left out, and a warning names it.
+
+use super::text::{Line, Lines, number, quoted, with_line_ends, without_mark};
+use crate::warning::{WarningKind, Warnings};
+
+/// A material as its file has it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Entry {
+    pub(super) name: String,
+    /// `Kd`.
+    pub(super) diffuse: Option<[f32; 3]>,
+    /// `Ke`.
+    pub(super) emission: Option<[f32; 3]>,
+    /// `d`: 1 hides what is behind it.
+    pub(super) coverage: Option<f32>,
+    /// `Tr`: the same from the other end, 1 cannot be seen.
+    pub(super) transparency: Option<f32>,
+    /// `map_Kd`.
+    pub(super) diffuse_map: Option<Map>,
+    /// `map_Ke`.
+    pub(super) emission_map: Option<Map>,
+    /// `map_d`.
+    pub(super) coverage_map: Option<Map>,
+}
+
+/// An image that a material names.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Map {
+    /// As the file has it: it may have spaces, backslashes, or the name of a drive in it.
+    pub(super) file: String,
+    /// `-s`: texture coordinates are multiplied by it,
+    pub(super) scale: [f32; 2],
+    /// `-o`: and this is added.
+    pub(super) offset: [f32; 2],
+    /// `-clamp`: it does not repeat.
+    pub(super) clamp: bool,
+}
+
+/// Keywords of shading that we do not do; that each surface shines in its own way is no loss worth a warning.
+const LEFT_ASIDE: [&[u8]; 16] = [
+    b"Ka",
+    b"Ks",
+    b"Ns",
+    b"Ni",
+    b"Tf",
+    b"illum",
+    b"sharpness",
+    b"Pr",
+    b"Pm",
+    b"Ps",
+    b"Pc",
+    b"Pcr",
+    b"aniso",
+    b"anisor",
+    b"Km",
+    b"map_aat",
+];
+
+/// The materials of a file; `file` is how warnings call it.
+pub(super) fn parse(text: &[u8], file: &str, warnings: &mut Warnings) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    let text = with_line_ends(without_mark(text));
+    for line in Lines::of(&text, 0) {
+        if line.keyword() == b"newmtl" {
+            entries.push(Entry {
+                name: line.rest().into_owned(),
+                ..Entry::default()
+            });
+            continue;
+        }
+        if LEFT_ASIDE.contains(&line.keyword()) {
+            continue;
+        }
+        let read = match entries.last_mut() {
+            Some(entry) => entry.read(&line, &mut |what| {
+                warnings.name(WarningKind::MaterialLines, || {
+                    format!("{file} line {}: {what}", line.number)
+                })
+            }),
+            None => None,
+        };
+        if read.is_none() {
+            warnings.name(WarningKind::MaterialLines, || {
+                format!("{file} line {}: {}", line.number, quoted(&line.text))
+            });
+        }
+    }
+    entries
+}
+
+impl Entry {
+    /// Takes over what a line says, and tells what of it was `left`; `None` where nothing could be read.
+    fn read(&mut self, line: &Line, left: &mut dyn FnMut(&str)) -> Option<()> {
+        match line.keyword() {
+            b"Kd" => self.diffuse = Some(color(line)?),
+            b"Ke" => self.emission = Some(color(line)?),
+            b"d" => self.coverage = Some(amount(line)?),
+            b"Tr" => self.transparency = Some(amount(line)?),
+            b"map_Kd" | b"map_kd" => self.diffuse_map = Some(Map::read(line, left)?),
+            b"map_Ke" | b"map_ke" => self.emission_map = Some(Map::read(line, left)?),
+            b"map_d" | b"map_D" => self.coverage_map = Some(Map::read(line, left)?),
+            _ => return None,
+        }
+        Some(())
+    }
+}
+
+/// Three numbers from 0, or one for all three. `spectral` and `xyz` are not read.
+fn color(line: &Line) -> Option<[f32; 3]> {
+    let values: Vec<f32> = line.words().take(3).map(number).collect::<Option<_>>()?;
+    let color = match *values {
+        [grey] => [grey; 3],
+        [r, g, b] => [r, g, b],
+        _ => return None,
+    };
+    color
+        .iter()
+        .all(|value| value.is_finite() && *value >= 0.0)
+        .then_some(color)
+}
+
+/// A number from 0 to 1.
+fn amount(line: &Line) -> Option<f32> {
+    let value = number(line.words().next()?)?;
+    (0.0..=1.0).contains(&value).then_some(value)
+}
+
+impl Map {
+    /// `[-OPTION WORD …] FILE`.
+    fn read(line: &Line, left: &mut dyn FnMut(&str)) -> Option<Map> {
+        let rest = line.rest();
+        let mut rest = &*rest;
+        let mut map = Map {
+            file: String::new(),
+            scale: [1.0; 2],
+            offset: [0.0; 2],
+            clamp: false,
+        };
+        while let Some((option, after)) = first_word(rest).filter(|(word, _)| word.starts_with('-')) {
+            let (values, file) = match option {
+                // Up to three numbers; those left out are as if the option was not there.
+                "-s" | "-o" | "-t" => numbers(after),
+                "-mm" => skip(after, 2),
+                "-blendu" | "-blendv" | "-cc" | "-clamp" | "-texres" | "-bm" | "-boost" | "-imfchan"
+                | "-type" => skip(after, 1),
+                // No option: a file may be called so.
+                _ => break,
+            };
+            match (option, &*values) {
+                ("-s", [u, v @ ..]) => map.scale = [*u, v.first().copied().unwrap_or(1.0)],
+                ("-o", [u, v @ ..]) => map.offset = [*u, v.first().copied().unwrap_or(0.0)],
+                ("-clamp", _) => map.clamp = first_word(after)?.0 == "on",
+                _ => left(option),
+            }
+            rest = file;
+        }
+        map.file = rest.trim_matches('"').to_owned();
+        (!map.file.is_empty()).then_some(map)
+    }
+}
+
+/// The first word and what follows, if there is one.
+fn first_word(text: &str) -> Option<(&str, &str)> {
+    let text = text.trim_start();
+    let end = text.find(char::is_whitespace).unwrap_or(text.len());
+    (end > 0).then(|| (&text[..end], text[end..].trim_start()))
+}
+
+/// The numbers, up to three, that a text begins with, and what follows. The last word is the file, whatever it looks like.
+fn numbers(mut text: &str) -> (Vec<f32>, &str) {
+    let mut values = Vec::new();
+    while let Some((word, after)) = first_word(text).filter(|(_, after)| !after.is_empty()) {
+        match number(word.as_bytes()) {
+            Some(value) if value.is_finite() && values.len() < 3 => values.push(value),
+            _ => break,
+        }
+        text = after;
+    }
+    (values, text)
+}
+
+/// No numbers, and what follows some words.
+fn skip(text: &str, words: usize) -> (Vec<f32>, &str) {
+    let after = (0..words).fold(text, |text, _| first_word(text).map_or("", |(_, after)| after));
+    (Vec::new(), after)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> (Vec<Entry>, Vec<String>) {
+        let mut warnings = Warnings::default();
+        let entries = parse(text.as_bytes(), "a.mtl", &mut warnings);
+        (
+            entries,
+            warnings.into_list().iter().map(ToString::to_string).collect(),
+        )
+    }
+
+    fn map(rest: &str) -> (Option<Map>, Vec<String>) {
+        let (mut entries, warnings) = read(&format!("newmtl a\nmap_Kd {rest}"));
+        (entries.remove(0).diffuse_map, warnings)
+    }
+
+    #[test]
+    fn a_material_is_all_lines_up_to_the_next() {
+        let text = "\u{feff}# b\r\nnewmtl dark oak \r\nKd 0.1 0.2 0.3\r\n\tKe 2 0 0\r\nd 0.5\r\nNs 10\r\nnewmtl b\nKd 1\nTr .25";
+        let (entries, warnings) = read(text);
+        assert_eq!(warnings, [""; 0]);
+        assert_eq!(entries.len(), 2);
+        assert_eq!((&*entries[0].name, &*entries[1].name), ("dark oak", "b"));
+        assert_eq!(entries[0].diffuse, Some([0.1, 0.2, 0.3]));
+        assert_eq!(entries[0].emission, Some([2.0, 0.0, 0.0]));
+        assert_eq!((entries[0].coverage, entries[0].transparency), (Some(0.5), None));
+        assert_eq!(entries[1].diffuse, Some([1.0; 3]));
+        assert_eq!((entries[1].coverage, entries[1].transparency), (None, Some(0.25)));
+    }
+
+    #[test]
+    fn lines_that_make_no_sense_are_named_and_left_out() {
+        for line in [
+            "Kd red",
+            "Kd 1 1",
+            "Kd nan 0 0",
+            "Kd -1 0 0",
+            "Kd",
+            "Kd spectral a.rfl",
+            "d",
+            "d -halo 0.5",
+            "Tr 2",
+            "map_Kd",
+            "map_Bump a.png",
+            "nonsense",
+        ] {
+            let (entries, warnings) = read(&format!("newmtl a\n{line}"));
+            let bare = Entry {
+                name: "a".to_owned(),
+                ..Entry::default()
+            };
+            assert_eq!(entries, [bare], "{line}");
+            assert!(
+                warnings[0].contains(&format!("a.mtl line 2: {line}")),
+                "{warnings:?}"
+            );
+        }
+        let (entries, warnings) = read("Kd 1 1 1\n");
+        assert!(
+            entries.is_empty() && warnings[0].contains("a.mtl line 1: Kd 1 1 1"),
+            "{warnings:?}"
+        );
+    }
+
+    #[test]
+    fn names_of_images_come_after_their_options() {
+        let (wood, warnings) = map("-clamp on -s 2 3 1 -o 0.5 my wood.png");
+        let expected = Map {
+            file: "my wood.png".to_owned(),
+            scale: [2.0, 3.0],
+            offset: [0.5, 0.0],
+            clamp: true,
+        };
+        assert_eq!((wood, warnings.len()), (Some(expected), 0));
+        let file = |rest: &str| map(rest).0.map(|map| map.file);
+        for (rest, name) in [
+            ("..\\tex\\a b.png", "..\\tex\\a b.png"),
+            ("\"a b.png\"", "a b.png"),
+            ("-o 1 2 3 4.png", "4.png"),
+            ("-s 1 1", "1"),
+            ("-x.png", "-x.png"),
+            ("-clamp off a.png", "a.png"),
+            ("-bm 0.3 -mm 0 1 a.png", "a.png"),
+        ] {
+            assert_eq!(file(rest).as_deref(), Some(name), "{rest}");
+        }
+        let (_, warnings) = map("-bm 0.3 -t 1 1 1 a.png");
+        assert!(
+            warnings[0].ends_with("(a.mtl line 2: -bm, a.mtl line 2: -t)"),
+            "{warnings:?}"
+        );
+        assert_eq!(file("-clamp on"), None);
+    }
+}

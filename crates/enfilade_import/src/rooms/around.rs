@@ -1,0 +1,26 @@
+//! Which room is around a point, by boxes: for what no author put into one.
+
+use crate::Room;
+use enfilade::FragmentId;
+
+/// The room with the smallest box that holds a point.
+pub(crate) fn room_around(rooms: &[Room], point: [f32; 3]) -> Option<FragmentId> {
+    let numbered = (0_u32..).zip(rooms);
+    numbered
+        .map(|(number, room)| (FragmentId(number), room.content.bounds()))
+        .filter(|(_, bounds)| bounds.contains(point))
+        .min_by(|(a, one), (b, other)| one.volume().total_cmp(&other.volume()).then(a.cmp(b)))
+        .map(|(room, _)| room)
+}
+
+/// The room whose box is nearest to a point.
+pub(crate) fn room_nearest(rooms: &[Room], point: [f32; 3]) -> Option<FragmentId> {
+    let away = |number: &u32| -> f64 {
+        let bounds = rooms[*number as usize].content.bounds();
+        let beyond = |axis: usize| (bounds.min[axis] - point[axis]).max(point[axis] - bounds.max[axis]);
+        (0..3).map(|axis| f64::from(beyond(axis).max(0.0)).powi(2)).sum()
+    };
+    let numbers = 0..rooms.len() as u32;
+    let nearest = numbers.min_by(|a, b| away(a).total_cmp(&away(b)).then(a.cmp(b)));
+    nearest.map(FragmentId)
+}

@@ -1,0 +1,136 @@
+//! Files in a folder, and the questions that tests ask about what was read.
+
+use enfilade::{ItemId, Material};
+use enfilade_import::{Import, ImportError, ReadOptions, read, read_bytes};
+use std::path::Path;
+
+/// What a text holds, which must be sound.
+#[track_caller]
+pub(crate) fn reads(text: &str) -> Import {
+    read_bytes(text.as_bytes(), None, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The text of the error that a text gives, or nothing where there is none.
+pub(crate) fn refusal(bytes: &[u8]) -> Option<String> {
+    read_bytes(bytes, None, &ReadOptions::default())
+        .err()
+        .map(|error| error.to_string())
+}
+
+/// Reads the first of some files that lie in one folder.
+pub(crate) fn read_among(files: &[(&str, &[u8])], options: &ReadOptions) -> Result<Import, ImportError> {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, bytes) in files {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("it is ours");
+        std::fs::write(path, bytes).expect("it is ours");
+    }
+    read(&folder.path().join(Path::new(files[0].0)), options)
+}
+
+/// What the first of some files holds, which must be sound.
+#[track_caller]
+pub(crate) fn reads_among(files: &[(&str, &[u8])]) -> Import {
+    read_among(files, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The names of all items.
+pub(crate) fn names(import: &Import) -> Vec<&str> {
+    let content = &import.rooms[0].content;
+    (0..content.items().len() as u32)
+        .map(|item| content.name(ItemId(item)))
+        .collect()
+}
+
+/// The texts of all warnings.
+pub(crate) fn warnings(import: &Import) -> Vec<String> {
+    import.warnings.iter().map(ToString::to_string).collect()
+}
+
+/// A corner of a triangle, and all that it carries.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Corner {
+    pub(crate) position: [f32; 3],
+    pub(crate) normal: Option<[f32; 3]>,
+    pub(crate) texture: Option<[f32; 2]>,
+    pub(crate) color: Option<[f32; 4]>,
+}
+
+/// The triangles of an item with what they are made of, the corner of the least position first, then round; in no order.
+pub(crate) fn triangles(import: &Import, item: u32) -> Vec<([Corner; 3], Material)> {
+    let content = &import.rooms[0].content;
+    let mesh = content.mesh_of(ItemId(item));
+    (0..mesh.face_count())
+        .map(|face| {
+            let cluster = &mesh.clusters()[mesh.cluster_of(face)];
+            let mut corners: Vec<Corner> = mesh
+                .face(face)
+                .iter()
+                .map(|&index| Corner {
+                    position: mesh.positions()[index as usize],
+                    normal: mesh.normals().get(index as usize).copied(),
+                    texture: mesh.texture().get(index as usize).copied(),
+                    color: mesh.colors().get(index as usize).copied(),
+                })
+                .collect();
+            let least = (0..3).min_by(|&a, &b| {
+                corners[a]
+                    .position
+                    .partial_cmp(&corners[b].position)
+                    .expect("finite")
+            });
+            corners.rotate_left(least.expect("three corners"));
+            (
+                corners.try_into().expect("three corners"),
+                content.materials()[cluster.material.0 as usize],
+            )
+        })
+        .collect()
+}
+
+/// Every triangle of an item by its corners, as `0,0,0 1,0,0 0,1,0`, in order.
+pub(crate) fn places(import: &Import, item: u32) -> Vec<String> {
+    let spoken = |corner: &Corner| {
+        // Never -0.
+        let [x, y, z] = corner.position.map(|value| value + 0.0);
+        format!("{x},{y},{z}")
+    };
+    let mut lines: Vec<String> = triangles(import, item)
+        .iter()
+        .map(|(corners, _)| corners.iter().map(spoken).collect::<Vec<_>>().join(" "))
+        .collect();
+    lines.sort();
+    lines
+}
+
+/// What the first item is made of, which is one thing.
+#[track_caller]
+pub(crate) fn material(import: &Import) -> Material {
+    let triangles = triangles(import, 0);
+    let (_, first) = triangles[0];
+    assert!(triangles.iter().all(|(_, material)| *material == first));
+    first
+}
+
+/// All corners of the first item at a position, which must carry the same.
+#[track_caller]
+pub(crate) fn corner(import: &Import, position: [f32; 3]) -> Corner {
+    let all = triangles(import, 0);
+    let mut found = all
+        .iter()
+        .flat_map(|(corners, _)| corners)
+        .filter(|c| c.position == position);
+    let first = *found.next().expect("a corner there");
+    assert!(found.all(|other| *other == first), "one corner at {position:?}");
+    first
+}
+
+/// Numbers that look random and are the same every time.
+pub(crate) fn numbers(mut state: u64) -> impl FnMut(usize) -> usize {
+    move |below| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below
+    }
+}

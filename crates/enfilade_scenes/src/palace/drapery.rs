@@ -29,7 +29,7 @@ pub(crate) fn curtain(
     cord: MaterialId,
 ) -> Arc<Mesh> {
     shop.piece(format!("curtain {wide} {high} {}", cloth.0), || {
-        const FOLDS: f32 = 7.0;
+        const FOLDS: f32 = 6.0;
         const ACROSS: usize = 56;
         const DOWN: usize = 20;
         let tie = 0.4;
@@ -43,7 +43,8 @@ pub(crate) fn curtain(
                 0.25 * ((tie - up) / tie).powf(0.7)
             };
             let breadth = wide * (0.22 + 0.78 * off);
-            let deep = 0.05 + 0.03 * (1.0 - off);
+            // As deep as is soft for their width: deeper ones would show their dark sides.
+            let deep = 0.012 + 0.24 * breadth / FOLDS;
             vec3(
                 u * breadth,
                 high * up,

@@ -21,7 +21,7 @@ pub(crate) const ORCHARD: Design = Design {
 const GARDEN: Design = Design {
     name: "",
     plan: Plan::Rectangle([0.0, 1.0], [0.0, 1.0]),
-    height: 5.6,
+    height: 6.4,
     ceiling: Ceiling::Sky,
     style: Style {
         wall: PALE_ASHLAR,

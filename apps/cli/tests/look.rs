@@ -294,3 +294,15 @@ fn info_says_what_is_in_a_file() {
         "{text}"
     );
 }
+
+#[test]
+fn an_orthographic_camera_is_looked_through_like_others() {
+    let fixture = "/../../crates/enfilade_import/fixtures/cameras.glb";
+    let file = format!("{}{fixture}", env!("CARGO_MANIFEST_DIR"));
+    let report = Folder::new().json(&format!(
+        "look {file} --camera orthographic --size 64x36 --method hierarchical-z"
+    ));
+    let view = &report["views"][0];
+    assert!(view["fov"].as_f64().expect("degrees") < 0.1, "{view}");
+    assert_eq!(view["items"]["visible"], 5, "{view}");
+}

@@ -5,8 +5,9 @@ use enfilade::FragmentId;
 /// A camera in world space: what [`enfilade::View`] needs, but for the size of the screen.
 ///
 /// A view has a lens. So an orthographic camera, whose lines of sight are parallel, is here one with a narrow lens that
-/// stands far behind where its author put it: so far that on a screen 1280 pixels wide nothing of the scene is more than
-/// about half a pixel off, and what is as far away as the middle of what is before the camera is as large as it should be.
+/// stands far behind where its author put it: so far that on a screen 1280 pixels wide nothing that its author has in its
+/// picture is more than about half a pixel off, and what is in the middle of all that, from near to far, as large as it
+/// should be.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
     /// How its author called it.

@@ -109,44 +109,44 @@ pub enum BrokenRule {
         /// How many there are.
         count: usize,
     },
-    /// A buffer is to be fetched from elsewhere.
+    /// A buffer or an image is to be fetched from elsewhere.
     #[error("{place} lies at `{uri}`; nothing is fetched. Save it beside the file and name it there")]
     NotLocal {
-        /// Which buffer.
+        /// Which of them.
         place: String,
         /// The address.
         uri: String,
     },
-    /// A buffer's path is absolute or climbs with `..`.
+    /// The path of a buffer or an image is absolute or climbs with `..`.
     #[error(
         "{place} is `{uri}`, which leads out of the file's folder; move it into that folder and name it there"
     )]
     LeavesFolder {
-        /// Which buffer.
+        /// Which of them.
         place: String,
         /// The path.
         uri: String,
     },
-    /// A buffer stands in a file, and there is no folder to look in.
+    /// A buffer or an image stands in a file, and there is no folder to look in.
     #[error("{place} is the file `{uri}`, but no folder was given to look for it")]
     NoFolder {
-        /// Which buffer.
+        /// Which of them.
         place: String,
         /// The path.
         uri: String,
     },
-    /// A buffer's address has bad percent signs, or its data are not base64.
+    /// The address of a buffer or an image has bad percent signs, or its data are not base64.
     #[error("{place} has a bad address: {why}")]
     BadUri {
-        /// Which buffer.
+        /// Which of them.
         place: String,
         /// What is bad about it.
         why: String,
     },
-    /// A buffer's file is not read.
+    /// The file of a buffer or an image is not read.
     #[error("{place} is the file `{path}`, which {why}")]
     BufferFile {
-        /// Which buffer.
+        /// Which of them.
         place: String,
         /// Where it was looked for.
         path: String,

@@ -23,7 +23,6 @@ pub(crate) struct Encoded<'b> {
 }
 
 /// The texture of an image's bytes; grey where they are no image or one that would take too much memory.
-#[allow(dead_code, reason = "for readers of formats whose images come one by one")]
 pub(crate) fn decode(
     bytes: &[u8],
     name: &str,

@@ -42,9 +42,24 @@
 //! glass, an image that is both `map_Kd` and `map_d` cut-outs. Colors of materials are taken as linear, those of positions as
 //! they look on a screen. Nothing outside the file's folder is read.
 //!
-//! What changes only the
-//! look (textures, normals, lights) and what is not read yet is named in [`Import::warnings`], never silently
-//! dropped. A file that breaks a rule, however it does, gives an [`ImportError`] that names the place and the rule.
+//! What is read of how a glTF scene looks: colors and images on faces (PNG and JPEG; in the file, beside it, or in an
+//! address), their samplers, cut-outs and glass, light that things send out, normals and colors of corners, lights, and
+//! cameras, also orthographic ones ([`Camera`]). Numbers may be sparse, quantized or compressed. Of extensions these are read:
+//!
+//! | extension | what becomes of it |
+//! |---|---|
+//! | `EXT_mesh_gpu_instancing` | each instance is an item, `NAME[7]` |
+//! | `EXT_meshopt_compression`, `KHR_meshopt_compression` | decoded, with the feature `meshopt` |
+//! | `KHR_lights_punctual` | [`Import::lights`]; a light stands in the room above its node, else in the smallest around it |
+//! | `KHR_materials_emissive_strength`, `KHR_materials_unlit` | as they say |
+//! | `KHR_materials_transmission` | glass that is seen through by nine tenths of what it transmits |
+//! | `KHR_mesh_quantization` | as it says |
+//! | `KHR_texture_transform` | the coordinates of corners are those after it |
+//!
+//! A file that requires another one is refused; one that only uses it is read, with a warning. What is not drawn or not read
+//! yet (skins, animations, maps of metal and roughness) is named in [`Import::warnings`], never silently dropped. An image
+//! that cannot be had is grey, and a warning says why. A file that breaks a rule, however it does, gives an [`ImportError`]
+//! that names the place and the rule.
 #![forbid(unsafe_code)]
 
 mod authoring;
@@ -82,12 +97,12 @@ pub struct Import {
     /// otherwise. At least one; exactly one where none is marked, or where the file was read as [flat](ReadOptions::flat).
     ///
     /// An item is named for its node, `NAME#nodeIndex` where nodes with meshes share the name, `node#12` where it
-    /// has none; of an OBJ file for its group, `NAME#itemIndex` where groups share the name, `default` where it has none. No
+    /// has none; of several instances each has its number behind that, `NAME[7]`; of an OBJ file for its group, `NAME#itemIndex` where groups share the name, `default` where it has none. No
     /// two items of a file have the same name.
     pub rooms: Vec<Room>,
     /// The ways between them; [`FragmentId`](enfilade::FragmentId) n is room n. A door is two, a mirror one that reflects.
     pub portals: Vec<Portal>,
-    /// The perspective cameras of that scene, in the order of their nodes, named as items are.
+    /// The cameras of that scene, in the order of their nodes, named as items are.
     pub cameras: Vec<Camera>,
     /// Its lights, each in the room that it stands in. Their colors are in the units of the file, whatever its author meant by
     /// them: whoever draws chooses an exposure.

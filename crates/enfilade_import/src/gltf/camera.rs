@@ -110,7 +110,7 @@ fn orthographic(
         zfar,
     } = lens;
     let others = xmag > 0.0 && zfar > znear;
-    let [ymag, znear] = [ymag, znear].map(f64::from);
+    let [ymag, znear, zfar] = [ymag, znear, zfar].map(f64::from);
     let [eye, up, back] = frame(world)?;
     if !(others && ymag > 0.0 && znear >= 0.0 && ymag.is_finite() && znear.is_finite()) {
         return None;
@@ -127,6 +127,12 @@ fn orthographic(
         false => depths.into_iter().fold(f64::NAN, better).max(znear),
     };
     let (nearest, farthest) = (ends(f64::min, znear), ends(f64::max, znear + 1.0));
+    // What its author has too far to be seen need not be in its place, and the eye need not stand so far away for it.
+    let farthest = if zfar > nearest {
+        farthest.min(zfar)
+    } else {
+        farthest
+    };
     let (middle, half) = (0.5 * (nearest + farthest), 0.5 * (farthest - nearest));
     let away = (AWAY * half).max(ymag).max(2.0 * (middle - znear));
     let camera = Camera {

@@ -109,6 +109,14 @@ fn a_scene_far_away_flat_or_empty_can_still_be_looked_at() {
     let mut view = View::new(camera.eye, camera.toward, [64, 36]);
     (view.fov_y, view.near) = (camera.fov_y, camera.near);
     assert_eq!(view.check(), Ok(()));
+    // Of what is beyond its far end nothing need be in its place, and it stands the nearer for it.
+    let mut file = cube(json!({ "camera": 0, "translation": [0, 0, 11] }));
+    let whole = only(&reads(&file)).eye[2];
+    file.json["cameras"][0]["orthographic"]["zfar"] = json!(3);
+    let import = reads(&file);
+    assert!(only(&import).eye[2] < 0.2 * whole, "{whole} {:?}", only(&import));
+    let [column, ..] = seen(only(&import), [4.0, 0.0, 9.0]);
+    assert!((column - 360.0).abs() < 0.6, "{column}");
     // All of it is behind the camera.
     let behind = reads(&cube(json!({ "camera": 0, "translation": [0, 0, -50] })));
     assert_eq!(behind.cameras.len(), 1);

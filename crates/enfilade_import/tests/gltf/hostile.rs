@@ -34,7 +34,7 @@ fn orchard() -> File {
 }
 
 /// Numbers that look random and are the same every time.
-fn numbers(mut state: u64) -> impl FnMut(usize) -> usize {
+pub(crate) fn numbers(mut state: u64) -> impl FnMut(usize) -> usize {
     move |below| {
         state = state
             .wrapping_mul(6_364_136_223_846_793_005)

@@ -91,10 +91,7 @@ fn a_node_without_lists_of_instances_stands_for_itself_and_one_with_empty_ones_f
     });
     let import = reads(&file);
     assert_eq!(triangles(&import), [""; 0]);
-    assert_eq!(
-        warnings(&import),
-        ["the scene is empty: none of its nodes has a triangle"]
-    );
+    assert_eq!(warnings(&import), ["the scene is empty: it has no triangle"]);
 }
 
 #[test]

@@ -5,10 +5,13 @@ mod broken;
 mod cameras;
 #[cfg(feature = "meshopt")]
 mod compressed;
+#[cfg(feature = "meshopt")]
+mod compressed_damage;
 mod containers;
 mod file;
 mod fixtures;
 mod hostile;
+mod hostile_images;
 mod hostile_look;
 mod instances;
 mod lights;

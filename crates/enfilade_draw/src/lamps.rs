@@ -61,9 +61,9 @@ pub(crate) struct Near {
 }
 
 impl Brightness {
-    /// What an eye gets used to: pools of light in the dark must not be blinding.
+    /// What an eye gets used to: pools of light must not be blinding, nor leave all else in the dark.
     fn used_to(&self) -> f32 {
-        self.lit.max(0.5 * self.lit_best)
+        self.lit * (0.5 * self.lit_best / self.lit.max(f32::MIN_POSITIVE)).clamp(1.0, 1.5)
     }
 }
 

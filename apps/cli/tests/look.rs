@@ -304,5 +304,5 @@ fn an_orthographic_camera_is_looked_through_like_others() {
     ));
     let view = &report["views"][0];
     assert!(view["fov"].as_f64().expect("degrees") < 0.1, "{view}");
-    assert_eq!(view["items"]["visible"], 5, "{view}");
+    assert_eq!(view["items_visible"], 5, "{view}");
 }

@@ -54,7 +54,9 @@ impl Mips {
     }
 
     /// Red, green and blue, linear, and coverage at a place, where a sample is as wide as the root of `square` texels.
-    pub(crate) fn at(&self, place: [f32; 2], square: f32) -> Vec4 {
+    pub(crate) fn at(&self, [u, v]: [f32; 2], square: f32) -> Vec4 {
+        let [wrap_u, wrap_v] = self.texture.wrap;
+        let place = [into_range(u, wrap_u), into_range(v, wrap_v)];
         if square.is_nan() || square <= 1.0 {
             return self.look(0, place, self.texture.magnify);
         }
@@ -64,12 +66,13 @@ impl Mips {
             None => self.look(0, place, minify.texels),
             Some(Filter::Nearest) => self.look((level + 0.5) as usize, place, minify.texels),
             Some(Filter::Linear) => {
-                let larger = self.look(level as usize, place, minify.texels);
-                let part = level - (level as usize) as f32;
+                let larger = level as usize;
+                let part = level - larger as f32;
                 if part == 0.0 {
-                    return larger;
+                    return self.look(larger, place, minify.texels);
                 }
-                larger.lerp(self.look(level as usize + 1, place, minify.texels), part)
+                let smaller = self.look(larger + 1, place, minify.texels);
+                self.look(larger, place, minify.texels).lerp(smaller, part)
             }
         }
     }
@@ -84,34 +87,26 @@ impl Mips {
         }
     }
 
+    /// The color of a level at a place that is in range.
     #[inline]
     fn look(&self, level: usize, [u, v]: [f32; 2], filter: Filter) -> Vec4 {
         let image = self.image(level.min(self.smaller.len()));
         let [wrap_u, wrap_v] = self.texture.wrap;
-        let [width, height] = image.size;
-        let x = into_range(u, wrap_u) * width as f32;
-        let y = into_range(v, wrap_v) * height as f32;
+        let [width, height] = image.size.map(|side| side as i32);
+        let texel = |column: usize, row: usize| linear(self.decoded, image.texel(column, row));
+        let (x, y) = (u * width as f32, v * height as f32);
         if filter == Filter::Nearest {
             let column = wrapped(floor(x), width, wrap_u);
-            return self.texel(image, column, wrapped(floor(y), height, wrap_v));
+            return texel(column, wrapped(floor(y), height, wrap_v));
         }
         let (x, y) = (x - 0.5, y - 0.5);
         let (left, top) = (floor(x), floor(y));
         let (part_x, part_y) = (x - left as f32, y - top as f32);
         let (column, next_column) = (wrapped(left, width, wrap_u), wrapped(left + 1, width, wrap_u));
         let (row, next_row) = (wrapped(top, height, wrap_v), wrapped(top + 1, height, wrap_v));
-        let above = self
-            .texel(image, column, row)
-            .lerp(self.texel(image, next_column, row), part_x);
-        let below = self
-            .texel(image, column, next_row)
-            .lerp(self.texel(image, next_column, next_row), part_x);
+        let above = texel(column, row).lerp(texel(next_column, row), part_x);
+        let below = texel(column, next_row).lerp(texel(next_column, next_row), part_x);
         above.lerp(below, part_y)
-    }
-
-    #[inline]
-    fn texel(&self, image: Image, column: usize, row: usize) -> Vec4 {
-        linear(self.decoded, image.texel(column, row))
     }
 }
 
@@ -131,11 +126,12 @@ impl Image<'_> {
     }
 }
 
-/// The whole number at or below; without a call, which machines without such an instruction would make.
+/// The whole number below, of numbers below 2²² whichever their sign; of a whole one, itself or the one before. Without a
+/// call, and without the checks of a cast: the last bits of a sum with so large a number are the whole part.
 #[inline]
 fn floor(value: f32) -> i32 {
-    let whole = value as i32;
-    whole.saturating_sub(i32::from(value < whole as f32))
+    const LARGE: f32 = 12_582_912.0;
+    (value - 0.5 + LARGE).to_bits() as i32 - LARGE.to_bits() as i32
 }
 
 /// The logarithm to base 2 of a number above 0, off by less than a hundredth: the level next to the best is as good.
@@ -147,29 +143,29 @@ fn log2(value: f32) -> f32 {
     exponent + (mantissa - 1.0) * (1.0 + (2.0 - mantissa) * 0.346)
 }
 
-/// A coordinate near 0, so that those far out lose no digits where they are multiplied by the size.
+/// A coordinate near 0, so that those far out lose no digits where they are multiplied by the size. 0 for what is no number,
+/// and for what is too far out to tell texels apart.
+#[inline]
 fn into_range(place: f32, wrap: Wrap) -> f32 {
-    let near = match wrap {
-        Wrap::Repeat => place - floor(place) as f32,
-        Wrap::Mirror => place - 2.0 * floor(0.5 * place) as f32,
-        Wrap::Clamp => place.clamp(-1.0, 2.0),
-    };
-    // Neither for what is no number, nor for what is too far out to tell texels apart.
-    if near.abs() <= 4.0 { near } else { 0.0 }
+    const FAR: f32 = 4e6;
+    // What is no number is not near, either.
+    let near = if place.abs() < FAR { place } else { 0.0 };
+    match wrap {
+        Wrap::Repeat => near - floor(near) as f32,
+        Wrap::Mirror => near - 2.0 * floor(0.5 * near) as f32,
+        Wrap::Clamp => near.clamp(-1.0, 2.0),
+    }
 }
 
-/// The texel that a number stands for, which may lie beyond the sides.
-fn wrapped(texel: i32, size: u32, wrap: Wrap) -> usize {
-    let size = size as i32;
+/// The texel that a number stands for, which may lie beyond the sides: where it repeats by one, where it is mirrored by one
+/// image.
+#[inline]
+fn wrapped(texel: i32, size: i32, wrap: Wrap) -> usize {
     let texel = match wrap {
         Wrap::Repeat if texel < 0 => texel + size,
         Wrap::Repeat if texel >= size => texel - size,
-        Wrap::Repeat => texel,
-        Wrap::Mirror => {
-            let twice = texel.rem_euclid(2 * size);
-            twice.min(2 * size - 1 - twice)
-        }
-        Wrap::Clamp => texel,
+        Wrap::Mirror if texel >= size => 2 * size - 1 - texel,
+        _ => texel,
     };
     texel.clamp(0, size - 1) as usize
 }
@@ -326,13 +322,15 @@ mod tests {
     }
 
     #[test]
-    fn levels_are_told_by_a_logarithm_that_is_near_enough() {
+    fn numbers_are_rounded_and_levels_told_near_enough() {
         for step in 1..4000 {
             let value = 1.003_f32.powi(step);
             assert!((log2(value) - value.log2()).abs() < 0.01, "{value}");
         }
-        let whole = |value: f32| floor(value) as f32 == value.floor();
-        assert!([-3.0, -2.5, -0.1, 0.0, 0.9, 1.0, 7.25].into_iter().all(whole));
+        for value in [-3.1, -2.5, -0.1, 0.1, 0.9, 1.5, 7.25, 1_000_000.5, -70_000.25] {
+            assert_eq!(floor(value) as f32, value.floor());
+        }
+        assert!((0..9).all(|whole| [whole, whole - 1].contains(&floor(whole as f32))));
     }
 
     #[test]

@@ -129,8 +129,9 @@ pub(crate) fn chandelier(
         shape
     });
     let place = shift(x, height, z) * scaled(size);
+    // Below it, where it does not stand in its own light.
     room.lamps
-        .push(Lamp::candles(over(place, 0.2), 0.45 * size * arms as f32));
+        .push(Lamp::candles(over(place, -0.6), 0.45 * size * arms as f32));
     room.put("chandelier", &body, place);
     let chain = room.shop.piece(format!("chain {}", metal.0), || {
         lathe(metal, &[[0.012, 0.0], [0.012, 1.0]], 6)

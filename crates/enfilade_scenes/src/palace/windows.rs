@@ -20,7 +20,7 @@ pub(crate) fn glaze(room: &mut Room, glass: MaterialId, cloth: MaterialId) {
         .collect();
     if let Some(middle) = windows.get(windows.len() / 2) {
         let place = room.walls()[middle.wall].at(middle.along, 2.4);
-        let sky = Lamp::daylight(place.point([0.0, 0.0, 1.3]), [1.9, 2.4, 3.0], 9.0);
+        let sky = Lamp::daylight(place.point([0.0, 0.0, 2.4]), [1.5, 1.9, 2.4], 9.0);
         room.lamps.push(sky);
     }
     for window in windows {

@@ -4,6 +4,7 @@ mod doors;
 mod edits;
 mod glass;
 mod mixed;
+mod samples;
 mod subject;
 
 use enfilade::laws::Reference;

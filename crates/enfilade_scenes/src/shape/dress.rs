@@ -7,6 +7,7 @@ use super::Sheet;
 use enfilade::{Attributes, MaterialId, Mesh, Part};
 use glam::{Vec2, Vec3, vec2};
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::Arc;
 
 /// How the faces of a material are drawn.
@@ -52,6 +53,34 @@ fn newell(corners: &[Vec3]) -> Vec3 {
     (1..corners.len() - 1)
         .map(|i| (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]))
         .sum()
+}
+
+/// Hashes bits of numbers: millions of them while a palace is built, none of which anybody chose to do harm.
+#[derive(Default)]
+struct Mixed(u64);
+
+type Quick = BuildHasherDefault<Mixed>;
+
+impl Hasher for Mixed {
+    fn write(&mut self, bytes: &[u8]) {
+        for four in bytes.chunks(4) {
+            let mut word = [0; 4];
+            word[..four.len()].copy_from_slice(four);
+            self.write_u32(u32::from_le_bytes(word));
+        }
+    }
+
+    fn write_u32(&mut self, word: u32) {
+        self.0 = (self.0.rotate_left(23) ^ u64::from(word)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    }
+
+    fn write_usize(&mut self, _length: usize) {
+        // Arrays of one length.
+    }
+
+    fn finish(&self) -> u64 {
+        self.0 ^ (self.0 >> 29)
+    }
 }
 
 /// What a part of a mesh is made of.
@@ -101,7 +130,7 @@ fn weld(sheet: &Sheet, dress: Dress) -> Welded {
     };
     let mut welded = Welded::default();
     let bits = |value: f32| value.to_bits();
-    let mut numbers = HashMap::with_capacity(sheet.corners.len() / 2);
+    let mut numbers = HashMap::with_capacity_and_hasher(sheet.corners.len() / 2, Quick::default());
     for (i, corner) in sheet.corners.iter().enumerate() {
         let normal = normals.get(i).copied().unwrap_or(Vec3::ZERO);
         let place = texture.get(i).copied().unwrap_or(Vec2::ZERO);
@@ -143,7 +172,8 @@ fn smooth(sheet: &Sheet, crease: f32) -> Vec<Vec3> {
     }
     // The corners at one place, as a list through all of them.
     const END: usize = usize::MAX;
-    let mut last: HashMap<[u32; 3], usize> = HashMap::with_capacity(sheet.corners.len() / 2);
+    let mut last: HashMap<[u32; 3], usize, Quick> =
+        HashMap::with_capacity_and_hasher(sheet.corners.len() / 2, Quick::default());
     let mut before = vec![END; sheet.corners.len()];
     for (i, corner) in sheet.corners.iter().enumerate() {
         if let Some(other) = last.insert(corner.to_array().map(f32::to_bits), i) {

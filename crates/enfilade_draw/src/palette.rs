@@ -2,13 +2,10 @@
 
 use std::sync::LazyLock;
 
-/// Steps of linear light from 0 to 1: several for each of the darkest bytes.
-const STEPS: u16 = 16383;
-
-/// Linear light, 0 to 1, in these steps, as sRGB bytes.
+/// Linear light in steps of 1/65535 as sRGB bytes.
 static ENCODED: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let encode = |step: u16| {
-        let linear = f64::from(step) / f64::from(STEPS);
+        let linear = f64::from(step) / 65535.0;
         let srgb = if linear <= 0.003_130_8 {
             12.92 * linear
         } else {
@@ -16,8 +13,13 @@ static ENCODED: LazyLock<Vec<u8>> = LazyLock::new(|| {
         };
         (255.0 * srgb + 0.5) as u8
     };
-    (0..=STEPS).map(encode).collect()
+    (0..=u16::MAX).map(encode).collect()
 });
+
+/// The sRGB byte of each of 65,536 steps of linear light, for who looks up many.
+pub(crate) fn encoded() -> &'static [u8] {
+    &ENCODED
+}
 
 /// sRGB bytes as linear light, 0 to 1.
 static DECODED: LazyLock<[f32; 256]> = LazyLock::new(|| {
@@ -39,7 +41,7 @@ pub(crate) fn decoded() -> &'static [f32; 256] {
 
 /// Linear light as sRGB bytes; what is out of range is clamped. IEC 61966-2-1.
 pub(crate) fn encode(linear: [f32; 3]) -> [u8; 3] {
-    linear.map(|value| ENCODED[(value.clamp(0.0, 1.0) * f32::from(STEPS) + 0.5) as usize])
+    linear.map(|value| ENCODED[(value.clamp(0.0, 1.0) * 65535.0 + 0.5) as usize])
 }
 
 /// A colour for a number: neighbours differ in hue by the golden angle, so that few are alike.

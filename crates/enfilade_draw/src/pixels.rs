@@ -1,6 +1,6 @@
 //! The pixels of a picture while it is painted: linear, in steps of 1/65535, so that glass upon glass loses nothing.
 
-use crate::palette::encode;
+use crate::palette::encoded;
 use crate::shade::Shade;
 use crate::sky::Sky;
 use glam::Vec3;
@@ -54,9 +54,12 @@ pub(crate) fn image(pixels: &[Pixel], size: [u32; 2]) -> RgbImage {
     let mut image = RgbImage::new(size[0], size[1]);
     let width = size[0] as usize;
     let rows = image.par_chunks_mut(3 * width).zip(pixels.par_chunks(width));
+    let encoded = encoded();
     rows.for_each(|(bytes, row)| {
-        for (bytes, &pixel) in bytes.chunks_exact_mut(3).zip(row) {
-            bytes.copy_from_slice(&encode(color(pixel).into()));
+        for (bytes, &[r, g, b, _]) in bytes.chunks_exact_mut(3).zip(row) {
+            bytes[0] = encoded[usize::from(r)];
+            bytes[1] = encoded[usize::from(g)];
+            bytes[2] = encoded[usize::from(b)];
         }
     });
     image

@@ -35,6 +35,12 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
             args.output.display()
         );
     }
+    if args.samples > 1 && args.show != Show::Image {
+        bail!(
+            "--samples {} is for --show image alone; leave one of the two out",
+            args.samples
+        );
+    }
     // Names made from this one lie in the same folder.
     Destination::new(&args.output)?;
     let sink = Sink::new(&args.json)?;

@@ -53,6 +53,13 @@ fn what_is_mistyped_is_met_with_the_nearest() {
         &["There are: ", "z-buffer", "hierarchical-z"],
     );
     refused(&folder, "draw -o a.png --show imgae", &["did you mean image?"]);
+    refused(&folder, "draw -o a.png --samples 3", &["1 sample or 4"]);
+    refused(
+        &folder,
+        "draw -o a.png --samples 4 --show items",
+        &["--samples 4 is for --show image alone"],
+    );
+    refused(&folder, "draw -o a.png --exposure bright", &["a number of stops"]);
     refused(&folder, "look @enfilad", &["did you mean @enfilade?"]);
     refused(&folder, "look enfilade", &["called @enfilade"]);
     refused(

@@ -47,6 +47,23 @@ fn pixels(folder: &Folder, name: &str) -> Vec<[u8; 3]> {
     image.into_rgb8().pixels().map(|pixel| pixel.0).collect()
 }
 
+#[test]
+fn four_samples_smooth_edges_and_stops_brighten_what_lamps_light() {
+    let folder = Folder::new();
+    let colours = |options: &str| {
+        let run = folder.run(&format!("draw @mirrors -o a.png --size 80x45 {options}"));
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        pixels(&folder, "a.png")
+    };
+    let different = |picture: &[[u8; 3]]| picture.iter().collect::<HashSet<_>>().len();
+    let light = |picture: &[[u8; 3]]| picture.iter().flatten().map(|&byte| u64::from(byte)).sum::<u64>();
+    let plain = colours("");
+    assert!(different(&colours("--samples 4")) > different(&plain));
+    assert!(
+        light(&colours("--exposure 2")) > light(&plain) && light(&colours("--exposure -2")) < light(&plain)
+    );
+}
+
 /// Methods whose covers have a shape, and what it is.
 fn shapes() -> impl Iterator<Item = (Method, CoverShape)> {
     let all = Method::ALL.into_iter();

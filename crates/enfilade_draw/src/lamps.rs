@@ -107,7 +107,8 @@ impl Lamps {
     /// What surfaces of a fragment get from others that are lit, linear: some even in the darkest.
     pub(crate) fn bounced(&self, fragment: FragmentId) -> Vec3 {
         const LEAST: f32 = 0.05;
-        self.rooms[fragment.0 as usize].bounced + Vec3::splat(LEAST * self.brightest())
+        let here = self.rooms.get(fragment.0 as usize);
+        here.map_or(Vec3::ZERO, |room| room.bounced) + Vec3::splat(LEAST * self.brightest())
     }
 
     /// What a white surface that is lit well sends back in a fragment, about; above 0.

@@ -257,7 +257,8 @@ impl Work<'_, '_> {
             let run = start + usize::from(span.x0)..start + usize::from(span.x1);
             let behind = |x: u16| self.sky.at([usize::from(x), y]);
             let at = (span.x0..).zip(pixels[run.clone()].iter_mut());
-            let length = run.len() as u64;
+            let opaque = !span.see_through;
+            let length = if opaque { run.len() as u64 } else { 0 };
             match &self.paints[span.owner as usize] {
                 Paint::Plain(shade) if shade.coverage >= 1.0 => {
                     pixels[run].fill(pixel(shade.color));
@@ -266,7 +267,6 @@ impl Work<'_, '_> {
                 Paint::Plain(shade) => at.for_each(|(x, at)| put(at, *shade, || behind(x))),
                 Paint::Varied(face) => {
                     let row = Row::new(face, self.light, span.y);
-                    let opaque = !span.see_through;
                     match &mut others {
                         Some((number, known)) if opaque => {
                             let name = name(self.passage, self.pending.owners()[span.owner as usize]);
@@ -281,7 +281,7 @@ impl Work<'_, '_> {
                         }
                         _ => {
                             at.for_each(|(x, at)| put(at, row.at(x), || behind(x)));
-                            shaded += if opaque { length } else { 0 };
+                            shaded += length;
                         }
                     }
                 }

@@ -85,19 +85,36 @@ fn rooms_and_portals_with_a_number_or_a_word_wrong_are_read_or_refused() {
     assert!(read > 100 && refused > 100, "{read} read, {refused} refused");
 }
 
-#[test]
-fn a_file_with_a_few_bytes_wrong_is_read_or_refused() {
-    const SEED: u64 = 20_261_121;
-    const FILES: usize = 20_000;
+/// Reads files that have something wrong in them: none may do harm, and of all neither next to none may be read, nor refused.
+pub(crate) fn each_is_read_or_refused(files: impl ExactSizeIterator<Item = Vec<u8>>) {
     let limits = ReadOptions {
         limit_bytes: 1 << 26,
         ..ReadOptions::default()
     };
+    let few = files.len() / 20;
+    let (mut read, mut refused) = (0, 0);
+    for file in files {
+        match read_bytes(&file, None, &limits) {
+            Ok(_) => read += 1,
+            Err(error) => {
+                assert!(!error.to_string().is_empty());
+                refused += 1;
+            }
+        }
+    }
+    assert!(
+        read > few && refused > few,
+        "{read} read, {refused} refused: the mutations are too mild or too wild"
+    );
+}
+
+#[test]
+fn a_file_with_a_few_bytes_wrong_is_read_or_refused() {
+    const SEED: u64 = 20_261_121;
     let whole = orchard().glb();
     let json_end = 20 + u32::from_le_bytes(whole[12..16].try_into().expect("four bytes")) as usize;
     let mut number = numbers(SEED);
-    let (mut read, mut refused) = (0, 0);
-    for _ in 0..FILES {
+    each_is_read_or_refused((0..20_000).map(|_| {
         let mut file = whole.clone();
         for _ in 0..=number(3) {
             match number(8) {
@@ -119,27 +136,18 @@ fn a_file_with_a_few_bytes_wrong_is_read_or_refused() {
                 break;
             }
         }
-        match read_bytes(&file, None, &limits) {
-            Ok(_) => read += 1,
-            Err(error) => {
-                assert!(!error.to_string().is_empty());
-                refused += 1;
-            }
-        }
-    }
-    assert!(
-        read > FILES / 20 && refused > FILES / 20,
-        "{read} read, {refused} refused: the mutations are too mild or too wild"
-    );
+        file
+    }));
 }
 
-#[test]
-fn text_with_a_number_replaced_by_a_bad_one_is_read_or_refused() {
-    const BAD: [&str; 12] = [
+/// Reads a file again and again, each time with another of its numbers replaced by a bad one: none may do harm.
+pub(crate) fn read_with_each_number_replaced(file: &File) {
+    const BAD: [&str; 14] = [
         "-1",
         "0",
         "1",
         "2",
+        "3",
         "255",
         "65535",
         "4294967295",
@@ -148,9 +156,9 @@ fn text_with_a_number_replaced_by_a_bad_one_is_read_or_refused() {
         "18446744073709551615",
         "1e308",
         "null",
+        "[]",
     ];
-    let text = orchard().json.to_string();
-    let binary = orchard().bytes;
+    let text = file.json.to_string();
     let is_digit = |at: usize| text.as_bytes()[at].is_ascii_digit();
     let starts = (1..text.len()).filter(|&at| is_digit(at) && !is_digit(at - 1));
     for start in starts {
@@ -159,9 +167,14 @@ fn text_with_a_number_replaced_by_a_bad_one_is_read_or_refused() {
             .expect("JSON ends with a bracket");
         for bad in BAD {
             let json = format!("{}{bad}{}", &text[..start], &text[end..]);
-            let _ = refusal(&crate::file::glb(&json, &binary));
+            let _ = refusal(&glb(&json, &file.bytes));
         }
     }
+}
+
+#[test]
+fn text_with_a_number_replaced_by_a_bad_one_is_read_or_refused() {
+    read_with_each_number_replaced(&orchard());
 }
 
 #[track_caller]

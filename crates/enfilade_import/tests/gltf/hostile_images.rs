@@ -1,6 +1,6 @@
 //! Images made to do harm, or not there at all: grey, and a warning says why.
 
-use crate::file::{material, png, reads, textured_leaf, warnings};
+use crate::file::{File, material, png, reads, textured_leaf, warnings};
 use crate::hostile::numbers;
 use enfilade_import::{Import, ReadOptions, read, read_bytes};
 use serde_json::json;
@@ -114,22 +114,26 @@ fn a_header_of_ten_billion_texels_takes_no_memory() {
     assert!(start.elapsed() < PATIENCE, "{:?}", start.elapsed());
 }
 
+/// Adds a copy of the file's first faces, with another texture.
+fn show_once_more(file: &mut File, texture: usize) {
+    let mut primitive = file.json["meshes"][0]["primitives"][0].clone();
+    primitive["material"] = json!(file.push(
+        "materials",
+        json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": texture } } })
+    ));
+    let primitives = file.json["meshes"][0]["primitives"].as_array_mut();
+    primitives.expect("a list").push(primitive);
+}
+
 #[test]
 fn images_that_are_too_much_together_are_grey_from_the_first_that_does_not_fit() {
     let mut file = textured_leaf();
-    let primitive = file.json["meshes"][0]["primitives"][0].clone();
     let large = png([700, 700], |_, _| [9; 4]);
     let view = file.view(large);
     for _ in 0..20 {
         let image = file.push("images", json!({ "bufferView": view }));
         let texture = file.push("textures", json!({ "source": image }));
-        let mut primitive = primitive.clone();
-        primitive["material"] = json!(file.push(
-            "materials",
-            json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": texture } } })
-        ));
-        let primitives = file.json["meshes"][0]["primitives"].as_array_mut();
-        primitives.expect("a list").push(primitive);
+        show_once_more(&mut file, texture);
     }
     let options = ReadOptions {
         limit_bytes: 60 << 20,
@@ -151,19 +155,12 @@ fn images_that_are_too_much_together_are_grey_from_the_first_that_does_not_fit()
 #[test]
 fn an_image_looked_up_in_a_hundred_ways_is_not_kept_a_hundred_times_without_asking() {
     let mut file = textured_leaf();
-    let primitive = file.json["meshes"][0]["primitives"][0].clone();
     file.texture(png([1000, 1000], |_, _| [9; 4]));
     let ways = [10_497, 33_071, 33_648];
     for (s, t) in ways.iter().flat_map(|s| ways.map(|t| (s, t))) {
         let sampler = file.push("samplers", json!({ "wrapS": s, "wrapT": t }));
         let texture = file.push("textures", json!({ "source": 1, "sampler": sampler }));
-        let mut primitive = primitive.clone();
-        primitive["material"] = json!(file.push(
-            "materials",
-            json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": texture } } })
-        ));
-        let primitives = file.json["meshes"][0]["primitives"].as_array_mut();
-        primitives.expect("a list").push(primitive);
+        show_once_more(&mut file, texture);
     }
     let options = ReadOptions {
         limit_bytes: 40 << 20,

@@ -1,0 +1,173 @@
+//! The flow: chains of ways, one by one, with what is left of the first seen from the last and of the last from the first.
+//!
+//! From one way the flow goes on through every way out of the cell it is in. The way is clipped to the planes between the
+//! source and the way before, then the source to those between it and the way before; a chain of which nothing is left
+//! ends. A chain goes on only while one of the ways that are still asked for may lie in it: most are known to be seen by
+//! a sampled line, or were decided from their own side.
+//! Source: Teller 1992, section 3.3; what is asked for, and the look ahead, are ours.
+//! Cost: chains grow with the openness of the world; each step clips two windings of a few corners.
+//! Conservative: windings are cut farther out than rounding can shift a plane. A cell is not entered twice, for a line
+//! leaves a convex cell for good.
+
+use crate::bits::{BitRows, has, take};
+use crate::passages::{Passages, keep_within};
+use crate::separators::separators;
+use crate::ways::Ways;
+use crate::winding::{Left, Plane, clip};
+use glam::DVec3;
+
+/// One way of a chain.
+#[derive(Debug, Default)]
+struct Step {
+    way: usize,
+    /// What is left of it, seen from the source.
+    pass: Vec<DVec3>,
+    /// What is left of the source, seen from here.
+    source: Vec<DVec3>,
+    /// The planes between those two.
+    planes: Vec<Plane>,
+    /// What the chain may still see.
+    may: Vec<u64>,
+    /// What of that is asked for.
+    asked: Vec<u64>,
+    /// The next way to try out of the cell that `way` enters.
+    next: usize,
+}
+
+/// Buffers of a flow, used again.
+#[derive(Debug, Default)]
+pub(crate) struct Flow {
+    steps: Vec<Step>,
+    in_chain: Vec<bool>,
+    scratch: Vec<DVec3>,
+    planes: Vec<Plane>,
+}
+
+impl Flow {
+    /// Takes out of `asked` what a chain from `source` reaches; what is left there is not seen.
+    ///
+    /// Where it takes one, `met` gets what is still asked for, from which it may take more that is seen for sure, and what
+    /// is left of the source and of the way reached.
+    pub(crate) fn run(
+        &mut self,
+        ways: &Ways,
+        bound: &BitRows,
+        passages: &Passages,
+        source: usize,
+        asked: &mut [u64],
+        mut met: impl FnMut(&mut [u64], &[DVec3], &[DVec3]),
+    ) {
+        let words = bound.words_in_row();
+        self.in_chain.clear();
+        self.in_chain.resize(ways.cells(), false);
+        let first = &ways.all[source];
+        self.in_chain[first.from as usize] = true;
+        self.in_chain[first.to as usize] = true;
+        if self.steps.is_empty() {
+            self.steps.push(Step::default());
+        }
+        let step = &mut self.steps[0];
+        step.way = source;
+        step.pass.clone_from(&first.corners);
+        step.source.clone_from(&first.corners);
+        step.planes.clear();
+        step.may.clear();
+        step.may.extend_from_slice(bound.row(source));
+        step.asked.clear();
+        step.asked.extend_from_slice(asked);
+        step.next = ways.out_of(first.to).start;
+        let mut depth = 0;
+        loop {
+            let step = &mut self.steps[depth];
+            let last = &ways.all[step.way];
+            if step.next == ways.out_of(last.to).end {
+                if depth == 0 {
+                    return;
+                }
+                self.in_chain[last.to as usize] = false;
+                depth -= 1;
+                continue;
+            }
+            let number = step.next;
+            step.next += 1;
+            let way = &ways.all[number];
+            if self.in_chain[way.to as usize] || !has(&step.may, number) {
+                continue;
+            }
+            if self.steps.len() == depth + 1 {
+                self.steps.push(Step::default());
+            }
+            let (before, after) = self.steps.split_at_mut(depth + 1);
+            let (step, next) = (&before[depth], &mut after[0]);
+            // What may be seen, and is asked for, after this way.
+            next.may.resize(words, 0);
+            next.asked.resize(words, 0);
+            let passage = passages.after(ways, step.way, number);
+            let of_way = bound.row(number);
+            let mut any = 0;
+            for at in 0..words {
+                let may = step.may[at] & of_way[at] & passage[at];
+                let ask = may & step.asked[at] & asked[at];
+                next.may[at] = may;
+                next.asked[at] = ask;
+                any |= ask;
+            }
+            let here = has(asked, number);
+            if any == 0 && !here {
+                continue;
+            }
+            // What is left of the way, then of the source.
+            let target = &mut next.pass;
+            target.clone_from(&way.corners);
+            if clip(target, &first.plane, [&[]; 2], &mut self.scratch) == Left::Nothing {
+                continue;
+            }
+            if step.planes.iter().any(|plane| {
+                clip(target, plane, [&step.source, &step.pass], &mut self.scratch) == Left::Nothing
+            }) {
+                continue;
+            }
+            next.source.clone_from(&step.source);
+            if clip(
+                &mut next.source,
+                &way.plane.flipped(),
+                [&[]; 2],
+                &mut self.scratch,
+            ) == Left::Nothing
+            {
+                continue;
+            }
+            if depth > 0 {
+                self.planes.clear();
+                separators(&next.pass, &step.pass, true, ways.size, &mut self.planes);
+                let gone = self.planes.iter().any(|plane| {
+                    clip(
+                        &mut next.source,
+                        plane,
+                        [&next.pass, &step.pass],
+                        &mut self.scratch,
+                    ) == Left::Nothing
+                });
+                if gone {
+                    continue;
+                }
+            }
+            if here {
+                take(asked, number);
+                met(asked, &next.source, &next.pass);
+            }
+            next.planes.clear();
+            separators(&next.source, &next.pass, false, ways.size, &mut next.planes);
+            if any != 0 {
+                keep_within(ways, &next.planes, [&next.source, &next.pass], &mut next.asked);
+                if next.asked.iter().all(|&word| word == 0) {
+                    continue;
+                }
+                next.way = number;
+                next.next = ways.out_of(way.to).start;
+                self.in_chain[way.to as usize] = true;
+                depth += 1;
+            }
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! The lower bound: what sampled lines have shown to be seen, and who need not be asked about any more.
+
+use crate::bits::{BitRows, has, take};
+use crate::line::{crosses, walk};
+use crate::random::Random;
+use crate::ways::Ways;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// What is known to be seen, of ways and of cells.
+#[derive(Debug)]
+pub(crate) struct Known {
+    /// For each way those that a line takes after it.
+    pub(crate) ways: BitRows,
+    /// For each cell those that a line leads to, and those next to it.
+    pub(crate) cells: BitRows,
+}
+
+/// Ways that sample at once, without knowing of each other's lines.
+const SIDE_BY_SIDE: usize = 64;
+
+impl Known {
+    /// What is known without sampling: each cell sees itself and its neighbours.
+    pub(crate) fn new(ways: &Ways) -> Known {
+        let mut cells = BitRows::new(ways.cells(), ways.cells());
+        for cell in 0..ways.cells() {
+            cells.put(cell, cell);
+        }
+        for way in &ways.all {
+            cells.put(way.from as usize, way.to as usize);
+        }
+        Known {
+            ways: BitRows::new(ways.count(), ways.count()),
+            cells,
+        }
+    }
+
+    /// Shoots a line from each way to each that it may see, where no line is known yet between their cells.
+    ///
+    /// The same lines for any number of threads.
+    pub(crate) fn sample(&mut self, ways: &Ways, bound: &BitRows) {
+        let all: Vec<usize> = (0..ways.count()).collect();
+        for some in all.chunks(SIDE_BY_SIDE) {
+            let found: Vec<Vec<Vec<u32>>> = some
+                .par_iter()
+                .map(|&way| self.lines_from(ways, bound, way))
+                .collect();
+            for line in found.into_iter().flatten() {
+                self.take_in(ways, &line);
+            }
+        }
+    }
+
+    fn lines_from(&self, ways: &Ways, bound: &BitRows, from: usize) -> Vec<Vec<u32>> {
+        let mut random = Random::new(from as u64);
+        let mut found = Vec::new();
+        let mut asked = bound.row(from).to_vec();
+        self.take_known(ways, from, &mut asked);
+        for at in 0..asked.len() {
+            while asked[at] != 0 {
+                let to = at * 64 + asked[at].trailing_zeros() as usize;
+                asked[at] &= asked[at] - 1;
+                let start = random.point_in(&ways.all[from].corners);
+                let end = random.point_in(&ways.all[to].corners);
+                if let Some(line) = line_through(ways, from, start, end) {
+                    take_line(ways, from, &line, &mut asked);
+                    found.push(line);
+                }
+            }
+        }
+        found
+    }
+
+    /// Takes out of a row what `from` need not be asked about: ways into cells that its own cell is known to see.
+    pub(crate) fn take_known(&self, ways: &Ways, from: usize, asked: &mut [u64]) {
+        let seen = self.cells.row(ways.all[from].from as usize);
+        for (word, known) in asked.iter_mut().zip(self.ways.row(from)) {
+            *word &= !known;
+        }
+        for at in 0..asked.len() {
+            let mut rest = asked[at];
+            while rest != 0 {
+                let number = at * 64 + rest.trailing_zeros() as usize;
+                rest &= rest - 1;
+                if has(seen, ways.all[number].to as usize) {
+                    take(asked, number);
+                }
+            }
+        }
+    }
+
+    /// Every way of a line sees those after it; and, turned round, those before it.
+    pub(crate) fn take_in(&mut self, ways: &Ways, line: &[u32]) {
+        for (at, &first) in line.iter().enumerate() {
+            let from = &ways.all[first as usize];
+            for &then in &line[at + 1..] {
+                let to = &ways.all[then as usize];
+                self.ways.put(first as usize, then as usize);
+                self.ways.put(to.back as usize, from.back as usize);
+                self.cells.put(from.from as usize, to.to as usize);
+                self.cells.put(to.to as usize, from.from as usize);
+            }
+        }
+    }
+}
+
+/// Takes out of a row what a line has shown that `from` need not be asked about.
+pub(crate) fn take_line(ways: &Ways, from: usize, line: &[u32], asked: &mut [u64]) {
+    let after = line.iter().skip_while(|&&way| way as usize != from);
+    for &way in after.skip(1) {
+        take_cell(ways, ways.all[way as usize].to, asked);
+    }
+}
+
+/// Takes all ways into a cell out of a row.
+pub(crate) fn take_cell(ways: &Ways, cell: u32, asked: &mut [u64]) {
+    for out in ways.out_of(cell) {
+        take(asked, ways.all[out].back as usize);
+    }
+}
+
+/// The ways that the line from one point to another takes, both ways from `from`, which it crosses.
+pub(crate) fn line_through(ways: &Ways, from: usize, start: DVec3, end: DVec3) -> Option<Vec<u32>> {
+    let direction = (end - start).try_normalize()?;
+    if !crosses(&ways.all[from], start, direction, ways.clear()) {
+        return None;
+    }
+    let mut line = Vec::new();
+    walk(
+        ways,
+        ways.all[from].back as usize,
+        start,
+        -direction,
+        ways.clear(),
+        &mut line,
+    );
+    line.reverse();
+    for way in &mut line {
+        *way = ways.all[*way as usize].back;
+    }
+    line.push(from as u32);
+    walk(ways, from, start, direction, ways.clear(), &mut line);
+    Some(line)
+}

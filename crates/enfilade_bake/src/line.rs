@@ -1,0 +1,155 @@
+//! Straight lines through cells: what a line shows is seen.
+//!
+//! A line crosses a portal where it passes all its edges on one side; no plane is asked, so a portal that is not quite
+//! flat is what its edges bound. It goes from cell to cell, out of each through a portal crossed in the direction out.
+//! Nothing here knows how pairs are computed, so that they can be held against it.
+
+use crate::cells::Cells;
+use crate::pairs::VisiblePairs;
+use crate::random::Random;
+use crate::ways::{Way, Ways};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::fmt;
+
+/// A line of sight between two cells that do not see each other, so it is said.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Witness {
+    /// A point of the line, in scene units.
+    pub origin: [f64; 3],
+    /// Where it goes, of length one.
+    pub direction: [f64; 3],
+    /// The cells that it goes through, from the first of the pair to the second.
+    pub cells: Vec<u32>,
+}
+
+impl fmt::Display for Witness {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [from, to] = [self.cells.first(), self.cells.last()].map(|cell| cell.copied().unwrap_or(0));
+        let ([x, y, z], [a, b, c]) = (self.origin, self.direction);
+        write!(
+            out,
+            "cell {from} sees cell {to}: the line from ({x} {y} {z}) along ({a} {b} {c}) goes through the cells"
+        )?;
+        self.cells.iter().try_for_each(|cell| write!(out, " {cell}"))
+    }
+}
+
+/// Lines that are shot side by side.
+const SIDE_BY_SIDE: u64 = 1 << 14;
+
+/// Shoots `count` random lines, each through a portal, half of them close to portals' edges; gives the first that
+/// shows two cells to see each other of which `pairs` says that they do not.
+///
+/// The same lines for the same `seed`, for any number of threads.
+pub fn find_missing(cells: &Cells, pairs: &VisiblePairs, count: u64, seed: u64) -> Option<Witness> {
+    let ways = Ways::of(cells);
+    if ways.count() == 0 {
+        return None;
+    }
+    (0..count.div_ceil(SIDE_BY_SIDE)).find_map(|part| {
+        let numbers = part * SIDE_BY_SIDE..count.min((part + 1) * SIDE_BY_SIDE);
+        numbers
+            .into_par_iter()
+            .map_init(Vec::new, |taken, number| {
+                missed_by(&ways, pairs, &mut Random::new(seed ^ number << 8), taken)
+            })
+            .find_map_first(|witness| witness)
+    })
+}
+
+/// Shoots one line from a random portal to another: half of them to one near by, along the line between two points.
+fn missed_by(
+    ways: &Ways,
+    pairs: &VisiblePairs,
+    random: &mut Random,
+    taken: &mut Vec<u32>,
+) -> Option<Witness> {
+    let from = random.below(ways.count());
+    let to_edge = random.unit() < 0.5;
+    let start = point(&ways.all[from], to_edge, random);
+    // A few steps of a random walk: what is far off is seldom seen.
+    let mut to = from;
+    for _ in 0..=random.below(8) {
+        let next = ways.out_of(ways.all[to].to);
+        to = next.start + random.below(next.len());
+    }
+    let end = point(&ways.all[to], to_edge, random);
+    let direction = (end - start).try_normalize()?;
+    taken.clear();
+    if !crosses(&ways.all[from], start, direction, ways.clear()) {
+        return None;
+    }
+    taken.push(from as u32);
+    walk(ways, from, start, direction, ways.clear(), taken);
+    (0..taken.len()).find_map(|at| {
+        let cell = ways.all[taken[at] as usize].from;
+        let rest = &taken[at..];
+        let unseen = rest.iter().position(|&way| {
+            let other = ways.all[way as usize].to;
+            !(pairs.sees(cell, other) && pairs.sees(other, cell))
+        })?;
+        let mut cells = vec![cell];
+        cells.extend(rest[..=unseen].iter().map(|&way| ways.all[way as usize].to));
+        Some(Witness {
+            origin: start.into(),
+            direction: direction.into(),
+            cells,
+        })
+    })
+}
+
+/// A point of a portal; or one that stands on an edge, or in a corner, but for a millionth to a tenth of the way in.
+fn point(way: &Way, to_edge: bool, random: &mut Random) -> DVec3 {
+    let inside = random.point_in(&way.corners);
+    if !to_edge {
+        return inside;
+    }
+    let at = random.below(way.corners.len());
+    let [from, to] = [way.corners[at], way.corners[(at + 1) % way.corners.len()]];
+    let along = if random.unit() < 0.3 { 0.0 } else { random.unit() };
+    let edge = from.lerp(to, along);
+    edge.lerp(inside, 10f64.powf(-1.0 - 5.0 * random.unit()))
+}
+
+/// Whether a line crosses a way inside its outline and along it, more than about `clear` units off its edges.
+pub(crate) fn crosses(way: &Way, origin: DVec3, direction: DVec3, clear: f64) -> bool {
+    if way.plane.normal.dot(direction) <= 0.0 {
+        return false;
+    }
+    let mut before = way.corners[way.corners.len() - 1] - origin;
+    way.corners.iter().all(|&corner| {
+        let here = corner - origin;
+        let side = direction.dot(before.cross(here));
+        before = here;
+        side > clear
+    })
+}
+
+/// Appends the ways that a line takes after `start`, which it crosses, in order.
+pub(crate) fn walk(
+    ways: &Ways,
+    start: usize,
+    origin: DVec3,
+    direction: DVec3,
+    clear: f64,
+    taken: &mut Vec<u32>,
+) {
+    let along = |way: &Way| -way.plane.above(origin) / way.plane.normal.dot(direction);
+    let mut at = start;
+    let mut far = along(&ways.all[start]);
+    loop {
+        let way = &ways.all[at];
+        // Cells that are not quite convex may offer a portal behind: what is not farther on is not taken.
+        let next = ways.out_of(way.to).find_map(|number| {
+            let next = &ways.all[number];
+            let taken = number != way.back as usize && crosses(next, origin, direction, clear);
+            taken
+                .then(|| (number, along(next)))
+                .filter(|&(_, along)| along >= far)
+        });
+        let Some((next, next_far)) = next else { return };
+        taken.push(next as u32);
+        (at, far) = (next, next_far);
+    }
+}

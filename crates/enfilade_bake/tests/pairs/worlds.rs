@@ -1,0 +1,95 @@
+//! Worlds made by chance: a box cut into boxes, with holes in the walls between, all of it turned and slanted.
+
+use enfilade_bake::{Cells, Portal};
+
+/// A chain of numbers that looks like chance.
+pub(crate) struct Chance(u64);
+
+impl Chance {
+    pub(crate) fn new(seed: u64) -> Chance {
+        Chance(seed * 2 + 1)
+    }
+
+    /// 0 to 1.
+    pub(crate) fn unit(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        let mixed = (self.0 ^ self.0 >> 31).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        (mixed >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+type Span = [f64; 2];
+
+/// `count` rooms. Worlds with even seeds stand upright on whole numbers, as maps do; the others are turned and slanted.
+pub(crate) fn random(seed: u64, count: usize) -> Cells {
+    let chance = &mut Chance::new(seed);
+    let mut boxes: Vec<[Span; 3]> = vec![[[0.0, 1024.0], [0.0, 1024.0], [0.0, 512.0]]];
+    while boxes.len() < count {
+        // The longest side of the largest box, somewhere in its middle.
+        let size = |of: &[Span; 3]| of.iter().map(|[from, to]| to - from).product::<f64>();
+        let largest = (0..boxes.len())
+            .max_by(|&a, &b| size(&boxes[a]).total_cmp(&size(&boxes[b])))
+            .expect("one");
+        let mut low = boxes.swap_remove(largest);
+        let mut high = low;
+        let long = |axis: &usize| low[*axis][1] - low[*axis][0];
+        let axis = (0..3).max_by(|a, b| long(a).total_cmp(&long(b))).expect("three");
+        let [from, to] = low[axis];
+        let at = (from + (to - from) * (0.3 + 0.4 * chance.unit())).round();
+        low[axis][1] = at;
+        high[axis][0] = at;
+        boxes.extend([low, high]);
+    }
+    let slant = slant(seed, chance);
+    let mut portals = Vec::new();
+    for (a, low) in boxes.iter().enumerate() {
+        for (b, high) in boxes.iter().enumerate() {
+            for axis in (0..3).filter(|&axis| low[axis][1] == high[axis][0]) {
+                let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+                let shared = |axis: usize| [low[axis][0].max(high[axis][0]), low[axis][1].min(high[axis][1])];
+                let hole = [hole(shared(u), chance), hole(shared(v), chance)];
+                if hole.iter().any(|[from, to]| to - from < 4.0) || chance.unit() < 0.25 {
+                    continue;
+                }
+                let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(at_u, at_v)| {
+                    let mut corner = [0.0; 3];
+                    corner[axis] = low[axis][1];
+                    corner[u] = hole[0][at_u];
+                    corner[v] = hole[1][at_v];
+                    slant.map(|row: [f64; 3]| row[0] * corner[0] + row[1] * corner[1] + row[2] * corner[2])
+                });
+                portals.push(Portal {
+                    corners: corners.to_vec(),
+                    cells: [a as u32, b as u32],
+                });
+            }
+        }
+    }
+    Cells::new(boxes.len() as u32, portals).expect("a world")
+}
+
+/// Half of the holes take the whole of what is shared, the others a part, on whole numbers.
+fn hole([from, to]: Span, chance: &mut Chance) -> Span {
+    if to <= from || chance.unit() < 0.3 {
+        return [from, to];
+    }
+    let a = from + (to - from) * chance.unit() * 0.6;
+    let b = a + (to - a) * (0.2 + 0.8 * chance.unit());
+    [a.round(), b.round()]
+}
+
+/// A map of positive determinant.
+fn slant(seed: u64, chance: &mut Chance) -> [[f64; 3]; 3] {
+    let mut rows = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    if seed % 2 == 1 {
+        for row in &mut rows {
+            for entry in row {
+                *entry += 0.3 * (chance.unit() - 0.5);
+            }
+        }
+    }
+    rows
+}

@@ -43,7 +43,7 @@
 //! they look on a screen. Nothing outside the file's folder is read.
 //!
 //! Of a map for Quake or Quake 3 [`read_portals`] reads the `.prt` that its compiler leaves beside it: the convex cells that
-//! `enfilade_bake` computes the visible pairs of.
+//! `enfilade_bake` computes the visible pairs of, which [`with_visibility`] puts into the map.
 //!
 //! What changes only the
 //! look (textures, normals, lights) and what is not read yet is named in [`Import::warnings`], never silently
@@ -70,7 +70,7 @@ pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};
 #[cfg(feature = "levels")]
 pub use levels::{Levels, details_of};
 pub use obj::ObjError;
-pub use quake::{PortalFile, PrtError, PrtKind, read_portals};
+pub use quake::{BspError, PortalFile, PrtError, PrtKind, read_portals, with_visibility};
 pub use warning::{Warning, WarningKind};
 
 use budget::Budget;

@@ -1,8 +1,10 @@
 //! Maps of Quake and Quake 3: what compilers leave beside them, and what engines read.
 
+mod bsp;
 mod error;
 mod prt;
 
+pub use bsp::{BspError, with_visibility};
 pub use error::PrtError;
 pub use prt::{PortalFile, PrtKind};
 

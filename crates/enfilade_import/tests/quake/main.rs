@@ -2,6 +2,7 @@
 
 mod broken;
 mod formats;
+mod lumps;
 mod maps;
 
 use enfilade_import::{PortalFile, PrtError};

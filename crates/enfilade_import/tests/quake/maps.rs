@@ -6,7 +6,7 @@ use enfilade_import::{PortalFile, PrtKind, ReadOptions, read_portals};
 use std::path::PathBuf;
 
 #[allow(clippy::print_stderr, reason = "a skipped test must say so")]
-fn maps() -> Option<PathBuf> {
+pub(crate) fn maps() -> Option<PathBuf> {
     let folder = std::env::var_os("ENFILADE_MAPS").map(PathBuf::from);
     if folder.is_none() {
         eprintln!("skipped: ENFILADE_MAPS names no folder of maps");
@@ -15,12 +15,12 @@ fn maps() -> Option<PathBuf> {
 }
 
 #[track_caller]
-fn read(folder: &std::path::Path, name: &str) -> PortalFile {
+pub(crate) fn read(folder: &std::path::Path, name: &str) -> PortalFile {
     let read = read_portals(&folder.join(name), &ReadOptions::default());
     read.unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn pairs_of(file: &PortalFile) -> VisiblePairs {
+pub(crate) fn pairs_of(file: &PortalFile) -> VisiblePairs {
     VisiblePairs::compute(&file.cells, &PairsOptions::default())
 }
 

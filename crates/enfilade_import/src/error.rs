@@ -1,6 +1,6 @@
 //! Why a file is not read.
 
-use crate::{AuthoringError, ObjError};
+use crate::{AuthoringError, ObjError, PrtError};
 use enfilade::{ContentError, MeshError};
 use std::io;
 use thiserror::Error;
@@ -45,6 +45,9 @@ pub enum BrokenRule {
     /// An OBJ file that breaks a rule.
     #[error("{0}")]
     Obj(Box<ObjError>),
+    /// A file of portals that breaks a rule.
+    #[error("{0}")]
+    Prt(Box<PrtError>),
     /// A `.glb` ends early.
     #[error(
         "is cut short: its {part} should end at byte {needs}, but the file has only {has}; copy or export it again"

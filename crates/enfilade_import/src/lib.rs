@@ -42,6 +42,9 @@
 //! glass, an image that is both `map_Kd` and `map_d` cut-outs. Colors of materials are taken as linear, those of positions as
 //! they look on a screen. Nothing outside the file's folder is read.
 //!
+//! Of a map for Quake or Quake 3 [`read_portals`] reads the `.prt` that its compiler leaves beside it: the convex cells that
+//! `enfilade_bake` computes the visible pairs of, which [`with_visibility`] puts into the map.
+//!
 //! What is read of how a glTF scene looks: colors and images on faces (PNG and JPEG; in the file, beside it, or in an
 //! address), their samplers, cut-outs and glass, light that things send out, normals and colors of corners, lights, and
 //! cameras, also orthographic ones ([`Camera`]). Numbers may be sparse, quantized or compressed. Of extensions these are read:
@@ -71,6 +74,7 @@ mod images;
 #[cfg(feature = "levels")]
 mod levels;
 mod obj;
+mod quake;
 mod rooms;
 mod warning;
 
@@ -81,6 +85,7 @@ pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};
 #[cfg(feature = "levels")]
 pub use levels::{Levels, details_of};
 pub use obj::ObjError;
+pub use quake::{BspError, PortalFile, PrtError, PrtKind, read_portals, with_visibility};
 pub use warning::{Warning, WarningKind};
 
 use budget::Budget;
@@ -193,11 +198,11 @@ fn read_gltf(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> 
 }
 
 /// Reads the bytes of a file, and what they hold by `import`, which gets the file's name without its ending.
-fn read_file(
+fn read_file<T>(
     path: &Path,
     options: &ReadOptions,
-    import: impl FnOnce(&[u8], &str, Budget) -> Result<Import, BrokenRule>,
-) -> Result<Import, ImportError> {
+    import: impl FnOnce(&[u8], &str, Budget) -> Result<T, BrokenRule>,
+) -> Result<T, ImportError> {
     let failed = |rule| ImportError {
         file: path.display().to_string(),
         rule,

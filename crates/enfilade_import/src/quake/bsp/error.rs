@@ -1,0 +1,57 @@
+//! Why a compiled map gets no visibility.
+
+use thiserror::Error;
+
+/// Why a compiled map gets no visibility.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum BspError {
+    /// Another kind of file.
+    #[error(
+        "is no compiled map of a kind that is known here (BSP29, BSP2 or IBSP46): it begins with `{begins}`"
+    )]
+    NotMap {
+        /// Its first bytes, as text.
+        begins: String,
+    },
+    /// A part that should be there ends past the file's end.
+    #[error("is damaged: {part} ends after the file's end, which is at byte {has}; compile the map again")]
+    CutShort {
+        /// Which part.
+        part: String,
+        /// Bytes that are there.
+        has: usize,
+    },
+    /// A lump that is not made of whole things.
+    #[error(
+        "is damaged: its lump {lump} has {bytes} bytes, where each thing in it takes {of}; compile the map again"
+    )]
+    OddLump {
+        /// Which lump, from 0.
+        lump: usize,
+        /// Its bytes.
+        bytes: usize,
+        /// Those of a thing.
+        of: usize,
+    },
+    /// The portals are of another map, or of another run of the compiler.
+    #[error("has {map} {what}, its portals are of {portals}: they are of another map; compile the map again")]
+    OtherMap {
+        /// How many the map has.
+        map: i64,
+        /// How many the portals say.
+        portals: usize,
+        /// Leafs or clusters.
+        what: &'static str,
+    },
+    /// The pairs are of other portals.
+    #[error(
+        "gets pairs of {pairs} cells, but its portals are of {clusters} clusters; compute the pairs of these portals"
+    )]
+    OtherPairs {
+        /// Cells of the pairs.
+        pairs: u32,
+        /// Clusters of the portals.
+        clusters: u32,
+    },
+}

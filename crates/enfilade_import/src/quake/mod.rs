@@ -1,0 +1,30 @@
+//! Maps of Quake and Quake 3: what compilers leave beside them, and what engines read.
+
+mod bsp;
+mod error;
+mod prt;
+
+pub use bsp::{BspError, with_visibility};
+pub use error::PrtError;
+pub use prt::{PortalFile, PrtKind};
+
+use crate::{BrokenRule, ImportError, ReadOptions, read_file};
+use std::path::Path;
+
+impl From<PrtError> for BrokenRule {
+    fn from(why: PrtError) -> BrokenRule {
+        BrokenRule::Prt(Box::new(why))
+    }
+}
+
+/// Reads a `.prt` file: the portals of a map, as its compiler leaves them for the one that computes what is visible.
+///
+/// # Errors
+/// An [`ImportError`] that names the file, the line and the rule; the same one every time.
+pub fn read_portals(path: &Path, options: &ReadOptions) -> Result<PortalFile, ImportError> {
+    read_file(path, options, |bytes, _, mut budget| {
+        // Corners take three times as much as the shortest text of them, `(0 0 0)`, and each portal a list of them.
+        budget.take(bytes.len() as u64 * 8, || "its portals".to_owned())?;
+        Ok(PortalFile::parse(bytes)?)
+    })
+}

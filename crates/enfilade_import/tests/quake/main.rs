@@ -1,0 +1,21 @@
+//! Files of portals: what is read, and what is refused.
+
+mod broken;
+mod formats;
+mod lumps;
+mod maps;
+
+use enfilade_import::{PortalFile, PrtError};
+
+#[track_caller]
+fn reads(text: &str) -> PortalFile {
+    PortalFile::parse(text.as_bytes()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[track_caller]
+fn refusal(text: &str) -> PrtError {
+    match PortalFile::parse(text.as_bytes()) {
+        Ok(_) => panic!("it is read: {text}"),
+        Err(error) => error,
+    }
+}

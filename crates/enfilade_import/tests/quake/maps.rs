@@ -1,0 +1,101 @@
+//! Real maps, in the folder that `ENFILADE_MAPS` names: the smaller ones of each format, and all lines of sight that
+//! compilers are known to have missed.
+
+use enfilade_bake::{PairsOptions, VisiblePairs, find_missing};
+use enfilade_import::{PortalFile, PrtKind, ReadOptions, read_portals};
+use std::path::PathBuf;
+
+#[allow(clippy::print_stderr, reason = "a skipped test must say so")]
+pub(crate) fn maps() -> Option<PathBuf> {
+    let folder = std::env::var_os("ENFILADE_MAPS").map(PathBuf::from);
+    if folder.is_none() {
+        eprintln!("skipped: ENFILADE_MAPS names no folder of maps");
+    }
+    folder
+}
+
+#[track_caller]
+pub(crate) fn read(folder: &std::path::Path, name: &str) -> PortalFile {
+    let read = read_portals(&folder.join(name), &ReadOptions::default());
+    read.unwrap_or_else(|error| panic!("{error}"))
+}
+
+pub(crate) fn pairs_of(file: &PortalFile) -> VisiblePairs {
+    VisiblePairs::compute(&file.cells, &PairsOptions::default())
+}
+
+#[test]
+fn a_map_is_the_same_in_each_format() {
+    let Some(folder) = maps() else { return };
+    for (plain, other, kind) in [
+        ("prt1/dm1.prt", "quake/dm1.prt", PrtKind::Prt2),
+        ("prt1/q3_darkzone.prt", "quake3/darkzone.prt", PrtKind::Quake3),
+    ] {
+        let [plain, other] = [plain, other].map(|name| read(&folder, name));
+        assert_eq!(plain.kind, PrtKind::Prt1);
+        assert_eq!(other.kind, kind);
+        assert_eq!(plain.cells.count(), other.cells.count());
+        assert_eq!(plain.cells.portals(), other.cells.portals());
+    }
+}
+
+#[test]
+fn every_file_of_portals_is_read() {
+    let Some(folder) = maps() else { return };
+    let mut count = 0;
+    for kind in ["prt1", "quake", "quake3"] {
+        for entry in std::fs::read_dir(folder.join(kind)).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.extension().is_some_and(|ending| ending == "prt") {
+                read_portals(&path, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 0, "no .prt is there");
+}
+
+#[test]
+fn lines_of_sight_that_compilers_missed_are_in_the_pairs() {
+    let Some(folder) = maps() else { return };
+    let mut witnesses = 0;
+    for entry in std::fs::read_dir(folder.join("witness")).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let name = path.file_stem().expect("a name").to_string_lossy();
+        let pairs = pairs_of(&read(&folder, &format!("prt1/{name}.prt")));
+        for line in std::fs::read_to_string(&path).expect("text").lines() {
+            let (_, chain) = line.rsplit_once("clusters: ").expect("a chain");
+            let chain: Vec<u32> = chain
+                .split_whitespace()
+                .map(|word| word.parse().expect("a number"))
+                .collect();
+            let (from, to) = (chain[0], chain[chain.len() - 1]);
+            assert!(pairs.sees(from, to) && pairs.sees(to, from), "{name}: {line}");
+            witnesses += 1;
+        }
+    }
+    assert!(witnesses > 0, "no witness is there");
+}
+
+#[test]
+fn no_random_line_through_a_map_shows_a_pair_that_is_missing() {
+    let Some(folder) = maps() else { return };
+    // As many pairs as have been found before, or fewer: more would be a bound that has become looser.
+    for (name, most) in [
+        ("dm1", 34_058),
+        ("end", 35_200),
+        ("lq_e0m1", 36_500),
+        ("q3_darkzone", 65_000),
+    ] {
+        let file = read(&folder, &format!("prt1/{name}.prt"));
+        let pairs = pairs_of(&file);
+        assert!(pairs.count() <= most, "{name}: {} pairs", pairs.count());
+        assert!(
+            pairs.proven() * 10 >= pairs.count() * 9,
+            "{name}: {} proven",
+            pairs.proven()
+        );
+        let missing = find_missing(&file.cells, &pairs, 300_000, 1);
+        assert!(missing.is_none(), "{name}: {}", missing.expect("some"));
+    }
+}

@@ -1,8 +1,8 @@
-//! Why a compiled map gets no visibility.
+//! Why a compiled map is not read, or gets no visibility.
 
 use thiserror::Error;
 
-/// Why a compiled map gets no visibility.
+/// Why a compiled map is not read, or gets no visibility.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum BspError {
@@ -33,6 +33,34 @@ pub enum BspError {
         bytes: usize,
         /// Those of a thing.
         of: usize,
+    },
+    /// A number that names nothing.
+    #[error(
+        "is damaged: {what} {at} names {names} {number}, but there are {count}, counted from 0; compile the map again"
+    )]
+    NoSuch {
+        /// What names it.
+        what: &'static str,
+        /// Which of those, from 0.
+        at: usize,
+        /// What is named.
+        names: &'static str,
+        /// Which.
+        number: i64,
+        /// How many there are.
+        count: usize,
+    },
+    /// A plane that is none.
+    #[error("is damaged: plane {plane} has no direction, or is nowhere; compile the map again")]
+    NoPlane {
+        /// Which plane, from 0.
+        plane: usize,
+    },
+    /// Nodes that lead back.
+    #[error("is damaged: node {node} is met twice on the way down; compile the map again")]
+    Loop {
+        /// Which node, from 0.
+        node: u32,
     },
     /// The portals are of another map, or of another run of the compiler.
     #[error("has {map} {what}, its portals are of {portals}: they are of another map; compile the map again")]

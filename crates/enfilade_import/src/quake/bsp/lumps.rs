@@ -1,0 +1,208 @@
+//! The table of lumps: where in a compiled map what is.
+
+use super::BspError;
+use std::ops::Range;
+
+/// Where things stand in the files of a game, and how many bytes each takes.
+#[derive(Debug)]
+pub(crate) struct Format {
+    /// Where the table of lumps begins, in bytes.
+    table: usize,
+    lumps: usize,
+    pub(crate) entities: usize,
+    pub(crate) planes: usize,
+    pub(crate) plane_bytes: usize,
+    pub(crate) nodes: usize,
+    pub(crate) node_bytes: usize,
+    pub(crate) leafs: usize,
+    pub(crate) leaf_bytes: usize,
+    pub(crate) models: usize,
+    pub(crate) model_bytes: usize,
+    pub(crate) visibility: usize,
+    /// Numbers are of 16 bits where they may be.
+    pub(crate) is_short: bool,
+    pub(crate) is_quake3: bool,
+}
+
+const BSP29: Format = Format {
+    table: 4,
+    lumps: 15,
+    entities: 0,
+    planes: 1,
+    plane_bytes: 20,
+    nodes: 5,
+    node_bytes: 24,
+    leafs: 10,
+    leaf_bytes: 28,
+    models: 14,
+    model_bytes: 64,
+    visibility: 4,
+    is_short: true,
+    is_quake3: false,
+};
+const BSP2: Format = Format {
+    node_bytes: 44,
+    leaf_bytes: 44,
+    is_short: false,
+    ..BSP29
+};
+const IBSP46: Format = Format {
+    table: 8,
+    lumps: 17,
+    entities: 0,
+    planes: 2,
+    plane_bytes: 16,
+    nodes: 3,
+    node_bytes: 36,
+    leafs: 4,
+    leaf_bytes: 48,
+    models: 7,
+    model_bytes: 40,
+    visibility: 16,
+    is_short: false,
+    is_quake3: true,
+};
+
+/// Where in a model of Quake is the number of leafs that the world has.
+const WORLD_LEAFS: usize = 52;
+
+/// The bytes of a map, and its lumps among them.
+#[derive(Debug)]
+pub(crate) struct Map {
+    pub(crate) format: &'static Format,
+    pub(crate) bytes: Vec<u8>,
+    lumps: Vec<Range<usize>>,
+}
+
+impl Map {
+    /// Which kind of map it is, and where its lumps are.
+    pub(crate) fn read(bytes: &[u8]) -> Result<Map, BspError> {
+        let format = if bytes.starts_with(&29u32.to_le_bytes()) {
+            &BSP29
+        } else if bytes.starts_with(b"BSP2") {
+            &BSP2
+        } else if bytes.starts_with(b"IBSP\x2e\0\0\0") {
+            &IBSP46
+        } else {
+            let begins = String::from_utf8_lossy(&bytes[..bytes.len().min(8)])
+                .escape_debug()
+                .to_string();
+            return Err(BspError::NotMap { begins });
+        };
+        let mut lumps = Vec::new();
+        for lump in 0..format.lumps {
+            let at = format.table + lump * 8;
+            let [start, length] = [at, at + 4].map(|at| word(bytes, at).map(i64::from));
+            let (Some(start), Some(length)) = (start, length) else {
+                return Err(BspError::CutShort {
+                    part: "its table of lumps".to_owned(),
+                    has: bytes.len(),
+                });
+            };
+            // What is empty may be said to stand anywhere.
+            let start = if length == 0 { 0 } else { start };
+            if start < 0 || length < 0 || start + length > bytes.len() as i64 {
+                return Err(BspError::CutShort {
+                    part: format!("its lump {lump}"),
+                    has: bytes.len(),
+                });
+            }
+            lumps.push(start as usize..(start + length) as usize);
+        }
+        Ok(Map {
+            format,
+            bytes: bytes.to_vec(),
+            lumps,
+        })
+    }
+
+    /// The bytes of a lump.
+    pub(crate) fn lump(&self, number: usize) -> &[u8] {
+        &self.bytes[self.lumps[number].clone()]
+    }
+
+    /// Where in the file the things of a lump begin, one after another.
+    pub(crate) fn places(
+        &self,
+        lump: usize,
+        of: usize,
+    ) -> Result<impl ExactSizeIterator<Item = usize>, BspError> {
+        let start = self.lumps[lump].start;
+        let count = self.things(lump, of)?.len();
+        Ok((0..count).map(move |at| start + at * of))
+    }
+
+    /// The things that a lump is made of, each of `of` bytes.
+    pub(crate) fn things(&self, lump: usize, of: usize) -> Result<std::slice::ChunksExact<'_, u8>, BspError> {
+        let bytes = self.lump(lump);
+        if !bytes.len().is_multiple_of(of) {
+            let bytes = bytes.len();
+            return Err(BspError::OddLump { lump, bytes, of });
+        }
+        Ok(bytes.chunks_exact(of))
+    }
+
+    /// Of a map of Quake, how many leafs the world has besides the first, which is solid.
+    pub(crate) fn world_leafs(&self) -> Result<i32, BspError> {
+        let lump = self.format.models;
+        let of = self.format.model_bytes;
+        let world = self.things(lump, of)?.next();
+        let leafs = world.and_then(|world| word(world, WORLD_LEAFS));
+        leafs.ok_or(BspError::OddLump { lump, bytes: 0, of })
+    }
+
+    /// All lumps in the order in which they stand, one of them another than before, and what follows them.
+    pub(crate) fn with_lump(&self, changed: usize, lump: &[u8]) -> Vec<u8> {
+        let mut order: Vec<usize> = (0..self.lumps.len())
+            .filter(|&at| !self.lumps[at].is_empty() || at == changed)
+            .collect();
+        let last = self.lumps.iter().map(|lump| lump.end).max().unwrap_or(0);
+        // An empty lump may be said to stand anywhere; a new one goes last.
+        let place = |at: usize| {
+            if self.lumps[at].is_empty() {
+                last
+            } else {
+                self.lumps[at].start
+            }
+        };
+        order.sort_by_key(|&at| place(at));
+        let table_end = self.format.table + self.format.lumps * 8;
+        // Some compilers leave words of their own between the table and the first lump.
+        let first = order
+            .iter()
+            .map(|&at| place(at))
+            .min()
+            .unwrap_or(table_end)
+            .max(table_end);
+        let mut bytes = self.bytes[..first.min(self.bytes.len())].to_vec();
+        for at in order {
+            bytes.resize(bytes.len().next_multiple_of(4), 0);
+            let entry = self.format.table + at * 8;
+            let content = if at == changed {
+                lump
+            } else {
+                &self.bytes[self.lumps[at].clone()]
+            };
+            let stands = [bytes.len() as u32, content.len() as u32]
+                .map(u32::to_le_bytes)
+                .concat();
+            bytes[entry..entry + 8].copy_from_slice(&stands);
+            bytes.extend_from_slice(content);
+        }
+        if let Some(rest) = self
+            .bytes
+            .get(last.next_multiple_of(4)..)
+            .filter(|rest| !rest.is_empty())
+        {
+            bytes.resize(bytes.len().next_multiple_of(4), 0);
+            bytes.extend_from_slice(rest);
+        }
+        bytes
+    }
+}
+
+/// Four bytes as a number; `None` past the end.
+pub(crate) fn word(bytes: &[u8], at: usize) -> Option<i32> {
+    let four = bytes.get(at..at + 4)?;
+    Some(i32::from_le_bytes([four[0], four[1], four[2], four[3]]))
+}

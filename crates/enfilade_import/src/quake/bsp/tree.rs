@@ -1,0 +1,182 @@
+//! The tree of planes that cuts the space of a map into leafs.
+//!
+//! A child is a node, or, if negative, a leaf: −1 is leaf 0. In BSP29 children are of 16 bits, and what names no node is
+//! one of the leafs from the top down.
+//! Hostile: every number is checked, and each node is met once, so that walks end.
+
+use super::BspError;
+use super::lumps::{Map, word};
+
+/// A map's planes, nodes and leafs.
+#[derive(Clone, Debug)]
+pub(crate) struct Tree {
+    pub(crate) planes: Vec<SplitPlane>,
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) leafs: Vec<Leaf>,
+    /// Where the world begins.
+    pub(crate) root: Child,
+}
+
+/// A plane: points with `normal · point = offset`, in the map's units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SplitPlane {
+    pub(crate) normal: [f64; 3],
+    pub(crate) offset: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Node {
+    pub(crate) plane: u32,
+    /// Before the plane, then behind it.
+    pub(crate) children: [Child; 2],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Child {
+    Node(u32),
+    Leaf(u32),
+}
+
+/// What is known of a leaf, whichever game it is of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leaf {
+    /// Quake: what it is filled with, −1 air, −2 solid, −3 to −5 liquids, −6 sky. Quake 3: its cluster, −1 for none.
+    pub(crate) kind: i32,
+    /// Quake: where its row begins in the lump of what is visible, −1 for a leaf that sees all. Quake 3: its area.
+    pub(crate) row: i32,
+    /// Its first face in the lump of leafs' faces, and how many.
+    pub(crate) faces: [u32; 2],
+}
+
+impl Tree {
+    /// Of the world; nodes and leafs of doors and lifts are among the others, but not under the root.
+    pub(crate) fn read(map: &Map) -> Result<Tree, BspError> {
+        let format = map.format;
+        let planes: Vec<SplitPlane> = map
+            .things(format.planes, format.plane_bytes)?
+            .map(|plane| SplitPlane {
+                normal: [0, 4, 8].map(|at| number(plane, at).into()),
+                offset: number(plane, 12).into(),
+            })
+            .collect();
+        let no_place = |plane: &SplitPlane| {
+            let length: f64 = plane.normal.iter().map(|at| at * at).sum();
+            !plane.offset.is_finite() || !(0.5..2.0).contains(&length)
+        };
+        if let Some(at) = planes.iter().position(no_place) {
+            return Err(BspError::NoPlane { plane: at });
+        }
+        let leafs: Vec<Leaf> = map
+            .things(format.leafs, format.leaf_bytes)?
+            .map(|leaf| Leaf {
+                kind: int(leaf, 0),
+                row: int(leaf, 4),
+                faces: match (format.is_quake3, format.is_short) {
+                    (true, _) => [32, 36].map(|at| int(leaf, at) as u32),
+                    (_, true) => [20, 22].map(|at| short(leaf, at).into()),
+                    (_, false) => [32, 36].map(|at| int(leaf, at) as u32),
+                },
+            })
+            .collect();
+        let nodes = map.things(format.nodes, format.node_bytes)?;
+        let count = nodes.len();
+        let read = nodes.enumerate().map(|(at, node)| {
+            let plane = in_range("node", at, "plane", int(node, 0).into(), planes.len())?;
+            let child = |side: usize| {
+                let number = if format.is_short {
+                    let short = short(node, 4 + 2 * side);
+                    if usize::from(short) < count {
+                        i32::from(short)
+                    } else {
+                        i32::from(short) - 0x1_0000
+                    }
+                } else {
+                    int(node, 4 + 4 * side)
+                };
+                child("node", at, number, count, leafs.len())
+            };
+            let children = [child(0)?, child(1)?];
+            Ok(Node { plane, children })
+        });
+        let nodes: Vec<Node> = read.collect::<Result<_, BspError>>()?;
+        let first = if format.is_quake3 {
+            if nodes.is_empty() { -1 } else { 0 }
+        } else {
+            let world = map.things(format.models, format.model_bytes)?.next();
+            let first = world.and_then(|world| word(world, HEAD_NODE));
+            first.ok_or(BspError::OddLump {
+                lump: format.models,
+                bytes: 0,
+                of: format.model_bytes,
+            })?
+        };
+        let root = child("model", 0, first, nodes.len(), leafs.len())?;
+        let tree = Tree {
+            planes,
+            nodes,
+            leafs,
+            root,
+        };
+        tree.is_a_tree()?;
+        Ok(tree)
+    }
+
+    /// That no node is met twice.
+    fn is_a_tree(&self) -> Result<(), BspError> {
+        let mut met = vec![false; self.nodes.len()];
+        let mut waiting = vec![self.root];
+        while let Some(child) = waiting.pop() {
+            let Child::Node(node) = child else { continue };
+            if std::mem::replace(&mut met[node as usize], true) {
+                return Err(BspError::Loop { node });
+            }
+            waiting.extend(self.nodes[node as usize].children);
+        }
+        Ok(())
+    }
+}
+
+/// Where in a model of Quake is its first node.
+const HEAD_NODE: usize = 36;
+
+fn child(what: &'static str, at: usize, number: i32, nodes: usize, leafs: usize) -> Result<Child, BspError> {
+    if number >= 0 {
+        in_range(what, at, "node", number.into(), nodes).map(Child::Node)
+    } else {
+        in_range(what, at, "leaf", -1 - i64::from(number), leafs).map(Child::Leaf)
+    }
+}
+
+/// A number that names one of `count` things.
+pub(crate) fn in_range(
+    what: &'static str,
+    at: usize,
+    names: &'static str,
+    number: i64,
+    count: usize,
+) -> Result<u32, BspError> {
+    if (0..count as i64).contains(&number) {
+        Ok(number as u32)
+    } else {
+        Err(BspError::NoSuch {
+            what,
+            at,
+            names,
+            number,
+            count,
+        })
+    }
+}
+
+/// Of a thing of known size.
+pub(crate) fn int(bytes: &[u8], at: usize) -> i32 {
+    i32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
+}
+
+pub(crate) fn short(bytes: &[u8], at: usize) -> u16 {
+    u16::from_le_bytes([bytes[at], bytes[at + 1]])
+}
+
+pub(crate) fn number(bytes: &[u8], at: usize) -> f32 {
+    f32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
+}

@@ -21,6 +21,7 @@ mod report;
 mod save;
 mod text;
 mod values;
+mod vis;
 mod welcome;
 
 use args::{Args, Verb};
@@ -35,7 +36,7 @@ use std::process::ExitCode;
 enum Outcome {
     /// As it should.
     Done,
-    /// A method missed something, or painted what it must not.
+    /// Something was missed, or painted that must not be.
     CheckFailed,
 }
 
@@ -61,6 +62,7 @@ fn main() -> ExitCode {
         Some(Verb::Look(args)) => look::run(&args),
         Some(Verb::Compare(args)) => compare::run(&args),
         Some(Verb::Link(args)) => link::run(&args),
+        Some(Verb::Vis(args)) => vis::run(&args),
         Some(Verb::Info(args)) => info::run(&args),
     };
     match outcome {

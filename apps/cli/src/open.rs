@@ -106,7 +106,7 @@ fn open_file(file: &str, wanted: For, choice: Choice, flat: bool, limits: &Limit
     };
     let remedy = "raise --memory, or choose another --method";
     let scene = import
-        .scene(method, limits.memory.unwrap_or(Method::DEFAULT_LIMIT))
+        .scene(method, limits.memory())
         .map_err(|why| anyhow!("{file}: {why}; {remedy}"))?;
     Ok(Opened {
         file: file.to_owned(),

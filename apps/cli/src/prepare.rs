@@ -137,7 +137,7 @@ fn check_cover_size(opened: &Opened, choice: Choice, how: &HowArgs, view: Option
 }
 
 fn build(opened: &Opened, choice: Choice, how: &HowArgs, view: Option<&View>) -> Result<Prepared, TooLarge> {
-    let limit = how.limits.memory.unwrap_or(Method::DEFAULT_LIMIT);
+    let limit = how.limits.memory();
     let scene = &opened.scene;
     let start = Instant::now();
     let built = match choice {

@@ -27,6 +27,16 @@ impl Progress {
         )
     }
 
+    /// Work that says itself how much of it is done.
+    pub(crate) fn share(what: &str) -> Progress {
+        Progress::start(Some(PARTS), "{msg} {wide_bar} {percent} %, {eta} left", what)
+    }
+
+    /// So much of it is done, 0 to 1.
+    pub(crate) fn set(&self, share: f64) {
+        self.bar.set_position((share * PARTS as f64) as u64);
+    }
+
     /// One step is done.
     pub(crate) fn step(&self) {
         self.bar.inc(1);
@@ -49,6 +59,9 @@ impl Progress {
         Progress { bar, waiting }
     }
 }
+
+/// Into how many parts a bar is cut that shows a share.
+const PARTS: u64 = 10_000;
 
 const A_SECOND: Duration = Duration::from_secs(1);
 

@@ -2,7 +2,8 @@
 
 use anyhow::{Context, Result, bail};
 use std::ffi::OsString;
-use std::fs::{self, OpenOptions};
+use std::fs::{self, File, OpenOptions};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// A place for a file, found to be writable before the work that fills it.
@@ -69,6 +70,15 @@ impl Destination {
             let _ = fs::remove_file(&passing);
         }
         written
+    }
+
+    /// Writes bytes there, which are on the disk before they get the file's name.
+    pub(crate) fn write_bytes(&self, bytes: &[u8]) -> Result<()> {
+        self.write(|path| {
+            let mut file = File::create(path)?;
+            file.write_all(bytes)?;
+            file.sync_all()
+        })
     }
 
     fn folder(&self) -> &Path {

@@ -123,6 +123,12 @@ pub(crate) fn stops(text: &str) -> Result<f32, String> {
         .ok_or_else(|| format!("a number of stops from -{MOST} to {MOST} is wanted, such as 1 or -0.5"))
 }
 
+/// Seconds, from none to some decades.
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds| (0.0..=1e9).contains(seconds));
+    seconds.ok_or_else(|| "a number of seconds is wanted, such as 600 or 0.5".to_owned())
+}
+
 /// Bytes, plain or with a unit: `2GB`, `500MB`, `1.5 GiB`.
 pub(crate) fn bytes(text: &str) -> Result<u64, String> {
     let wants = || "a number of bytes is wanted, such as 2GB, 500MB or 1000000".to_owned();

@@ -52,7 +52,12 @@ pub fn find_missing(cells: &Cells, pairs: &VisiblePairs, count: u64, seed: u64) 
         numbers
             .into_par_iter()
             .map_init(Vec::new, |taken, number| {
-                missed_by(&ways, pairs, &mut Random::new(seed ^ number << 8), taken)
+                missed_by(
+                    &ways,
+                    pairs,
+                    &mut Random::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ number),
+                    taken,
+                )
             })
             .find_map_first(|witness| witness)
     })

@@ -14,8 +14,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use enfilade::{Aabb, Transform};
 use enfilade_import::{Import, LinkError, Linked, Linker, NodeId, PartId, ReadOptions, Shape};
 use serde::Serialize;
-use std::fs::{self, File};
-use std::io::Write;
+use std::fs;
 use std::path::Path;
 use world::{At, Place, Portal, World};
 
@@ -63,11 +62,7 @@ pub(crate) fn run(args: &LinkArgs) -> Result<Outcome> {
         import,
     } = join(&world, folder, output, options).with_context(|| name.clone())?;
     drop(progress);
-    destination.write(|path| {
-        let mut file = File::create(path)?;
-        file.write_all(&glb)?;
-        file.sync_all()
-    })?;
+    destination.write_bytes(&glb)?;
     let mut warnings = apart(&world, &import);
     if !left_out.is_empty() {
         warnings.push(format!(

@@ -1,6 +1,8 @@
 //! Runs the program in a folder of its own, on a small scene that stands there.
 #![allow(dead_code, reason = "each test file uses some of it")]
 
+pub(crate) mod quake;
+
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
@@ -18,10 +20,14 @@ pub(crate) struct Run {
 
 impl Folder {
     pub(crate) fn new() -> Folder {
-        let folder = Folder(tempfile::tempdir().expect("a folder"));
+        let folder = Folder::empty();
         folder.add("scene.glb", glb(&yard()));
         folder.add("views.jsonl", VIEWS);
         folder
+    }
+
+    pub(crate) fn empty() -> Folder {
+        Folder(tempfile::tempdir().expect("a folder"))
     }
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {
@@ -72,7 +78,7 @@ impl Folder {
         serde_json::from_str(&run.stdout).unwrap_or_else(|error| panic!("{error}: {}", run.stdout))
     }
 
-    fn command(&self, arguments: &str) -> Command {
+    pub(crate) fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_enfilade"));
         command
             .args(arguments.split_whitespace())

@@ -4,7 +4,7 @@ mod bsp;
 mod error;
 mod prt;
 
-pub use bsp::{BspError, leafs_of_clusters, with_visibility};
+pub use bsp::{BspError, leafs_of_clusters, visibility_bytes, with_visibility};
 pub use error::PrtError;
 pub use prt::{PortalFile, PrtKind};
 

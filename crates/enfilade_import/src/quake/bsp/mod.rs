@@ -12,4 +12,4 @@ mod visibility;
 
 pub use belongs::leafs_of_clusters;
 pub use error::BspError;
-pub use visibility::with_visibility;
+pub use visibility::{visibility_bytes, with_visibility};

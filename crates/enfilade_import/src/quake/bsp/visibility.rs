@@ -34,6 +34,15 @@ pub fn with_visibility(map: &[u8], portals: &PortalFile, pairs: &VisiblePairs) -
     Ok(map.with_lump(map.format.visibility, &lump))
 }
 
+/// How many bytes of a map say what is visible; 0 where nobody has found it out yet.
+///
+/// # Errors
+/// Where the map is of no such kind, or damaged.
+pub fn visibility_bytes(map: &[u8]) -> Result<usize, BspError> {
+    let map = Map::read(map)?;
+    Ok(map.lump(map.format.visibility).len())
+}
+
 /// Rows of leafs, zero bytes counted; and in each leaf where its row begins.
 fn quake_lump(map: &mut Map, portals: &PortalFile, pairs: &VisiblePairs) -> Result<Vec<u8>, BspError> {
     let clusters = clusters_of_leafs(map, portals)?;

@@ -1,0 +1,266 @@
+//! `vis`: what is visible in a map of Quake or Quake 3, written into the map.
+
+mod report;
+mod unfinished;
+
+use crate::Outcome;
+use crate::args::VisArgs;
+use crate::open::allow_threads;
+use crate::out;
+use crate::progress::Progress;
+use crate::report::Sink;
+use crate::save::Destination;
+use anyhow::{Context, Result, anyhow, bail};
+use enfilade_bake::{PairsWork, Stage, VisiblePairs, find_missing};
+use enfilade_import::{
+    PortalFile, ReadOptions, leafs_of_clusters, read_portals, visibility_bytes, with_visibility,
+};
+use report::{Checked, Found, Seconds, Visibility};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use unfinished::Unfinished;
+
+/// Runs `vis`.
+pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
+    let name = args.map.display();
+    let target = match ending(&args.map).as_deref() {
+        Some("bsp") => Some(args.output.as_deref().unwrap_or(&args.map)),
+        Some("prt") if args.output.is_some() || args.prt.is_some() => {
+            bail!("{name}: a .prt gets a report alone; name the .bsp for --prt and -o")
+        }
+        Some("prt") => None,
+        _ => bail!("{name}: a map is a .bsp (or, for the report alone, its .prt)"),
+    };
+    let destination = target.map(writable).transpose()?;
+    let sink = Sink::new(&args.json)?;
+    let threads = allow_threads(&args.limits)?;
+    let start = Instant::now();
+    let mut seconds = Seconds::default();
+    let map = read_map(args)?;
+    let prt = portals_of(args)?;
+    let mut options = ReadOptions::default();
+    options.limit_bytes = args.limits.memory.unwrap_or(options.limit_bytes);
+    let portals = read_portals(&prt, &options)?;
+    let leafs = match &map {
+        Some(map) => leafs_of_clusters(map, &portals).with_context(|| belongs(&args.map, &prt))?,
+        None => leafs_by_portals(&portals),
+    };
+    seconds.read = start.elapsed().as_secs_f64();
+
+    let unfinished = Unfinished::beside(target.unwrap_or(&args.map));
+    let work = work(args, &portals, &prt, &unfinished, &mut seconds)?;
+    let pairs = work.pairs();
+    let checked = args
+        .check
+        .map(|lines| check(&portals, &pairs, lines, &mut seconds));
+    let missing = checked.as_ref().is_some_and(|checked| checked.missing.is_some());
+
+    let written = match (&map, &destination) {
+        (Some(map), Some(destination)) if !missing => {
+            let start = Instant::now();
+            let bytes = with_visibility(map, &portals, &pairs).with_context(|| name.to_string())?;
+            destination.write_bytes(&bytes)?;
+            seconds.write = start.elapsed().as_secs_f64();
+            Some(visibility_bytes(&bytes)? as u64)
+        }
+        _ => None,
+    };
+    let is_complete = work.stage() == Stage::Done || (args.fast && work.stage() >= Stage::Sampling);
+    if work.stage() == Stage::Done && !missing {
+        unfinished.remove()?;
+    }
+    seconds.total = start.elapsed().as_secs_f64();
+    let visibility = Visibility::new(Found {
+        map: &args.map,
+        target: target.filter(|_| written.is_some()),
+        lump_bytes: written,
+        prt: &prt,
+        portals: &portals,
+        leafs: &leafs,
+        pairs: &pairs,
+        is_fast: args.fast,
+        is_complete,
+        stopped_in: work.stage(),
+        threads,
+        seconds,
+        checked,
+    });
+    if !args.json.takes_stdout() {
+        out::print(&visibility.text())?;
+        if !is_complete {
+            out::print(&format!(
+                "  --resume goes on from {}\n",
+                unfinished.path().display()
+            ))?;
+        }
+    }
+    sink.write(&visibility)?;
+    Ok(if missing {
+        Outcome::CheckFailed
+    } else {
+        Outcome::Done
+    })
+}
+
+fn ending(path: &Path) -> Option<String> {
+    Some(path.extension()?.to_str()?.to_ascii_lowercase())
+}
+
+/// A place for a map; a file that is there must be one that may be written.
+fn writable(path: &Path) -> Result<Destination> {
+    if ending(path).as_deref() != Some("bsp") {
+        bail!("cannot write {}: a map's name ends in .bsp", path.display());
+    }
+    if fs::metadata(path).is_ok_and(|there| there.permissions().readonly()) {
+        bail!(
+            "cannot write {}: it is read-only; make it writable, or write a copy with -o OTHER.bsp",
+            path.display()
+        );
+    }
+    Destination::new(path)
+}
+
+/// The bytes of the map, if it is one.
+fn read_map(args: &VisArgs) -> Result<Option<Vec<u8>>> {
+    if ending(&args.map).as_deref() != Some("bsp") {
+        return Ok(None);
+    }
+    let fails = || format!("cannot read {}", args.map.display());
+    let bytes = fs::metadata(&args.map).with_context(fails)?.len();
+    let limit = args.limits.memory();
+    if bytes * 2 > limit {
+        bail!(
+            "{}: it has {bytes} bytes, and twice as many are more than the limit of {limit}; raise --memory",
+            fails()
+        );
+    }
+    fs::read(&args.map).with_context(fails).map(Some)
+}
+
+/// The file of portals: as told, or beside the map; `NAME.novis.bsp` goes with `NAME.prt`.
+fn portals_of(args: &VisArgs) -> Result<PathBuf> {
+    if let Some(prt) = &args.prt {
+        return Ok(prt.clone());
+    }
+    if ending(&args.map).as_deref() == Some("prt") {
+        return Ok(args.map.clone());
+    }
+    let own = args.map.with_extension("prt");
+    let bare = args.map.with_extension("").with_extension("prt");
+    [&own, &bare]
+        .into_iter()
+        .find(|path| path.is_file())
+        .cloned()
+        .ok_or_else(|| {
+            anyhow!(
+                "{}: there is no {} beside it; compile the map again, name its portals with --prt FILE, or make them \
+                 again from the map: enfilade portals {}",
+                args.map.display(),
+                own.file_name().unwrap_or_default().display(),
+                args.map.display()
+            )
+        })
+}
+
+fn belongs(map: &Path, prt: &Path) -> String {
+    format!("{} with the portals of {}", map.display(), prt.display())
+}
+
+/// Without a map, how many leafs each cluster is.
+fn leafs_by_portals(portals: &PortalFile) -> Vec<u32> {
+    let clusters = portals.cells.count() as usize;
+    let Some(of_leafs) = &portals.cluster_of_leaf else {
+        return vec![1; clusters];
+    };
+    let mut leafs = vec![0; clusters];
+    of_leafs.iter().for_each(|&cluster| leafs[cluster as usize] += 1);
+    leafs
+}
+
+/// Finds out what is visible, until it is known or time is up; saves now and then how far it is.
+fn work(
+    args: &VisArgs,
+    portals: &PortalFile,
+    prt: &Path,
+    unfinished: &Unfinished,
+    seconds: &mut Seconds,
+) -> Result<PairsWork> {
+    let start = Instant::now();
+    let mut work = begin(args, portals, prt, unfinished)?;
+    let end = if args.fast { Stage::Sampling } else { Stage::Done };
+    let mut saved = start;
+    while work.stage() < end {
+        let stage = work.stage();
+        let began = Instant::now();
+        let progress = Progress::share(in_words(stage));
+        while work.stage() == stage {
+            work.step();
+            if work.stage() == stage {
+                progress.set(work.share());
+            }
+            let is_over = args
+                .seconds
+                .is_some_and(|most| start.elapsed().as_secs_f64() >= most);
+            if is_over || saved.elapsed().as_secs_f64() >= args.save_every {
+                unfinished.save(&work)?;
+                saved = Instant::now();
+            }
+            if is_over {
+                seconds.add(stage, began.elapsed());
+                return Ok(work);
+            }
+        }
+        seconds.add(stage, began.elapsed());
+    }
+    Ok(work)
+}
+
+/// New work, or that which was not finished.
+fn begin(args: &VisArgs, portals: &PortalFile, prt: &Path, unfinished: &Unfinished) -> Result<PairsWork> {
+    let limit = args.limits.memory();
+    let saved = if args.resume { unfinished.read()? } else { None };
+    let Some(saved) = saved else {
+        if args.resume {
+            out::note(format_args!(
+                "nothing to go on from: there is no {}; starting anew",
+                unfinished.path().display()
+            ));
+        }
+        return PairsWork::begin(&portals.cells, limit)
+            .map_err(|why| anyhow!("{}: {why}; raise --memory", prt.display()));
+    };
+    PairsWork::resume(&portals.cells, limit, &saved).map_err(|why| {
+        anyhow!(
+            "{}: {why}; leave out --resume to start anew",
+            unfinished.path().display()
+        )
+    })
+}
+
+fn in_words(stage: Stage) -> &'static str {
+    match stage {
+        Stage::FirstBound => "1 of 5: floods",
+        Stage::Passages => "2 of 5: passages",
+        Stage::Fixpoint => "3 of 5: fixpoint",
+        Stage::Sampling => "4 of 5: lines",
+        Stage::Flow | Stage::Done => "5 of 5: flow",
+    }
+}
+
+fn check(portals: &PortalFile, pairs: &VisiblePairs, lines: u64, seconds: &mut Seconds) -> Checked {
+    /// Lines after which the bar moves.
+    const PART: u64 = 1 << 20;
+    let start = Instant::now();
+    let progress = Progress::share("checking by lines");
+    let mut missing = None;
+    let mut shot = 0;
+    while shot < lines && missing.is_none() {
+        let part = PART.min(lines - shot);
+        missing = find_missing(&portals.cells, pairs, part, shot);
+        shot += part;
+        progress.set(shot as f64 / lines as f64);
+    }
+    seconds.check = start.elapsed().as_secs_f64();
+    Checked::new(shot, missing)
+}

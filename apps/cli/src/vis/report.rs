@@ -1,0 +1,241 @@
+//! What `vis` found out, as JSON and as text.
+
+use crate::text::{bytes, count, plural};
+use enfilade_bake::{Stage, VisiblePairs, Witness};
+use enfilade_import::{PortalFile, PrtKind};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::Path;
+use std::time::Duration;
+
+/// What is visible in a map, and what it took to find out.
+#[derive(Debug, Serialize)]
+pub(super) struct Visibility {
+    map: String,
+    prt: String,
+    format: &'static str,
+    /// The map that was written.
+    written: Option<String>,
+    leafs: u64,
+    clusters: u32,
+    portals: usize,
+    /// `full`, `fast`, or where time was up.
+    bound: &'static str,
+    complete: bool,
+    /// Pairs of clusters that may see each other, counted both ways, those of a cluster with itself left out.
+    pairs: usize,
+    /// Of all that there could be.
+    share: f64,
+    /// Of those, how many a line has shown.
+    pairs_proven: usize,
+    symmetric: bool,
+    average_leafs: f64,
+    /// Of the lump of visibility.
+    bytes: Option<u64>,
+    seconds: Seconds,
+    threads: usize,
+    /// Of the whole program, in bytes, where the system says.
+    peak_memory: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    check: Option<Checked>,
+}
+
+/// By the clock.
+#[derive(Debug, Default, Serialize)]
+pub(super) struct Seconds {
+    pub(super) read: f64,
+    first_bound: f64,
+    passages: f64,
+    fixpoint: f64,
+    sampling: f64,
+    flow: f64,
+    pub(super) check: f64,
+    pub(super) write: f64,
+    pub(super) total: f64,
+}
+
+impl Seconds {
+    pub(super) fn add(&mut self, stage: Stage, time: Duration) {
+        let of = match stage {
+            Stage::FirstBound => &mut self.first_bound,
+            Stage::Passages => &mut self.passages,
+            Stage::Fixpoint => &mut self.fixpoint,
+            Stage::Sampling => &mut self.sampling,
+            Stage::Flow | Stage::Done => &mut self.flow,
+        };
+        *of += time.as_secs_f64();
+    }
+}
+
+/// What random lines have shown.
+#[derive(Debug, Serialize)]
+pub(super) struct Checked {
+    lines: u64,
+    pub(super) missing: Option<Line>,
+}
+
+/// A line of sight.
+#[derive(Debug, Serialize)]
+pub(super) struct Line {
+    pub(super) origin: [f64; 3],
+    pub(super) direction: [f64; 3],
+    pub(super) clusters: Vec<u32>,
+    #[serde(skip)]
+    text: String,
+}
+
+impl From<Witness> for Line {
+    fn from(witness: Witness) -> Line {
+        Line {
+            text: witness.to_string(),
+            origin: witness.origin,
+            direction: witness.direction,
+            clusters: witness.cells,
+        }
+    }
+}
+
+impl Checked {
+    pub(super) fn new(lines: u64, missing: Option<Witness>) -> Checked {
+        Checked {
+            lines,
+            missing: missing.map(Line::from),
+        }
+    }
+}
+
+/// What there is to report.
+pub(super) struct Found<'a> {
+    pub(super) map: &'a Path,
+    pub(super) target: Option<&'a Path>,
+    pub(super) prt: &'a Path,
+    pub(super) portals: &'a PortalFile,
+    pub(super) leafs: &'a [u32],
+    pub(super) pairs: &'a VisiblePairs,
+    pub(super) lump_bytes: Option<u64>,
+    pub(super) is_fast: bool,
+    pub(super) is_complete: bool,
+    pub(super) stopped_in: Stage,
+    pub(super) threads: usize,
+    pub(super) seconds: Seconds,
+    pub(super) checked: Option<Checked>,
+}
+
+impl Visibility {
+    pub(super) fn new(found: Found) -> Visibility {
+        let pairs = found.pairs;
+        let clusters = pairs.cell_count();
+        let all = f64::from(clusters) * f64::from(clusters.max(1) - 1);
+        let leafs: u64 = found.leafs.iter().map(|&leafs| u64::from(leafs)).sum();
+        // How many leafs are seen from each leaf of a cluster.
+        let seen = |from: u32| {
+            pairs
+                .seen_from(from)
+                .map(|to| u64::from(found.leafs[to as usize]))
+                .sum::<u64>()
+        };
+        let sum: u64 = (0..clusters)
+            .map(|from| u64::from(found.leafs[from as usize]) * seen(from))
+            .sum();
+        let symmetric = (0..clusters).all(|from| pairs.seen_from(from).all(|to| pairs.sees(to, from)));
+        Visibility {
+            map: found.map.display().to_string(),
+            prt: found.prt.display().to_string(),
+            format: match found.portals.kind {
+                PrtKind::Prt1 => "PRT1",
+                PrtKind::Prt2 => "PRT2",
+                PrtKind::Quake3 => "PRT1 of Quake 3",
+            },
+            written: found.target.map(|target| target.display().to_string()),
+            leafs,
+            clusters,
+            portals: found.portals.cells.portals().len(),
+            bound: match (found.is_complete, found.is_fast) {
+                (true, true) => "fast",
+                (true, false) => "full",
+                (false, _) if found.stopped_in == Stage::FirstBound => "everything",
+                (false, _) if found.stopped_in <= Stage::Fixpoint => "first",
+                (false, _) => "between fast and full",
+            },
+            complete: found.is_complete,
+            pairs: pairs.count(),
+            share: pairs.count() as f64 / all.max(1.0),
+            pairs_proven: pairs.proven(),
+            symmetric,
+            average_leafs: sum as f64 / leafs.max(1) as f64,
+            bytes: found.lump_bytes,
+            seconds: found.seconds,
+            threads: found.threads,
+            peak_memory: peak_memory(),
+            check: found.checked,
+        }
+    }
+
+    pub(super) fn text(&self) -> String {
+        let mut text = format!(
+            "{}: {} in {}, {}\n",
+            self.map,
+            plural(self.leafs as usize, "leaf"),
+            plural(self.clusters as usize, "cluster"),
+            plural(self.portals, "portal")
+        );
+        let proven = match self.pairs {
+            0 => String::new(),
+            pairs if self.pairs_proven > 0 => {
+                format!(
+                    ", {:.1} % of them shown by a line",
+                    100.0 * self.pairs_proven as f64 / pairs as f64
+                )
+            }
+            _ => String::new(),
+        };
+        let mut line = |shown: String| {
+            // Writing to a String cannot fail.
+            let _ = writeln!(text, "  {shown}");
+        };
+        line(format!(
+            "{} pairs may see each other, {:.1} % of all{proven}",
+            count(self.pairs as u64),
+            100.0 * self.share
+        ));
+        line(format!(
+            "from a leaf {:.1} are seen on average",
+            self.average_leafs
+        ));
+        if !self.complete {
+            line(format!("time was up: this is an upper bound, {}", self.bound));
+        } else if self.bound == "fast" {
+            line("this is the fast upper bound; without --fast fewer are left".to_owned());
+        }
+        match &self.check {
+            Some(Checked {
+                missing: Some(witness),
+                ..
+            }) => {
+                line(format!("MISSING, nothing is written: {}", witness.text));
+            }
+            Some(Checked { lines, .. }) => line(format!("{} random lines: none is missing", count(*lines))),
+            None => {}
+        }
+        if let (Some(written), Some(size)) = (&self.written, self.bytes) {
+            line(format!("written to {written}: {} of visibility", bytes(size)));
+        }
+        let memory = self
+            .peak_memory
+            .map_or(String::new(), |peak| format!(", {}", bytes(peak)));
+        line(format!(
+            "{:.2} s on {}{memory}",
+            self.seconds.total,
+            plural(self.threads, "thread")
+        ));
+        text
+    }
+}
+
+/// What the program has taken at most, where the system has a file that says so.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes * 1024)
+}

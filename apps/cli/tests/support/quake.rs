@@ -1,0 +1,133 @@
+//! Small maps of Quake, made by code: square rooms on a grid, a door between each two neighbours.
+
+/// A grid of rooms, 100 units wide each; doors are 20 wide, and stand where a number per wall puts them.
+pub(crate) struct Grid {
+    pub(crate) rooms: usize,
+    /// How far along its wall a door stands, 0 to 80, of the wall between two rooms.
+    pub(crate) door: fn(usize, usize) -> usize,
+    /// Where the map begins on the x-axis.
+    pub(crate) at: usize,
+}
+
+/// Doors that step aside from wall to wall.
+pub(crate) fn aside(from: usize, to: usize) -> usize {
+    (from * 37 + to * 23) % 81
+}
+
+impl Grid {
+    pub(crate) fn row(rooms: usize) -> Grid {
+        Grid {
+            rooms,
+            door: aside,
+            at: 0,
+        }
+    }
+
+    /// `PRT2`, each room a leaf and a cluster.
+    pub(crate) fn prt(&self) -> String {
+        let n = self.rooms;
+        let mut portals = Vec::new();
+        for room in 0..n * n {
+            let (x, y) = (room % n, room / n);
+            if x + 1 < n {
+                let (x, y) = (self.at + (x + 1) * 100, y * 100 + (self.door)(room, room + 1));
+                portals.push(format!(
+                    "4 {room} {} ({x} {y} 0) ({x} {} 0) ({x} {} 80) ({x} {y} 80)",
+                    room + 1,
+                    y + 20,
+                    y + 20
+                ));
+            }
+            if y + 1 < n {
+                let (x, y) = (self.at + x * 100 + (self.door)(room, room + n), (y + 1) * 100);
+                portals.push(format!(
+                    "4 {room} {} ({x} {y} 0) ({x} {y} 80) ({} {y} 80) ({} {y} 0)",
+                    room + n,
+                    x + 20,
+                    x + 20
+                ));
+            }
+        }
+        let clusters: String = (0..n * n).map(|room| format!("{room} -1\n")).collect();
+        let (leafs, portals) = (n * n, (portals.len(), portals.join("\n")));
+        format!("PRT2\n{leafs}\n{leafs}\n{}\n{}\n{clusters}", portals.0, portals.1)
+    }
+
+    /// `BSP2`: planes, nodes, leafs and the model of the world; nothing to be drawn.
+    pub(crate) fn bsp(&self) -> Vec<u8> {
+        let n = self.rooms as i32;
+        let mut planes = Vec::new();
+        for (axis, wall) in (0..2usize).flat_map(|axis| (1..n).map(move |wall| (axis, wall))) {
+            let mut normal = [0f32; 3];
+            normal[axis] = 1.0;
+            let at = wall as f32 * 100.0 + if axis == 0 { self.at as f32 } else { 0.0 };
+            planes.extend(normal.into_iter().chain([at]).flat_map(f32::to_le_bytes));
+            planes.extend((axis as i32).to_le_bytes());
+        }
+        // Columns one after another, then the rooms of each. Leaf 0 is solid.
+        let mut nodes = Vec::new();
+        let mut node = |plane: i32, front: i32, back: i32| {
+            nodes.extend([plane, front, back].into_iter().flat_map(i32::to_le_bytes));
+            nodes.extend([0; 44 - 12]);
+        };
+        let column = |x: i32| (n - 1) + x * (n - 1);
+        for x in 0..n - 1 {
+            let rest = if x + 2 < n { x + 1 } else { column(n - 1) };
+            node(x, rest, column(x));
+        }
+        for x in 0..n {
+            let leaf = |y: i32| -1 - (1 + y * n + x);
+            for y in 0..n - 1 {
+                let rest = if y + 2 < n { column(x) + y + 1 } else { leaf(n - 1) };
+                node(n - 1 + y, rest, leaf(y));
+            }
+        }
+        let mut leafs = Vec::new();
+        for leaf in 0..=n * n {
+            let contents = if leaf == 0 { -2 } else { -1 };
+            leafs.extend([contents, -1].into_iter().flat_map(i32::to_le_bytes));
+            leafs.extend([0; 44 - 8]);
+        }
+        let mut model = vec![0; 64];
+        model[52..56].copy_from_slice(&(n * n).to_le_bytes());
+        let mut lumps = vec![Vec::new(); 15];
+        lumps[0] = b"{\n\"classname\" \"worldspawn\"\n}\n\0".to_vec();
+        (lumps[1], lumps[5], lumps[10], lumps[14]) = (planes, nodes, leafs, model);
+        let mut map = b"BSP2".to_vec();
+        map.resize(4 + 15 * 8, 0);
+        for (number, lump) in lumps.iter().enumerate() {
+            map.resize(map.len().next_multiple_of(4), 0);
+            let entry = [map.len() as u32, lump.len() as u32]
+                .map(u32::to_le_bytes)
+                .concat();
+            map[4 + number * 8..][..8].copy_from_slice(&entry);
+            map.extend_from_slice(lump);
+        }
+        map
+    }
+}
+
+/// What a map says is seen from a leaf, as engines read it; leafs are counted as in the map.
+pub(crate) fn seen_from(map: &[u8], leaf: usize) -> Vec<usize> {
+    let word = |at: usize| i32::from_le_bytes(map[at..at + 4].try_into().expect("four")) as usize;
+    let lump = |number: usize| word(4 + number * 8);
+    let leafs = word(lump(14) + 52);
+    let mut at = lump(4) + word(lump(10) + leaf * 44 + 4);
+    let mut seen = Vec::new();
+    let mut first = 1;
+    while first <= leafs {
+        if map[at] == 0 {
+            first += 8 * usize::from(map[at + 1]);
+            at += 2;
+        } else {
+            seen.extend(
+                (0..8)
+                    .filter(|bit| map[at] >> bit & 1 != 0)
+                    .map(|bit| first + bit),
+            );
+            first += 8;
+            at += 1;
+        }
+    }
+    seen
+}

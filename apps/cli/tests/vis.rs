@@ -1,0 +1,266 @@
+//! `vis`: maps get what is visible in them, whole or not at all, whatever stops the work.
+
+mod support;
+
+use serde_json::json;
+use std::fs;
+use std::process::Stdio;
+use std::time::Duration;
+use support::Folder;
+use support::quake::{Grid, seen_from};
+
+/// A folder with `map.bsp` and `map.prt`, and nothing else.
+fn folder_of(grid: &Grid) -> Folder {
+    let folder = Folder::empty();
+    folder.add("map.bsp", grid.bsp());
+    folder.add("map.prt", grid.prt());
+    folder
+}
+
+fn map(folder: &Folder, name: &str) -> Vec<u8> {
+    fs::read(folder.path(name)).expect("a map")
+}
+
+#[test]
+fn a_map_gets_what_is_visible_and_nothing_is_left_behind() {
+    let grid = Grid {
+        // Two doors in line, and one far aside.
+        door: |from, _| if from < 2 { 0 } else { 80 },
+        ..Grid::row(3)
+    };
+    let folder = folder_of(&grid);
+    let run = folder.run("vis map.bsp --check=100000");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    for words in [
+        "map.bsp: 9 leafs in 9 clusters, 12 portals",
+        "pairs may see each other",
+        "100,000 random lines: none is missing",
+        "written to map.bsp",
+    ] {
+        assert!(
+            run.stdout.contains(words),
+            "`{}` does not say `{words}`",
+            run.stdout
+        );
+    }
+    let map = map(&folder, "map.bsp");
+    assert!(
+        seen_from(&map, 1).starts_with(&[1, 2, 3]),
+        "through two doors in line"
+    );
+    for from in 1..=9 {
+        let seen = seen_from(&map, from);
+        assert!(seen.contains(&from));
+        assert!(
+            seen.iter().all(|&to| seen_from(&map, to).contains(&from)),
+            "sight has no direction"
+        );
+    }
+    assert_eq!(folder.names(), ["map.bsp", "map.prt"]);
+}
+
+#[test]
+fn a_copy_leaves_the_map_as_it_is() {
+    let folder = folder_of(&Grid::row(4));
+    let before = map(&folder, "map.bsp");
+    let report = folder.json("vis map.bsp -o copy.bsp");
+    assert_eq!(map(&folder, "map.bsp"), before);
+    assert_eq!(report["written"], "copy.bsp");
+    for (key, value) in [
+        ("leafs", json!(16)),
+        ("clusters", json!(16)),
+        ("portals", json!(24)),
+        ("complete", json!(true)),
+        ("bound", json!("full")),
+        ("symmetric", json!(true)),
+        ("format", json!("PRT2")),
+    ] {
+        assert_eq!(report[key], value, "{key}");
+    }
+    let pairs: usize = (1..=16)
+        .map(|leaf| seen_from(&map(&folder, "copy.bsp"), leaf).len() - 1)
+        .sum();
+    assert_eq!(report["pairs"], pairs);
+    assert!(report["pairs_proven"].as_u64().expect("a number") as usize <= pairs);
+    assert_eq!(report["average_leafs"], (pairs + 16) as f64 / 16.0);
+    assert!(report["bytes"].as_u64().expect("a number") > 16);
+    assert!(report["seconds"]["flow"].is_number() && report["threads"].is_number());
+}
+
+#[test]
+fn the_portals_are_found_beside_the_map_or_where_one_says() {
+    let folder = folder_of(&Grid::row(3));
+    folder.add("map.novis.bsp", map(&folder, "map.bsp"));
+    folder.add("elsewhere.bsp", map(&folder, "map.bsp"));
+    assert_eq!(folder.run("vis map.novis.bsp").code, Some(0));
+    assert_eq!(folder.run("vis elsewhere.bsp --prt map.prt").code, Some(0));
+    assert_eq!(map(&folder, "map.novis.bsp"), map(&folder, "elsewhere.bsp"));
+    let report = folder.json("vis map.prt");
+    assert_eq!(
+        (&report["written"], &report["clusters"]),
+        (&json!(null), &json!(9))
+    );
+}
+
+#[test]
+fn the_fast_bound_sees_no_less() {
+    let folder = folder_of(&Grid::row(7));
+    let full = folder.json("vis map.bsp -o full.bsp");
+    let fast = folder.json("vis map.bsp -o fast.bsp --fast");
+    assert_eq!(fast["bound"], "fast");
+    assert!(fast["pairs"].as_u64() > full["pairs"].as_u64(), "{fast}");
+    let [full, fast] = ["full.bsp", "fast.bsp"].map(|name| map(&folder, name));
+    for leaf in 1..=49 {
+        let fast = seen_from(&fast, leaf);
+        assert!(seen_from(&full, leaf).iter().all(|to| fast.contains(to)));
+    }
+}
+
+#[test]
+fn what_is_written_is_the_same_for_any_number_of_threads() {
+    let folder = folder_of(&Grid::row(8));
+    for threads in [1, 2, 4] {
+        let run = folder.run(&format!("vis map.bsp -o {threads}.bsp --threads {threads}"));
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+    }
+    assert_eq!(map(&folder, "1.bsp"), map(&folder, "2.bsp"));
+    assert_eq!(map(&folder, "1.bsp"), map(&folder, "4.bsp"));
+}
+
+#[test]
+fn when_time_is_up_what_is_written_hides_nothing() {
+    let folder = folder_of(&Grid::row(8));
+    folder.json("vis map.bsp -o whole.bsp");
+    let report = folder.json("vis map.bsp -o part.bsp --seconds 0 --check=10000");
+    assert_eq!(report["complete"], false);
+    let [whole, part] = ["whole.bsp", "part.bsp"].map(|name| map(&folder, name));
+    for leaf in 1..=64 {
+        let part = seen_from(&part, leaf);
+        assert!(seen_from(&whole, leaf).iter().all(|to| part.contains(to)));
+    }
+}
+
+#[test]
+fn a_run_that_is_killed_again_and_again_ends_like_one_that_is_not() {
+    let folder = folder_of(&Grid::row(9));
+    folder.json("vis map.bsp -o whole.bsp");
+    let saved = folder.path("part.bsp.vis-unfinished");
+    let mut kills = 0;
+    for _ in 0..3 {
+        let before = fs::read(&saved).ok();
+        let mut run = folder
+            .command("vis map.bsp -o part.bsp --resume --save-every 0")
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("it starts");
+        while run.try_wait().expect("a state").is_none() {
+            if fs::read(&saved).is_ok_and(|now| Some(now) != before) {
+                run.kill().expect("it can be killed");
+                run.wait().expect("it ends");
+            } else {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        }
+        kills += usize::from(saved.exists());
+    }
+    assert!(kills > 0, "no run was caught at work");
+    assert!(
+        !folder.path("part.bsp").exists(),
+        "what is not finished is not written"
+    );
+    let run = folder.run("vis map.bsp -o part.bsp --resume");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(!run.stderr.contains("starting anew"), "{}", run.stderr);
+    assert_eq!(map(&folder, "part.bsp"), map(&folder, "whole.bsp"));
+    assert!(!saved.exists());
+}
+
+#[test]
+fn saved_work_that_is_of_no_use_is_said_so() {
+    let folder = folder_of(&Grid::row(3));
+    let run = folder.run("vis map.bsp --resume");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(run.stderr.contains("starting anew"), "{}", run.stderr);
+    folder.add("map.bsp.vis-unfinished", "something else");
+    let run = folder.run("vis map.bsp --resume");
+    assert_eq!(run.code, Some(2));
+    assert!(
+        run.stderr.contains("is no saved work of this version") && run.stderr.contains("leave out --resume")
+    );
+}
+
+/// Runs what must fail with exit 2, says why, and leaves the map as it is.
+#[track_caller]
+fn refused(folder: &Folder, arguments: &str, words: &[&str]) {
+    let before = map(folder, "map.bsp");
+    let run = folder.run(arguments);
+    assert_eq!(run.code, Some(2), "{arguments}: {}", run.stdout);
+    assert_eq!(run.stderr.lines().count(), 1, "one message: {}", run.stderr);
+    for word in words {
+        assert!(
+            run.stderr.contains(word),
+            "`{}` does not say `{word}`",
+            run.stderr
+        );
+    }
+    assert_eq!(map(folder, "map.bsp"), before, "{arguments}");
+}
+
+#[test]
+fn what_cannot_be_done_is_said_in_one_message_and_the_map_is_untouched() {
+    let folder = folder_of(&Grid::row(3));
+    let prt = Grid::row(3).prt();
+    refused(&folder, "vis nothing.bsp", &["nothing.bsp"]);
+    refused(&folder, "vis map.map", &["map.map", ".bsp"]);
+    refused(&folder, "vis map.bsp --prt other.prt", &["other.prt"]);
+    refused(&folder, "vis map.prt -o copy.bsp", &["map.prt", "report alone"]);
+    refused(&folder, "vis map.bsp -o copy.prt", &["copy.prt", ".bsp"]);
+    refused(&folder, "vis map.bsp --memory 100", &["--memory"]);
+
+    folder.add("lonely.bsp", map(&folder, "map.bsp"));
+    refused(
+        &folder,
+        "vis lonely.bsp",
+        &["lonely.prt", "--prt", "enfilade portals lonely.bsp"],
+    );
+
+    folder.add("map.prt", Grid::row(4).prt());
+    refused(
+        &folder,
+        "vis map.bsp",
+        &["map.bsp", "map.prt", "9 leafs", "of 16", "another map"],
+    );
+    let moved = Grid {
+        at: 5000,
+        ..Grid::row(3)
+    };
+    folder.add("map.prt", moved.prt());
+    refused(
+        &folder,
+        "vis map.bsp",
+        &["map.prt", "in their places", "another map"],
+    );
+    folder.add("map.prt", prt.replacen("4 0 1", "4 0 77", 1));
+    refused(&folder, "vis map.bsp", &["map.prt", "line 5", "cell 77"]);
+    folder.add("map.prt", prt.replacen("(100 ", "(103 ", 1));
+    refused(&folder, "vis map.bsp", &["map.prt", "line 5", "not flat"]);
+    folder.add("map.prt", "PRT1\n4000000000\n0\n");
+    refused(&folder, "vis map.bsp", &["4000000000"]);
+    refused(&folder, "vis map.prt", &["map.prt", "--memory"]);
+    folder.add("map.prt", &prt);
+
+    let whole = map(&folder, "map.bsp");
+    folder.add("map.bsp", &whole[..whole.len() - 40]);
+    refused(&folder, "vis map.bsp", &["map.bsp", "is damaged"]);
+    folder.add("map.bsp", b"not a map at all");
+    refused(&folder, "vis map.bsp", &["map.bsp", "no compiled map"]);
+    folder.add("map.bsp", &whole);
+
+    let mut mode = fs::metadata(folder.path("map.bsp")).expect("there").permissions();
+    mode.set_readonly(true);
+    fs::set_permissions(folder.path("map.bsp"), mode).expect("set");
+    refused(&folder, "vis map.bsp", &["map.bsp", "read-only", "-o"]);
+    assert_eq!(folder.run("vis map.bsp -o copy.bsp").code, Some(0));
+    assert_eq!(folder.names(), ["copy.bsp", "lonely.bsp", "map.bsp", "map.prt"]);
+}

@@ -43,8 +43,8 @@ pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
     options.limit_bytes = args.limits.memory.unwrap_or(options.limit_bytes);
     let portals = read_portals(&prt, &options)?;
     let leafs = match &map {
-        Some(map) => leafs_of_clusters(map, &portals).with_context(|| belongs(&args.map, &prt))?,
-        None => leafs_by_portals(&portals),
+        Some(map) => Some(leafs_of_clusters(map, &portals).with_context(|| belongs(&args.map, &prt))?),
+        None => None,
     };
     seconds.read = start.elapsed().as_secs_f64();
 
@@ -77,7 +77,7 @@ pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
         lump_bytes: written,
         prt: &prt,
         portals: &portals,
-        leafs: &leafs,
+        leafs: &leafs.unwrap_or_else(|| leafs_by_portals(&portals)),
         pairs: &pairs,
         is_fast: args.fast,
         is_complete,

@@ -60,18 +60,17 @@ pub(super) fn clusters_of_leafs(map: &Map, portals: &PortalFile) -> Result<Vec<O
             .map(|&cluster| u32::try_from(cluster).ok())
             .collect());
     }
-    let named: Vec<u32> = match &portals.cluster_of_leaf {
-        Some(clusters) => clusters.clone(),
-        None => (0..count).collect(),
-    };
+    // Without leafs of its own each cluster is one.
+    let of_leafs = portals.cluster_of_leaf.as_deref();
+    let named = of_leafs.map_or(count as usize, <[u32]>::len);
     let world_leafs = i64::from(map.world_leafs()?);
-    if world_leafs != named.len() as i64 || leafs.len() <= named.len() {
-        return Err(other(world_leafs, named.len(), "leafs"));
+    if world_leafs != named as i64 || leafs.len() <= named {
+        return Err(other(world_leafs, named, "leafs"));
     }
     // The first leaf is solid, and those after the world's are in doors and lifts.
     let mut clusters = vec![None; leafs.len()];
-    for (leaf, &cluster) in named.iter().enumerate() {
-        clusters[leaf + 1] = Some(cluster);
+    for leaf in 0..named {
+        clusters[leaf + 1] = Some(of_leafs.map_or(leaf as u32, |of_leafs| of_leafs[leaf]));
     }
     Ok(clusters)
 }

@@ -1,14 +1,13 @@
 //! Which cells see each other, through portals: bounds from both sides until they meet.
 
-use crate::bits::{BitRows, count, ones, put};
+use crate::aim::aim;
+use crate::bits::{BitRows, count, ones, ones_besides, put};
 use crate::cells::Cells;
 use crate::first_bound::first_bound;
 use crate::flow::Flow;
-use crate::known::{Known, line_through, take_line};
+use crate::known::Known;
 use crate::passages::{Passages, drop_pair};
-use crate::random::Random;
 use crate::ways::Ways;
-use crate::winding::centre;
 use rayon::prelude::*;
 
 /// How [`VisiblePairs::compute`] works.
@@ -30,8 +29,14 @@ pub struct VisiblePairs {
 /// Ways that flow at once, without knowing of each other's answers: enough for a few threads to share.
 const SIDE_BY_SIDE: usize = 16;
 
-/// Lines that are tried where the flow comes to something that no line has shown yet.
-const TRIES: usize = 2;
+/// Flows from every way once.
+#[derive(Debug)]
+struct Round {
+    /// Of each way that has flowed, its back: who sees that has been told.
+    told: Vec<u64>,
+    /// Whether lines are aimed at what is reached along two chains, or along one.
+    twice: bool,
+}
 
 /// What one way's flow has found.
 #[derive(Debug)]
@@ -92,16 +97,35 @@ impl VisiblePairs {
 }
 
 /// Flows from every way, the cheapest first: by then the dear ones have most of their answers from the other side.
+///
+/// Then once more in reverse: what no line has shown is asked from its other end, whose chains drop or show some of it.
 fn flow_all(ways: &Ways, passages: &Passages, bound: &mut BitRows, known: &mut Known) {
     let mut order: Vec<usize> = (0..ways.count()).collect();
     order.sort_by_key(|&way| (count(bound.row(way)), way));
-    // Of each way that has flowed, its back: who sees that has been told.
-    let mut told = vec![0u64; bound.words_in_row()];
+    for twice in [false, true] {
+        flow_in(&order, twice, ways, passages, bound, known);
+        order.reverse();
+    }
+}
+
+/// Flows in an order; each pair is asked from that end which comes first.
+fn flow_in(
+    order: &[usize],
+    twice: bool,
+    ways: &Ways,
+    passages: &Passages,
+    bound: &mut BitRows,
+    known: &mut Known,
+) {
+    let mut round = Round {
+        told: vec![0; bound.words_in_row()],
+        twice,
+    };
     for some in order.chunks(SIDE_BY_SIDE) {
         let answers: Vec<Answer> = some
             .par_iter()
             .map_init(Flow::default, |flow, &way| {
-                answer(ways, passages, bound, known, &told, way, flow)
+                answer(ways, passages, bound, known, &round, way, flow)
             })
             .collect();
         for (&way, answer) in some.iter().zip(answers) {
@@ -111,7 +135,7 @@ fn flow_all(ways: &Ways, passages: &Passages, bound: &mut BitRows, known: &mut K
             for line in answer.lines {
                 known.take_in(ways, &line);
             }
-            put(&mut told, ways.all[way].back as usize);
+            put(&mut round.told, ways.all[way].back as usize);
         }
     }
 }
@@ -121,32 +145,20 @@ fn answer(
     passages: &Passages,
     bound: &BitRows,
     known: &Known,
-    told: &[u64],
+    round: &Round,
     way: usize,
     flow: &mut Flow,
 ) -> Answer {
     let mut asked = bound.row(way).to_vec();
-    for (word, told) in asked.iter_mut().zip(told) {
+    for (word, told) in asked.iter_mut().zip(&round.told) {
         *word &= !told;
     }
     known.take_known(ways, way, &mut asked);
     let mut lines = Vec::new();
-    let mut random = Random::new(way as u64);
     // What a line shows is no longer asked about, but what the flow alone reaches is: only that it is not dropped.
-    flow.run(ways, bound, passages, way, &mut asked, |asked, source, target| {
-        for nth in 0..TRIES {
-            let [start, end] = if nth == 0 {
-                [centre(source), centre(target)]
-            } else {
-                [random.point_in(source), random.point_in(target)]
-            };
-            if let Some(line) = line_through(ways, way, start, end) {
-                take_line(ways, way, &line, asked);
-                lines.push(line);
-                return;
-            }
-        }
+    let reached = flow.run(ways, bound, passages, way, &mut asked, |asked, reached| {
+        lines.extend(aim(ways, way, reached, round.twice, asked));
     });
-    let dropped = ones(&asked).map(|then| then as u32).collect();
+    let dropped = ones_besides(&asked, reached).map(|then| then as u32).collect();
     Answer { dropped, lines }
 }

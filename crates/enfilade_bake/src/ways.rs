@@ -25,6 +25,8 @@ pub(crate) struct Way {
 pub(crate) struct Ways {
     pub(crate) all: Vec<Way>,
     starts: Vec<u32>,
+    /// Of each way its centre and its radius, side by side for those who go through many.
+    pub(crate) spheres: Vec<(DVec3, f64)>,
     /// Farther than any corner is from another, or from the origin.
     pub(crate) size: f64,
 }
@@ -78,8 +80,13 @@ impl Ways {
                 back: numbers[portal][1 - side],
             }
         });
-        let all = all.collect();
-        Ways { all, starts, size }
+        let all: Vec<Way> = all.collect();
+        Ways {
+            spheres: all.iter().map(|way| (way.centre, way.radius)).collect(),
+            all,
+            starts,
+            size,
+        }
     }
 
     pub(crate) fn count(&self) -> usize {

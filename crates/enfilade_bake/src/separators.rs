@@ -27,46 +27,89 @@ pub(crate) fn separators(
     size: f64,
     planes: &mut Vec<Plane>,
 ) {
-    let on_source = edges(source, against).filter_map(|edge| through(edge, source, pass, size));
-    planes.extend(on_source);
-    let on_pass = edges(pass, !against).filter_map(|edge| through(edge, pass, source, size));
-    planes.extend(on_pass.map(|plane| plane.flipped()));
+    around(source, against, pass, size, |plane| planes.push(plane));
+    around(pass, !against, source, size, |plane| planes.push(plane.flipped()));
 }
 
-/// Pairs of neighbours, all turned round where `backwards`.
-fn edges(winding: &[DVec3], backwards: bool) -> impl Iterator<Item = [DVec3; 2]> + '_ {
-    let mut from = winding[winding.len() - 1];
-    winding.iter().map(move |&to| {
-        let edge = if backwards { [to, from] } else { [from, to] };
-        from = to;
-        edge
-    })
+/// The planes through the edges of one winding, all turned round where `backwards`, with the other above.
+fn around(edged: &[DVec3], backwards: bool, other: &[DVec3], size: f64, mut push: impl FnMut(Plane)) {
+    let mut before = edged.len() - 1;
+    let mut touched = 0;
+    for at in 0..edged.len() {
+        let edge = if backwards { [at, before] } else { [before, at] };
+        if let Some(plane) = through(edge, edged, other, &mut touched, size) {
+            push(plane);
+        }
+        before = at;
+    }
 }
 
 /// The plane through an edge of `edged` that has all of `other` above it and touches it.
-fn through([from, to]: [DVec3; 2], edged: &[DVec3], other: &[DVec3], size: f64) -> Option<Plane> {
+///
+/// `guess` is where to look for the corner that it touches, and then where that was: neighbours touch neighbours.
+fn through(
+    ends: [usize; 2],
+    edged: &[DVec3],
+    other: &[DVec3],
+    guess: &mut usize,
+    size: f64,
+) -> Option<Plane> {
+    let [from, to] = ends.map(|end| edged[end]);
     let edge = to - from;
     let edge_squared = edge.length_squared();
-    let mut cross = DVec3::ZERO;
-    let mut touched = from;
-    let mut found = false;
-    for &corner in other {
-        let reach = corner - from;
-        if found && cross.dot(reach) >= 0.0 {
+    let mut found: Option<(usize, DVec3, f64)> = None;
+    for at in (*guess..other.len()).chain(0..*guess) {
+        let reach = other[at] - from;
+        if found.is_some_and(|(_, cross, _)| cross.dot(reach) >= 0.0) {
             continue;
         }
-        let normal = edge.cross(reach);
-        if normal.length_squared() > NEEDLE * edge_squared * reach.length_squared() {
-            (cross, touched, found) = (normal, corner, true);
+        let cross = edge.cross(reach);
+        let lengths_squared = edge_squared * reach.length_squared();
+        if cross.length_squared() > NEEDLE * lengths_squared {
+            found = Some((at, cross, lengths_squared));
         }
     }
-    if !found {
-        return None;
-    }
+    let (touching, cross, lengths_squared) = found?;
+    *guess = touching;
+    let touched = other[touching];
     let cross_squared = cross.length_squared();
     let normal = cross / cross_squared.sqrt();
-    // Squared, the least sine between the edge and a corner that the plane may rest on.
-    let mut sine_squared = cross_squared / (edge_squared * (touched - from).length_squared());
+    // Squared, the sine between the edge and the corner.
+    let mut sine_squared = cross_squared / lengths_squared;
+    // Four times what the careful check asks of the farthest corner: most are sure to pass it.
+    let sure = lengths_squared * (4.0 * ROUNDING * size).powi(2);
+    let parts = |winding: &[DVec3], but: [usize; 2], side: f64| {
+        winding.iter().enumerate().all(|(at, &corner)| {
+            let above = cross.dot(corner - from) * side;
+            but.contains(&at) || above * above.abs() > sure
+        })
+    };
+    if !(parts(edged, ends, -1.0) && parts(other, [touching; 2], 1.0)) {
+        sine_squared = parts_closely([from, to, touched], normal, sine_squared, edged, other)?;
+    }
+    Some(Plane {
+        normal,
+        offset: normal.dot(from),
+        slack: 8.0 * ROUNDING * size * (1.0 + 1.0 / sine_squared.sqrt()),
+        sharp: Some(Sharp {
+            through: [from, to, touched],
+            turned: false,
+        }),
+    })
+}
+
+/// Whether a plane through three corners, found with an edge and a corner at a sine, has `edged` below and `other` above,
+/// for all that rounding can do: if so, the least sine, squared, between the edge and a corner that it may rest on.
+fn parts_closely(
+    through: [DVec3; 3],
+    normal: DVec3,
+    mut sine_squared: f64,
+    edged: &[DVec3],
+    other: &[DVec3],
+) -> Option<f64> {
+    let from = through[0];
+    let edge = through[1] - from;
+    let edge_squared = edge.length_squared();
     let sides = edged.iter().map(|&corner| (corner, -1.0));
     for (corner, side) in sides.chain(other.iter().map(|&corner| (corner, 1.0))) {
         let reach = corner - from;
@@ -78,7 +121,7 @@ fn through([from, to]: [DVec3; 2], edged: &[DVec3], other: &[DVec3], size: f64) 
             }
             continue;
         }
-        if corner == from || corner == to || corner == touched {
+        if through.contains(&corner) {
             continue;
         }
         let off_edge = edge.cross(reach).length_squared();
@@ -90,13 +133,5 @@ fn through([from, to]: [DVec3; 2], edged: &[DVec3], other: &[DVec3], size: f64) 
         }
         sine_squared = sine_squared.min(off_edge / (edge_squared * reach_squared));
     }
-    Some(Plane {
-        normal,
-        offset: normal.dot(from),
-        slack: 8.0 * ROUNDING * size * (1.0 + 1.0 / sine_squared.sqrt()),
-        sharp: Some(Sharp {
-            through: [from, to, touched],
-            turned: false,
-        }),
-    })
+    Some(sine_squared)
 }

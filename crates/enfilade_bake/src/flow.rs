@@ -163,7 +163,7 @@ impl Flow {
             }
             if depth > 0 {
                 self.planes.clear();
-                separators(&next.pass, &step.pass, true, ways.size, &mut self.planes);
+                separators(ways, &next.pass, &step.pass, true, &mut self.planes);
                 let gone = self.planes.iter().any(|plane| {
                     clip(
                         &mut next.source,
@@ -188,7 +188,7 @@ impl Flow {
                 put(&mut self.reached, number);
             }
             next.planes.clear();
-            separators(&next.source, &next.pass, false, ways.size, &mut next.planes);
+            separators(ways, &next.source, &next.pass, false, &mut next.planes);
             if any != 0 {
                 keep_within(ways, &next.planes, [&next.source, &next.pass], &mut next.asked);
                 if next.asked.iter().all(|&word| word == 0) {

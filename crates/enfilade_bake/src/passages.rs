@@ -99,10 +99,10 @@ pub(crate) fn drop_pair(ways: &Ways, bound: &mut BitRows, first: usize, then: us
 fn fill(ways: &Ways, bound: &BitRows, [first, second]: [usize; 2], planes: &mut Vec<Plane>, row: &mut [u64]) {
     planes.clear();
     separators(
+        ways,
         &ways.all[first].corners,
         &ways.all[second].corners,
         false,
-        ways.size,
         planes,
     );
     let both = bound.row(first).iter().zip(bound.row(second));

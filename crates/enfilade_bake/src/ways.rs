@@ -2,6 +2,7 @@
 
 use crate::cells::Cells;
 use crate::winding::{Plane, centre, newell, thickness};
+use fearless_simd::Level;
 use glam::DVec3;
 use std::ops::Range;
 
@@ -29,6 +30,8 @@ pub(crate) struct Ways {
     pub(crate) spheres: Vec<(DVec3, f64)>,
     /// Farther than any corner is from another, or from the origin.
     pub(crate) size: f64,
+    /// Which instructions the machine has: no bit of the answer depends on it.
+    pub(crate) level: Level,
 }
 
 /// Of the size of the world: what rounding can do to how far a corner is off a plane, and some to spare.
@@ -86,6 +89,7 @@ impl Ways {
             all,
             starts,
             size,
+            level: Level::new(),
         }
     }
 

@@ -187,18 +187,19 @@ impl Flow {
                 met(asked, &reached);
                 put(&mut self.reached, number);
             }
+            if any == 0 {
+                continue;
+            }
             next.planes.clear();
             separators(ways, &next.source, &next.pass, false, &mut next.planes);
-            if any != 0 {
-                keep_within(ways, &next.planes, [&next.source, &next.pass], &mut next.asked);
-                if next.asked.iter().all(|&word| word == 0) {
-                    continue;
-                }
-                next.way = number;
-                next.next = ways.out_of(way.to).start;
-                self.in_chain[way.to as usize] = true;
-                depth += 1;
+            keep_within(ways, &next.planes, [&next.source, &next.pass], &mut next.asked);
+            if next.asked.iter().all(|&word| word == 0) {
+                continue;
             }
+            next.way = number;
+            next.next = ways.out_of(way.to).start;
+            self.in_chain[way.to as usize] = true;
+            depth += 1;
         }
     }
 }

@@ -49,20 +49,20 @@ fn around<S: Simd>(
 ) {
     let last = edged.len() - 1;
     for first in (0..edged.len()).step_by(4) {
-        let ends = [0, 1, 2, 3].map(|lane| {
+        let mut ends = [[0; 2]; 4];
+        for (lane, ends) in ends.iter_mut().enumerate() {
             let at = (first + lane).min(last);
             let before = if at == 0 { last } else { at - 1 };
-            if backwards { [at, before] } else { [before, at] }
-        });
+            *ends = if backwards { [at, before] } else { [before, at] };
+        }
         let four = FourEdges::rest(simd, ends, edged, other, size);
-        for (lane, ends) in ends.into_iter().enumerate().take(edged.len() - first) {
+        for (lane, [from, to]) in ends.into_iter().enumerate().take(edged.len() - first) {
             let Some((plane, touched)) = four.lane(lane) else {
                 continue;
             };
-            let [from, to] = ends.map(|end| edged[end]);
             push(Plane {
                 sharp: Some(Sharp {
-                    through: [from, to, other[touched]],
+                    through: [edged[from], edged[to], other[touched]],
                     turned: false,
                 }),
                 ..plane

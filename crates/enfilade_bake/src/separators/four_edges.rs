@@ -41,7 +41,7 @@ impl FourEdges {
         size: f64,
     ) -> FourEdges {
         let splat = |value: f64| f64x4::splat(simd, value);
-        let edges = Edges::of(simd, ends.map(|ends| ends.map(|end| edged[end])));
+        let edges = Edges::of(simd, ends, edged);
         let mut cross = [splat(0.0); 3];
         let mut lengths_squared = splat(0.0);
         let mut touching = splat(-1.0);
@@ -60,10 +60,10 @@ impl FourEdges {
         let found = touching.simd_ge(0.0);
         let squared = dot(cross, cross);
         let length = squared.sqrt();
-        let normal = cross.map(|along| along / length);
+        let normal = [cross[0] / length, cross[1] / length, cross[2] / length];
         let (parts, sine_squared) = edges.part(simd, [edged, other], normal, squared / lengths_squared);
         FourEdges {
-            normal: normal.map(Into::into),
+            normal: [normal[0].into(), normal[1].into(), normal[2].into()],
             offset: dot(normal, edges.from).into(),
             slack: ((splat(1.0) / sine_squared.sqrt() + 1.0) * (8.0 * ROUNDING * size)).into(),
             touching: touching.into(),
@@ -75,7 +75,7 @@ impl FourEdges {
     pub(super) fn lane(&self, lane: usize) -> Option<(Plane, usize)> {
         (self.parts >> lane & 1 != 0).then(|| {
             let plane = Plane {
-                normal: self.normal.map(|along| along[lane]).into(),
+                normal: DVec3::new(self.normal[0][lane], self.normal[1][lane], self.normal[2][lane]),
                 offset: self.offset[lane],
                 slack: self.slack[lane],
                 sharp: None,
@@ -87,15 +87,18 @@ impl FourEdges {
 
 impl<S: Simd> Edges<S> {
     #[inline(always)]
-    fn of(simd: S, ends: [[DVec3; 2]; 4]) -> Edges<S> {
+    fn of(simd: S, ends: [[usize; 2]; 4], edged: &[DVec3]) -> Edges<S> {
         let [mut from, mut along] = [[[0.0; 4]; 3]; 2];
         for (lane, [start, end]) in ends.into_iter().enumerate() {
+            let [start, end] = [edged[start], edged[end]];
             for axis in 0..3 {
                 from[axis][lane] = start[axis];
                 along[axis][lane] = end[axis] - start[axis];
             }
         }
-        let [from, along] = [from, along].map(|axes| axes.map(|lanes| f64x4::simd_from(simd, lanes)));
+        let lanes = |of: [f64; 4]| f64x4::simd_from(simd, of);
+        let from = [lanes(from[0]), lanes(from[1]), lanes(from[2])];
+        let along = [lanes(along[0]), lanes(along[1]), lanes(along[2])];
         Edges {
             from,
             along,
@@ -106,8 +109,12 @@ impl<S: Simd> Edges<S> {
     /// From where the edges begin to a corner.
     #[inline(always)]
     fn reach(&self, simd: S, corner: DVec3) -> [f64x4<S>; 3] {
-        let [x, y, z] = corner.to_array().map(|along| f64x4::splat(simd, along));
-        [x - self.from[0], y - self.from[1], z - self.from[2]]
+        let splat = |value: f64| f64x4::splat(simd, value);
+        [
+            splat(corner.x) - self.from[0],
+            splat(corner.y) - self.from[1],
+            splat(corner.z) - self.from[2],
+        ]
     }
 
     /// A bit for each lane: whether all corners are on their sides, or so close to the plane that it may rest on them;

@@ -9,7 +9,7 @@
 //! Conservative: windings are cut farther out than rounding can shift a plane. A cell is not entered twice, for a line
 //! leaves a convex cell for good.
 
-use crate::bits::{BitRows, has, take};
+use crate::bits::{BitRows, has, put};
 use crate::passages::{Passages, keep_within};
 use crate::separators::separators;
 use crate::ways::Ways;
@@ -34,20 +34,42 @@ struct Step {
     next: usize,
 }
 
+/// A way that was asked for, at the end of a chain.
+#[derive(Debug)]
+pub(crate) struct Reached<'a> {
+    pub(crate) way: usize,
+    /// Whether no chain has come to it before.
+    pub(crate) first: bool,
+    /// What is left of the source, seen from the way.
+    pub(crate) source: &'a [DVec3],
+    /// What is left of the way, seen from the source.
+    pub(crate) target: &'a [DVec3],
+    between: &'a [Step],
+}
+
+impl Reached<'_> {
+    /// All that a line from the source to the way has to go through, those two among them.
+    pub(crate) fn windings(&self) -> impl Iterator<Item = &[DVec3]> {
+        let between = self.between.iter().map(|step| step.pass.as_slice());
+        [self.source, self.target].into_iter().chain(between)
+    }
+}
+
 /// Buffers of a flow, used again.
 #[derive(Debug, Default)]
 pub(crate) struct Flow {
     steps: Vec<Step>,
+    reached: Vec<u64>,
     in_chain: Vec<bool>,
     scratch: Vec<DVec3>,
     planes: Vec<Plane>,
 }
 
 impl Flow {
-    /// Takes out of `asked` what a chain from `source` reaches; what is left there is not seen.
+    /// Follows chains from `source` to the ways in `asked`; what is left there and was not reached is not seen.
     ///
-    /// Where it takes one, `met` gets what is still asked for, from which it may take more that is seen for sure, and what
-    /// is left of the source and of the way reached.
+    /// Where a chain comes to one, `met` takes it out, or other chains will be followed to it; and it may take out more that
+    /// is seen for sure. Gives the ways reached.
     pub(crate) fn run(
         &mut self,
         ways: &Ways,
@@ -55,9 +77,11 @@ impl Flow {
         passages: &Passages,
         source: usize,
         asked: &mut [u64],
-        mut met: impl FnMut(&mut [u64], &[DVec3], &[DVec3]),
-    ) {
+        mut met: impl FnMut(&mut [u64], &Reached),
+    ) -> &[u64] {
         let words = bound.words_in_row();
+        self.reached.clear();
+        self.reached.resize(words, 0);
         self.in_chain.clear();
         self.in_chain.resize(ways.cells(), false);
         let first = &ways.all[source];
@@ -82,7 +106,7 @@ impl Flow {
             let last = &ways.all[step.way];
             if step.next == ways.out_of(last.to).end {
                 if depth == 0 {
-                    return;
+                    return &self.reached;
                 }
                 self.in_chain[last.to as usize] = false;
                 depth -= 1;
@@ -139,7 +163,7 @@ impl Flow {
             }
             if depth > 0 {
                 self.planes.clear();
-                separators(&next.pass, &step.pass, true, ways.size, &mut self.planes);
+                separators(ways, &next.pass, &step.pass, true, &mut self.planes);
                 let gone = self.planes.iter().any(|plane| {
                     clip(
                         &mut next.source,
@@ -153,21 +177,29 @@ impl Flow {
                 }
             }
             if here {
-                take(asked, number);
-                met(asked, &next.source, &next.pass);
+                let reached = Reached {
+                    way: number,
+                    first: !has(&self.reached, number),
+                    source: &next.source,
+                    target: &next.pass,
+                    between: &before[1..],
+                };
+                met(asked, &reached);
+                put(&mut self.reached, number);
+            }
+            if any == 0 {
+                continue;
             }
             next.planes.clear();
-            separators(&next.source, &next.pass, false, ways.size, &mut next.planes);
-            if any != 0 {
-                keep_within(ways, &next.planes, [&next.source, &next.pass], &mut next.asked);
-                if next.asked.iter().all(|&word| word == 0) {
-                    continue;
-                }
-                next.way = number;
-                next.next = ways.out_of(way.to).start;
-                self.in_chain[way.to as usize] = true;
-                depth += 1;
+            separators(ways, &next.source, &next.pass, false, &mut next.planes);
+            keep_within(ways, &next.planes, [&next.source, &next.pass], &mut next.asked);
+            if next.asked.iter().all(|&word| word == 0) {
+                continue;
             }
+            next.way = number;
+            next.next = ways.out_of(way.to).start;
+            self.in_chain[way.to as usize] = true;
+            depth += 1;
         }
     }
 }

@@ -20,6 +20,7 @@
 //! cells, without any of the code that computes the pairs, and finds a [`Witness`] where one is missing.
 #![forbid(unsafe_code)]
 
+mod aim;
 mod bits;
 mod cells;
 mod first_bound;

@@ -9,7 +9,7 @@
 
 use crate::bits::{BitRows, ones_besides, put};
 use crate::separators::separators;
-use crate::ways::{Way, Ways};
+use crate::ways::Ways;
 use crate::winding::Plane;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -109,10 +109,10 @@ fn after_both(
 ) {
     planes.clear();
     separators(
+        ways,
         &ways.all[first].corners,
         &ways.all[second].corners,
         false,
-        ways.size,
         planes,
     );
     let both = bound.row(first).iter().zip(bound.row(second));
@@ -134,19 +134,21 @@ pub(crate) fn keep_within(ways: &Ways, planes: &[Plane], parted: [&[DVec3]; 2], 
         while rest != 0 {
             let bit = rest & rest.wrapping_neg();
             rest ^= bit;
-            let way = &ways.all[at * 64 + bit.trailing_zeros() as usize];
-            if planes.iter().any(|plane| is_below(plane, way, parted)) {
+            let number = at * 64 + bit.trailing_zeros() as usize;
+            let (centre, radius) = ways.spheres[number];
+            let is_far_below = |plane: &Plane| plane.above(centre) < -(radius + plane.slack);
+            let is_below = |plane: &Plane| {
+                plane.above(centre) <= radius + plane.slack
+                    && is_hidden(plane, &ways.all[number].corners, parted)
+            };
+            if planes.iter().any(is_far_below) || planes.iter().any(is_below) {
                 *word ^= bit;
             }
         }
     }
 }
 
-fn is_below(plane: &Plane, way: &Way, parted: [&[DVec3]; 2]) -> bool {
-    let middle = plane.above(way.centre);
-    if middle.abs() > way.radius + plane.slack {
-        return middle < 0.0;
-    }
-    let heights = way.corners.iter().map(|&corner| plane.above(corner));
-    plane.hides(&way.corners, heights.fold(f64::NEG_INFINITY, f64::max), parted)
+fn is_hidden(plane: &Plane, corners: &[DVec3], parted: [&[DVec3]; 2]) -> bool {
+    let heights = corners.iter().map(|&corner| plane.above(corner));
+    plane.hides(corners, heights.fold(f64::NEG_INFINITY, f64::max), parted)
 }

@@ -127,6 +127,7 @@ fn read(content: &[u64], ways: usize, cells: usize) -> Option<Saved> {
     let stage = match content[2] {
         stage if stage == Stage::Sampling as u64 => Stage::Sampling,
         stage if stage == Stage::Flow as u64 => Stage::Flow,
+        stage if stage == Stage::Backflow as u64 => Stage::Backflow,
         stage if stage == Stage::Done as u64 => Stage::Done,
         _ => return None,
     };

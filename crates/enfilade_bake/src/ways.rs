@@ -2,6 +2,7 @@
 
 use crate::cells::Cells;
 use crate::winding::{Plane, centre, newell, thickness};
+use fearless_simd::Level;
 use glam::DVec3;
 use std::ops::Range;
 
@@ -25,8 +26,12 @@ pub(crate) struct Way {
 pub(crate) struct Ways {
     pub(crate) all: Vec<Way>,
     starts: Vec<u32>,
+    /// Of each way its centre and its radius, side by side for those who go through many.
+    pub(crate) spheres: Vec<(DVec3, f64)>,
     /// Farther than any corner is from another, or from the origin.
     pub(crate) size: f64,
+    /// Which instructions the machine has: no bit of the answer depends on it.
+    pub(crate) level: Level,
 }
 
 /// Of the size of the world: what rounding can do to how far a corner is off a plane, and some to spare.
@@ -78,8 +83,14 @@ impl Ways {
                 back: numbers[portal][1 - side],
             }
         });
-        let all = all.collect();
-        Ways { all, starts, size }
+        let all: Vec<Way> = all.collect();
+        Ways {
+            spheres: all.iter().map(|way| (way.centre, way.radius)).collect(),
+            all,
+            starts,
+            size,
+            level: Level::new(),
+        }
     }
 
     pub(crate) fn count(&self) -> usize {

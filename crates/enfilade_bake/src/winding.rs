@@ -73,6 +73,12 @@ impl Sharp {
 ///
 /// Source: Shewchuk. Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates. 1997.
 pub(crate) fn above_exactly(through: &[DVec3; 3], point: DVec3) -> f64 {
+    // Zero is what exact arithmetic takes longest to find; in maps most of them are a corner of the plane itself, or lie
+    // in a plane across an axis.
+    let in_plane = |axis: usize| through.iter().all(|corner| corner[axis] == point[axis]);
+    if through.contains(&point) || (0..3).any(in_plane) {
+        return 0.0;
+    }
     let coord = |at: DVec3| robust::Coord3D {
         x: at.x,
         y: at.y,

@@ -5,17 +5,16 @@
 //! Each step is a batch of fixed size whose parts know nothing of each other: the bits are the same for any number of
 //! threads, and whether the work was stopped or not.
 
-use crate::bits::{BitRows, count, ones, put};
+use crate::aim::aim;
+use crate::bits::{BitRows, count, ones, ones_besides, put};
 use crate::cells::Cells;
 use crate::first_bound::{flood_from, keep_symmetric};
 use crate::flow::Flow;
-use crate::known::{self, Known, line_through, take_line};
+use crate::known::{self, Known};
 use crate::pairs::VisiblePairs;
 use crate::passages::{Passages, drop_pair};
-use crate::random::Random;
 use crate::saved::Saved;
 use crate::ways::Ways;
-use crate::winding::centre;
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -64,18 +63,21 @@ pub enum Stage {
     Sampling,
     /// Chains of portals, for what lies between the two bounds.
     Flow,
+    /// Chains again, for what no line has shown, from its other end: they drop or show some of it.
+    Backflow,
     /// All is known.
     Done,
 }
 
 impl Stage {
     /// The stages before [`Stage::Done`], in their order.
-    pub const ALL: [Stage; 5] = [
+    pub const ALL: [Stage; 6] = [
         Stage::FirstBound,
         Stage::Passages,
         Stage::Fixpoint,
         Stage::Sampling,
         Stage::Flow,
+        Stage::Backflow,
     ];
 }
 
@@ -100,9 +102,6 @@ const SIDE_BY_SIDE: usize = 256;
 
 /// Ways that flow at once, without knowing of each other's answers: enough for a few threads to share.
 const FLOWS: usize = 16;
-
-/// Lines that are tried where the flow comes to something that no line has shown yet.
-const TRIES: usize = 2;
 
 /// What one way's flow has found.
 #[derive(Debug)]
@@ -153,7 +152,9 @@ impl PairsWork {
                 self.next as f64 / self.ways.count().max(1) as f64
             }
             Stage::Fixpoint => 0.0,
-            Stage::Flow => self.cost_before[self.next] / self.cost_before[self.order.len()].max(1.0),
+            Stage::Flow | Stage::Backflow => {
+                self.cost_before[self.next] / self.cost_before[self.order.len()].max(1.0)
+            }
             Stage::Done => 1.0,
         }
     }
@@ -193,7 +194,14 @@ impl PairsWork {
                 }
             }
             Stage::Flow => {
-                self.flow();
+                self.flow(false);
+                if self.advance(FLOWS, Stage::Backflow) {
+                    self.order.reverse();
+                    self.foresee();
+                }
+            }
+            Stage::Backflow => {
+                self.flow(true);
                 self.advance(FLOWS, Stage::Done);
             }
             Stage::Done => {}
@@ -245,8 +253,9 @@ impl PairsWork {
         }
     }
 
-    /// Flows from the next few ways.
-    fn flow(&mut self) {
+    /// Flows from the next few ways in the order; each pair is asked from that end which comes first. Lines are aimed at
+    /// what is reached along one chain, or along two.
+    fn flow(&mut self, twice: bool) {
         // Of each way that has flowed, its back: who sees that has been told.
         let mut told = vec![0u64; self.bound.words_in_row()];
         let (before, rest) = self.order.split_at(self.next);
@@ -256,7 +265,9 @@ impl PairsWork {
         let some = &rest[..rest.len().min(FLOWS)];
         let answers: Vec<Answer> = some
             .par_iter()
-            .map_init(Flow::default, |flow, &way| self.answer(&told, way as usize, flow))
+            .map_init(Flow::default, |flow, &way| {
+                self.answer(&told, twice, way as usize, flow)
+            })
             .collect();
         for (&way, answer) in some.iter().zip(answers) {
             for then in answer.dropped {
@@ -268,7 +279,7 @@ impl PairsWork {
         }
     }
 
-    fn answer(&self, told: &[u64], way: usize, flow: &mut Flow) -> Answer {
+    fn answer(&self, told: &[u64], twice: bool, way: usize, flow: &mut Flow) -> Answer {
         let ways = &self.ways;
         let mut asked = self.bound.row(way).to_vec();
         for (word, told) in asked.iter_mut().zip(told) {
@@ -276,30 +287,12 @@ impl PairsWork {
         }
         self.known.take_known(ways, way, &mut asked);
         let mut lines = Vec::new();
-        let mut random = Random::new(way as u64);
         // What a line shows is no longer asked about, but what the flow alone reaches is: only that it is not dropped.
-        flow.run(
-            ways,
-            &self.bound,
-            &self.passages,
-            way,
-            &mut asked,
-            |asked, source, target| {
-                for nth in 0..TRIES {
-                    let [start, end] = if nth == 0 {
-                        [centre(source), centre(target)]
-                    } else {
-                        [random.point_in(source), random.point_in(target)]
-                    };
-                    if let Some(line) = line_through(ways, way, start, end) {
-                        take_line(ways, way, &line, asked);
-                        lines.push(line);
-                        return;
-                    }
-                }
-            },
-        );
-        let dropped = ones(&asked).map(|then| then as u32).collect();
+        let (bound, passages) = (&self.bound, &self.passages);
+        let reached = flow.run(ways, bound, passages, way, &mut asked, |asked, reached| {
+            lines.extend(aim(ways, way, reached, twice, asked));
+        });
+        let dropped = ones_besides(&asked, reached).map(|then| then as u32).collect();
         Answer { dropped, lines }
     }
 }

@@ -240,11 +240,12 @@ fn begin(args: &VisArgs, portals: &PortalFile, prt: &Path, unfinished: &Unfinish
 
 fn in_words(stage: Stage) -> &'static str {
     match stage {
-        Stage::FirstBound => "1 of 5: floods",
-        Stage::Passages => "2 of 5: passages",
-        Stage::Fixpoint => "3 of 5: fixpoint",
-        Stage::Sampling => "4 of 5: lines",
-        Stage::Flow | Stage::Done => "5 of 5: flow",
+        Stage::FirstBound => "1 of 6: floods",
+        Stage::Passages => "2 of 6: passages",
+        Stage::Fixpoint => "3 of 6: fixpoint",
+        Stage::Sampling => "4 of 6: lines",
+        Stage::Flow => "5 of 6: flow",
+        Stage::Backflow | Stage::Done => "6 of 6: flow back",
     }
 }
 

@@ -49,6 +49,7 @@ pub(super) struct Seconds {
     fixpoint: f64,
     sampling: f64,
     flow: f64,
+    backflow: f64,
     pub(super) check: f64,
     pub(super) write: f64,
     pub(super) total: f64,
@@ -61,7 +62,8 @@ impl Seconds {
             Stage::Passages => &mut self.passages,
             Stage::Fixpoint => &mut self.fixpoint,
             Stage::Sampling => &mut self.sampling,
-            Stage::Flow | Stage::Done => &mut self.flow,
+            Stage::Flow => &mut self.flow,
+            Stage::Backflow | Stage::Done => &mut self.backflow,
         };
         *of += time.as_secs_f64();
     }

@@ -106,6 +106,31 @@ fn cells_without_portals_see_themselves_alone() {
     );
 }
 
+/// Nine rooms in a row along a slanted line; it passes each door between two by `gap` inside one edge, each time another.
+fn round_a_line(gap: f64) -> Cells {
+    let doors = (0..8).map(|at| {
+        let x = 10.0 * f64::from(at + 1);
+        let (sin, cos) = (2.4 * f64::from(at)).sin_cos();
+        let corners = [(-gap, -1.0), (2.0, -1.0), (2.0, 1.0), (-gap, 1.0)];
+        Portal {
+            corners: corners
+                .map(|(u, v)| [x, 0.37 * x + u * cos - v * sin, 0.21 * x + u * sin + v * cos])
+                .to_vec(),
+            cells: [at, at + 1],
+        }
+    });
+    Cells::new(9, doors.collect()).expect("rooms")
+}
+
+#[test]
+fn a_thin_bundle_of_lines_between_slanted_doors_is_found() {
+    for gap in [1e-1, 1e-2, 1e-3] {
+        let pairs = pairs_of(&round_a_line(gap));
+        assert_eq!(pairs.count(), 72);
+        assert_eq!(pairs.proven(), 72, "a gap of {gap}");
+    }
+}
+
 #[test]
 fn a_thousand_rooms_in_a_row_are_no_trouble() {
     let pairs = pairs_of(&row(&[[0.0, 1.0]; 999]));

@@ -1,0 +1,253 @@
+//! Planes through four edges of a winding at once, each turned about its edge until it rests on another winding.
+//!
+//! Edges lie abreast; the other winding's corners come one after another, and each lane keeps the lowest so far.
+//! Source: the wrapping of gifts (Chand, Kapur. An Algorithm for Convex Polytopes. Journal of the ACM 17, 1970), one turn.
+//! Cost: O(corners of both) for four edges, without branches.
+//! The same operations in the same order at any SIMD level: the bits are those of one edge at a time.
+
+use super::{NEEDLE, ROUNDING};
+use crate::winding::Plane;
+use fearless_simd::f64x4;
+use fearless_simd::prelude::*;
+use glam::DVec3;
+
+/// Planes through four edges, lane by lane.
+pub(super) struct FourEdges {
+    normal: [[f64; 4]; 3],
+    offset: [f64; 4],
+    slack: [f64; 4],
+    touching: [f64; 4],
+    /// A bit for each lane: whether its plane has the edged winding below and the other above.
+    parts: u64,
+}
+
+/// The edges, lane by lane.
+#[derive(Clone, Copy)]
+struct Edges<S: Simd> {
+    from: [f64x4<S>; 3],
+    along: [f64x4<S>; 3],
+    length_squared: f64x4<S>,
+}
+
+impl FourEdges {
+    /// `ends` are the corners of `edged` from which and to which each edge goes; lanes may repeat. `size` is the farthest
+    /// that two corners of the world are apart.
+    #[inline(always)]
+    pub(super) fn rest<S: Simd>(
+        simd: S,
+        ends: [[usize; 2]; 4],
+        edged: &[DVec3],
+        other: &[DVec3],
+        size: f64,
+    ) -> FourEdges {
+        let splat = |value: f64| f64x4::splat(simd, value);
+        let edges = Edges::of(simd, ends, edged);
+        let mut cross = [splat(0.0); 3];
+        let mut lengths_squared = splat(0.0);
+        let mut touching = splat(-1.0);
+        for (at, &corner) in other.iter().enumerate() {
+            let reach = edges.reach(simd, corner);
+            let lower = dot(cross, reach).simd_lt(0.0) | touching.simd_lt(0.0);
+            let turned = crossed(edges.along, reach);
+            let lengths = edges.length_squared * dot(reach, reach);
+            let taken = lower & dot(turned, turned).simd_gt(lengths * NEEDLE);
+            for axis in 0..3 {
+                cross[axis] = taken.select(turned[axis], cross[axis]);
+            }
+            lengths_squared = taken.select(lengths, lengths_squared);
+            touching = taken.select(splat(at as f64), touching);
+        }
+        let found = touching.simd_ge(0.0);
+        let squared = dot(cross, cross);
+        let length = squared.sqrt();
+        let normal = [cross[0] / length, cross[1] / length, cross[2] / length];
+        let (parts, sine_squared) = edges.part(simd, [edged, other], normal, squared / lengths_squared);
+        FourEdges {
+            normal: [normal[0].into(), normal[1].into(), normal[2].into()],
+            offset: dot(normal, edges.from).into(),
+            slack: ((splat(1.0) / sine_squared.sqrt() + 1.0) * (8.0 * ROUNDING * size)).into(),
+            touching: touching.into(),
+            parts: parts & found.to_bitmask(),
+        }
+    }
+
+    /// The plane of a lane, without its exact form, and the corner of the other winding on which it rests.
+    pub(super) fn lane(&self, lane: usize) -> Option<(Plane, usize)> {
+        (self.parts >> lane & 1 != 0).then(|| {
+            let plane = Plane {
+                normal: DVec3::new(self.normal[0][lane], self.normal[1][lane], self.normal[2][lane]),
+                offset: self.offset[lane],
+                slack: self.slack[lane],
+                sharp: None,
+            };
+            (plane, self.touching[lane] as usize)
+        })
+    }
+}
+
+impl<S: Simd> Edges<S> {
+    #[inline(always)]
+    fn of(simd: S, ends: [[usize; 2]; 4], edged: &[DVec3]) -> Edges<S> {
+        let [mut from, mut along] = [[[0.0; 4]; 3]; 2];
+        for (lane, [start, end]) in ends.into_iter().enumerate() {
+            let [start, end] = [edged[start], edged[end]];
+            for axis in 0..3 {
+                from[axis][lane] = start[axis];
+                along[axis][lane] = end[axis] - start[axis];
+            }
+        }
+        let lanes = |of: [f64; 4]| f64x4::simd_from(simd, of);
+        let from = [lanes(from[0]), lanes(from[1]), lanes(from[2])];
+        let along = [lanes(along[0]), lanes(along[1]), lanes(along[2])];
+        Edges {
+            from,
+            along,
+            length_squared: dot(along, along),
+        }
+    }
+
+    /// From where the edges begin to a corner.
+    #[inline(always)]
+    fn reach(&self, simd: S, corner: DVec3) -> [f64x4<S>; 3] {
+        let splat = |value: f64| f64x4::splat(simd, value);
+        [
+            splat(corner.x) - self.from[0],
+            splat(corner.y) - self.from[1],
+            splat(corner.z) - self.from[2],
+        ]
+    }
+
+    /// A bit for each lane: whether all corners are on their sides, or so close to the plane that it may rest on them;
+    /// and the least sine, squared, between the edge and one of those.
+    #[inline(always)]
+    fn part(
+        &self,
+        simd: S,
+        [edged, other]: [&[DVec3]; 2],
+        normal: [f64x4<S>; 3],
+        mut sine_squared: f64x4<S>,
+    ) -> (u64, f64x4<S>) {
+        let zero = f64x4::splat(simd, 0.0);
+        let mut parts = zero.simd_eq(zero);
+        for (winding, side) in [(edged, -1.0), (other, 1.0)] {
+            for &corner in winding {
+                let reach = self.reach(simd, corner);
+                let above = dot(normal, reach) * side;
+                let reach_squared = dot(reach, reach);
+                let clear = (above * above * sine_squared).simd_gt(reach_squared * (ROUNDING * ROUNDING));
+                let turned = crossed(self.along, reach);
+                let off_edge = dot(turned, turned);
+                let lengths = self.length_squared * reach_squared;
+                // What lies on the edge is on no side; what is all but in line with it says nothing sure.
+                let rests = !clear & off_edge.simd_gt(0.0);
+                let needle = off_edge.simd_le(lengths * NEEDLE);
+                parts &= !((clear & above.simd_lt(0.0)) | (rests & needle));
+                sine_squared = rests.select(sine_squared.min(off_edge / lengths), sine_squared);
+            }
+        }
+        (parts.to_bitmask(), sine_squared)
+    }
+}
+
+#[inline(always)]
+fn dot<S: Simd>(a: [f64x4<S>; 3], b: [f64x4<S>; 3]) -> f64x4<S> {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn crossed<S: Simd>(a: [f64x4<S>; 3], b: [f64x4<S>; 3]) -> [f64x4<S>; 3] {
+    [
+        a[1] * b[2] - b[1] * a[2],
+        a[2] * b[0] - b[2] * a[0],
+        a[0] * b[1] - b[0] * a[1],
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+    use fearless_simd::{Level, dispatch};
+
+    /// One edge at a time, as it is meant: normal, offset, slack, and the corner that the plane rests on.
+    fn through(
+        [from, to]: [DVec3; 2],
+        edged: &[DVec3],
+        other: &[DVec3],
+        size: f64,
+    ) -> Option<(DVec3, f64, f64, usize)> {
+        let along = to - from;
+        let mut cross = DVec3::ZERO;
+        let mut found = None;
+        for (at, &corner) in other.iter().enumerate() {
+            let reach = corner - from;
+            let turned = along.cross(reach);
+            let lengths = along.length_squared() * reach.length_squared();
+            let lower = found.is_none() || cross.dot(reach) < 0.0;
+            if lower && turned.length_squared() > NEEDLE * lengths {
+                (cross, found) = (turned, Some((at, lengths)));
+            }
+        }
+        let (touching, lengths) = found?;
+        let normal = cross / cross.length_squared().sqrt();
+        let mut sine_squared = cross.length_squared() / lengths;
+        let sides = edged.iter().map(|&corner| (corner, -1.0));
+        for (corner, side) in sides.chain(other.iter().map(|&corner| (corner, 1.0))) {
+            let reach = corner - from;
+            let above = normal.dot(reach) * side;
+            if above * above * sine_squared > ROUNDING * ROUNDING * reach.length_squared() {
+                if above < 0.0 {
+                    return None;
+                }
+                continue;
+            }
+            let off_edge = along.cross(reach).length_squared();
+            if off_edge == 0.0 {
+                continue;
+            }
+            let lengths = along.length_squared() * reach.length_squared();
+            if off_edge <= NEEDLE * lengths {
+                return None;
+            }
+            sine_squared = sine_squared.min(off_edge / lengths);
+        }
+        let slack = (1.0 / sine_squared.sqrt() + 1.0) * (8.0 * ROUNDING * size);
+        Some((normal, normal.dot(from), slack, touching))
+    }
+
+    /// Corners of a quadrilateral across z, which may be snapped to whole numbers.
+    fn winding(random: &mut Random, z: f64, snapped: bool) -> Vec<DVec3> {
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        let middle = [random.unit(), random.unit()].map(|at| 6.0 * at);
+        let corners = corners.map(|(x, y)| {
+            let [dx, dy] = [random.unit(), random.unit()].map(|by| 1.0 + 2.0 * by);
+            DVec3::new(middle[0] + x * dx, middle[1] + y * dy, z)
+        });
+        corners
+            .map(|corner| if snapped { corner.round() } else { corner })
+            .to_vec()
+    }
+
+    #[test]
+    fn four_edges_at_once_are_four_edges_one_by_one() {
+        let mut parts = 0;
+        for seed in 0..2000 {
+            let random = &mut Random::new(seed);
+            let edged = winding(random, 0.0, seed % 2 == 0);
+            let other = winding(random, 3.0, seed % 2 == 0);
+            let ends = [[3, 0], [0, 1], [1, 2], [2, 3]]
+                .map(|[from, to]| if seed % 3 == 0 { [to, from] } else { [from, to] });
+            for level in [Level::new(), Level::baseline()] {
+                let four = dispatch!(level, simd => FourEdges::rest(simd, ends, &edged, &other, 100.0));
+                for (lane, ends) in ends.into_iter().enumerate() {
+                    let one = through(ends.map(|end| edged[end]), &edged, &other, 100.0);
+                    let found = four.lane(lane);
+                    let found = found.map(|(plane, at)| (plane.normal, plane.offset, plane.slack, at));
+                    assert_eq!(found, one, "seed {seed}, lane {lane}");
+                    parts += u32::from(found.is_some());
+                }
+            }
+        }
+        assert!(parts > 1000, "{parts} planes");
+    }
+}

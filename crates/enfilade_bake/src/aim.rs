@@ -39,11 +39,16 @@ pub(crate) fn aim(
     if !(twice && reached.first) {
         take(asked, reached.way);
     }
-    let planes = [way, reached.way].map(|end| ways.all[end].plane.normal);
-    let [start, end] = push(reached, planes)?;
-    let line = line_through(ways, way, start, end)?;
+    let line = aimed(ways, way, reached)?.1;
     take_line(ways, way, &line, asked);
     Some(line)
+}
+
+/// Two points of a line from `way` to what its flow has come to, and the ways that the line takes.
+pub(crate) fn aimed(ways: &Ways, way: usize, reached: &Reached) -> Option<([DVec3; 2], Vec<u32>)> {
+    let planes = [way, reached.way].map(|end| ways.all[end].plane.normal);
+    let [start, end] = push(reached, planes)?;
+    Some(([start, end], line_through(ways, way, start, end)?))
 }
 
 /// Two points, one in the plane of the source and one in that of the target, whose line passes all edges well.

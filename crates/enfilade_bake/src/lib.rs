@@ -21,6 +21,7 @@
 #![forbid(unsafe_code)]
 
 mod aim;
+mod between;
 mod bits;
 mod cells;
 mod first_bound;

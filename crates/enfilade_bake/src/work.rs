@@ -38,7 +38,7 @@ pub struct PairsWork {
     pub(crate) stage: Stage,
     /// For each way those that a line may take after it.
     pub(crate) bound: BitRows,
-    passages: Passages,
+    pub(crate) passages: Passages,
     pub(crate) known: Known,
     /// The order in which ways flow.
     pub(crate) order: Vec<u32>,

@@ -6,7 +6,7 @@ mod rooms;
 mod stopped;
 mod worlds;
 
-use enfilade_bake::{Cells, PairsOptions, VisiblePairs, find_missing};
+use enfilade_bake::{Cells, PairsOptions, PairsWork, Stage, VisiblePairs, find_missing};
 
 fn pairs_of(cells: &Cells) -> VisiblePairs {
     VisiblePairs::compute(cells, &PairsOptions::default())
@@ -110,4 +110,33 @@ fn any_number_of_threads_finds_the_same_pairs() {
     assert!(one.count() > 1000, "{}", one.count());
     assert_eq!(one, on(2));
     assert_eq!(one, on(4));
+}
+
+#[test]
+fn nearly_every_pair_that_is_kept_has_a_line_to_show() {
+    let (mut pairs_kept, mut shown) = (0, 0);
+    for seed in 500..505 {
+        let cells = worlds::random(seed, 60);
+        let mut work = PairsWork::begin(&cells, 1 << 30).expect("little memory");
+        assert_eq!(work.line_between(0, 1), None, "too early");
+        while work.stage() != Stage::Done {
+            work.step();
+        }
+        let pairs = work.pairs();
+        for from in 0..cells.count() {
+            for to in (0..cells.count()).filter(|&to| to != from) {
+                let line = work.line_between(from, to);
+                assert!(
+                    line.is_none() || pairs.sees(from, to),
+                    "a line from {from} to {to}"
+                );
+                pairs_kept += usize::from(pairs.sees(from, to));
+                let Some(line) = line else { continue };
+                shown += 1;
+                assert_eq!((line.cells.first(), line.cells.last()), (Some(&from), Some(&to)));
+                worlds::follow(&cells, &line);
+            }
+        }
+    }
+    assert!(shown * 100 >= pairs_kept * 97, "{shown} of {pairs_kept}");
 }

@@ -1,6 +1,7 @@
 //! Worlds made by chance: a box cut into boxes, with holes in the walls between, all of it turned and slanted.
 
-use enfilade_bake::{Cells, Portal};
+use enfilade_bake::{Cells, Portal, Witness};
+use glam::DVec3;
 
 /// A chain of numbers that looks like chance.
 pub(crate) struct Chance(u64);
@@ -92,4 +93,29 @@ fn slant(seed: u64, chance: &mut Chance) -> [[f64; 3]; 3] {
         }
     }
     rows
+}
+
+/// Goes along a line of sight, from cell to cell as it says, through a portal each time, inside its outline and onwards.
+#[track_caller]
+pub(crate) fn follow(cells: &Cells, line: &Witness) {
+    let [origin, direction] = [line.origin, line.direction].map(DVec3::from);
+    let mut far = f64::NEG_INFINITY;
+    for pair in line.cells.windows(2) {
+        let crossed = cells.portals().iter().find_map(|portal| {
+            let mut corners: Vec<DVec3> = portal.corners.iter().map(|&corner| corner.into()).collect();
+            if portal.cells == [pair[1], pair[0]] {
+                corners.reverse();
+            } else if portal.cells != [pair[0], pair[1]] {
+                return None;
+            }
+            let edges = || (0..corners.len()).map(|at| [corners[at], corners[(at + 1) % corners.len()]]);
+            let normal: DVec3 = edges().map(|[from, to]| from.cross(to)).sum();
+            let inside = edges().all(|[from, to]| direction.dot((from - origin).cross(to - origin)) > 0.0);
+            let along = (corners[0] - origin).dot(normal) / direction.dot(normal);
+            (inside && direction.dot(normal) > 0.0).then_some(along)
+        });
+        let along = crossed.unwrap_or_else(|| panic!("no portal from {} to {}", pair[0], pair[1]));
+        assert!(along > far - 1e-6, "the line goes on");
+        far = along;
+    }
 }

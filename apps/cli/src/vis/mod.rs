@@ -1,5 +1,6 @@
 //! `vis`: what is visible in a map of Quake or Quake 3, written into the map.
 
+mod differ;
 mod report;
 mod unfinished;
 
@@ -15,6 +16,7 @@ use enfilade_bake::{PairsWork, Stage, VisiblePairs, find_missing};
 use enfilade_import::{
     PortalFile, ReadOptions, leafs_of_clusters, read_portals, visibility_bytes, with_visibility,
 };
+use differ::Other;
 use report::{Checked, Found, Seconds, Visibility};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -46,6 +48,7 @@ pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
         Some(map) => Some(leafs_of_clusters(map, &portals).with_context(|| belongs(&args.map, &prt))?),
         None => None,
     };
+    let other = Other::read(args, &portals)?;
     seconds.read = start.elapsed().as_secs_f64();
 
     let unfinished = Unfinished::beside(target.unwrap_or(&args.map));
@@ -54,6 +57,7 @@ pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
     let checked = args
         .check
         .map(|lines| check(&portals, &pairs, lines, &mut seconds));
+    let differs = other.map(|other| other.compare(&portals, &work, &pairs));
     let missing = checked.as_ref().is_some_and(|checked| checked.missing.is_some());
 
     let written = match (&map, &destination) {
@@ -85,6 +89,7 @@ pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
         threads,
         seconds,
         checked,
+        differs,
     });
     if !args.json.takes_stdout() {
         out::print(&visibility.text())?;

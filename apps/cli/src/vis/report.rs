@@ -1,10 +1,11 @@
 //! What `vis` found out, as JSON and as text.
 
+use super::differ::Differs;
 use crate::text::{bytes, count, plural};
 use enfilade_bake::{Stage, VisiblePairs, Witness};
 use enfilade_import::{PortalFile, PrtKind};
 use serde::Serialize;
-use std::fmt::Write;
+use std::fmt::{self, Display, Formatter, Write};
 use std::path::Path;
 use std::time::Duration;
 
@@ -38,6 +39,8 @@ pub(super) struct Visibility {
     peak_memory: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     check: Option<Checked>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    compare: Option<Differs>,
 }
 
 /// By the clock.
@@ -97,6 +100,12 @@ impl From<Witness> for Line {
     }
 }
 
+impl Display for Line {
+    fn fmt(&self, out: &mut Formatter<'_>) -> fmt::Result {
+        out.write_str(&self.text)
+    }
+}
+
 impl Checked {
     pub(super) fn new(lines: u64, missing: Option<Witness>) -> Checked {
         Checked {
@@ -121,6 +130,7 @@ pub(super) struct Found<'a> {
     pub(super) threads: usize,
     pub(super) seconds: Seconds,
     pub(super) checked: Option<Checked>,
+    pub(super) differs: Option<Differs>,
 }
 
 impl Visibility {
@@ -170,6 +180,7 @@ impl Visibility {
             threads: found.threads,
             peak_memory: peak_memory(),
             check: found.checked,
+            compare: found.differs,
         }
     }
 
@@ -214,10 +225,13 @@ impl Visibility {
                 missing: Some(witness),
                 ..
             }) => {
-                line(format!("MISSING, nothing is written: {}", witness.text));
+                line(format!("MISSING, nothing is written: {}", witness));
             }
             Some(Checked { lines, .. }) => line(format!("{} random lines: none is missing", count(*lines))),
             None => {}
+        }
+        if let Some(differs) = &self.compare {
+            differs.lines().into_iter().for_each(&mut line);
         }
         if let (Some(written), Some(size)) = (&self.written, self.bytes) {
             line(format!("written to {written}: {} of visibility", bytes(size)));

@@ -85,7 +85,10 @@ pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};
 #[cfg(feature = "levels")]
 pub use levels::{Levels, details_of};
 pub use obj::ObjError;
-pub use quake::{BspError, PortalFile, PrtError, PrtKind, read_portals, with_visibility};
+pub use quake::{
+    BspError, ClustersFrom, NO_HOLE, PortalFile, PrtError, PrtKind, RebuiltPortals, read_portals, rebuild_portals,
+    rebuild_portals_bytes, with_visibility,
+};
 pub use warning::{Warning, WarningKind};
 
 use budget::Budget;

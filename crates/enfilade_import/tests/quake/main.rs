@@ -4,6 +4,7 @@ mod broken;
 mod formats;
 mod lumps;
 mod maps;
+mod rebuilt_maps;
 
 use enfilade_import::{PortalFile, PrtError};
 

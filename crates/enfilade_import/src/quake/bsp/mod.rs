@@ -10,4 +10,6 @@ mod tree;
 mod visibility;
 
 pub use error::BspError;
+pub(crate) use lumps::Map;
+pub(crate) use tree::{Child, SplitPlane, Tree, in_range};
 pub use visibility::with_visibility;

@@ -31,7 +31,7 @@ pub(crate) struct Node {
     pub(crate) children: [Child; 2],
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Child {
     Node(u32),
     Leaf(u32),

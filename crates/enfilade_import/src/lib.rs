@@ -86,7 +86,7 @@ pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};
 pub use levels::{Levels, details_of};
 pub use obj::ObjError;
 pub use quake::{
-    BspError, ClustersFrom, NO_HOLE, PortalFile, PrtError, PrtKind, RebuiltPortals, read_portals, rebuild_portals,
+    BspError, ClustersFrom, PortalFile, PrtError, PrtKind, RebuiltPortals, read_portals, rebuild_portals,
     rebuild_portals_bytes, with_visibility,
 };
 pub use warning::{Warning, WarningKind};

@@ -8,7 +8,7 @@ mod prt_text;
 
 pub use bsp::{BspError, with_visibility};
 pub use error::PrtError;
-pub use portals::{ClustersFrom, NO_HOLE, RebuiltPortals, rebuild_portals, rebuild_portals_bytes};
+pub use portals::{ClustersFrom, RebuiltPortals, rebuild_portals, rebuild_portals_bytes};
 pub use prt::{PortalFile, PrtKind};
 
 use crate::{BrokenRule, ImportError, ReadOptions, read_file};

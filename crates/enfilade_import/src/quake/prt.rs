@@ -22,7 +22,7 @@ pub enum PrtKind {
 }
 
 /// The portals of a map.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PortalFile {
     /// Which of the formats it has.
     pub kind: PrtKind,

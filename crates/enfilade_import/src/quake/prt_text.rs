@@ -39,7 +39,9 @@ impl PortalFile {
                     write!(line, "{leaf} ")?;
                 }
             }
-            of_cluster.iter().try_for_each(|leafs| writeln!(text, "{leafs}-1"))?;
+            of_cluster
+                .iter()
+                .try_for_each(|leafs| writeln!(text, "{leafs}-1"))?;
         }
         Ok(())
     }

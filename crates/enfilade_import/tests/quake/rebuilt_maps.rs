@@ -1,89 +1,290 @@
-//! explore
-use crate::maps::{maps, read};
-use enfilade_bake::{Cells, PairsOptions, Portal, VisiblePairs};
-use enfilade_import::{PortalFile, ReadOptions, rebuild_portals_bytes, with_visibility};
+//! Portals that are rebuilt out of real maps, held against those that their compilers left.
+//!
+//! Maps of Quake do not say which leafs are one cluster until what is visible is written into them, so that is done first,
+//! as if each cluster saw itself alone.
+
+use crate::located::Located;
+use crate::maps::{maps, pairs_of, read};
+use crate::outline::{area, common_area, normal, out_of, points};
+use enfilade_bake::{Cells, PairsOptions, Portal, VisiblePairs, find_missing};
+use enfilade_import::{
+    ClustersFrom, PortalFile, ReadOptions, RebuiltPortals, rebuild_portals_bytes, with_visibility,
+};
 use std::collections::HashMap;
+use std::path::Path;
 
-type P = [f64; 3];
-fn sub(a: P, b: P) -> P { [a[0]-b[0], a[1]-b[1], a[2]-b[2]] }
-fn dot(a: P, b: P) -> f64 { a[0]*b[0]+a[1]*b[1]+a[2]*b[2] }
-fn cross(a: P, b: P) -> P { [a[1]*b[2]-a[2]*b[1], a[2]*b[0]-a[0]*b[2], a[0]*b[1]-a[1]*b[0]] }
-fn newell(c: &[P]) -> P {
-    let mut n = [0.0; 3];
-    for w in c[1..].windows(2) { let x = cross(sub(w[0], c[0]), sub(w[1], c[0])); for i in 0..3 { n[i] += x[i]; } }
-    n
+/// Farther apart than this, in units, two portals are not the same: half of what compilers take for nothing.
+const SAME: f64 = 0.1;
+
+/// How the portals of a map compare with those that its compiler left.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Compared {
+    /// One and the same, to a tenth of a unit.
+    same: usize,
+    /// Less, for the compiler's also leads into a wall that its author had said not to part leafs.
+    walled: usize,
+    /// None, for all of the compiler's leads into such walls.
+    wall: usize,
+    /// Less, for the compiler's also leads into others' leafs: it lets go what is thinner than 0.2.
+    beside: usize,
+    /// Those that the compiler did not have.
+    extra: usize,
 }
-fn len(a: P) -> f64 { dot(a, a).sqrt() }
-fn area(c: &[P]) -> f64 { if c.len() < 3 { 0.0 } else { len(newell(c)) / 2.0 } }
-fn edges(c: &[P]) -> Vec<(P, P)> {
-    let n = newell(c); let l = len(n); let n = n.map(|x| x / l);
-    (0..c.len()).filter_map(|i| { let a = c[i]; let b = c[(i+1)%c.len()]; let e = sub(b, a); let l = len(e); if l < 1e-5 { return None; } Some((a, cross(n, e).map(|x| x / l))) }).collect()
+
+const MAPS: [(&str, [usize; 5]); 13] = [
+    ("quake/dm1", [983, 0, 0, 0, 0]),
+    ("quake/end", [968, 0, 0, 0, 0]),
+    ("quake/lq_e0m1", [1336, 0, 0, 0, 0]),
+    ("quake/lqdm13", [1857, 28, 0, 0, 0]),
+    ("quake/e1m1", [3062, 0, 0, 0, 0]),
+    ("quake/start", [3111, 4, 0, 0, 0]),
+    ("quake/lq_e1m5", [3517, 0, 0, 0, 0]),
+    ("quake/lq_e4m4", [8885, 0, 0, 0, 0]),
+    ("quake3/darkzone", [1512, 0, 0, 0, 0]),
+    ("quake3/stormkeep", [2124, 0, 0, 1, 1]),
+    ("quake3/aneurysm", [2068, 0, 0, 0, 0]),
+    ("quake3/accident", [3604, 0, 0, 0, 0]),
+    ("quake3/final_rage", [6958, 0, 0, 0, 0]),
+];
+
+fn map_of(folder: &Path, name: &str) -> Vec<u8> {
+    let ending = if name.starts_with("quake3") { ".novis.bsp" } else { ".bsp" };
+    std::fs::read(folder.join(format!("{name}{ending}"))).expect("a map")
 }
-/// How far the corners of `a` stick out of `b`, at most.
-fn sticks(a: &[P], b: &[P]) -> f64 {
-    let e = edges(b);
-    a.iter().flat_map(|&p| e.iter().map(move |(o, n)| -dot(*n, sub(p, *o)))).fold(0.0, f64::max)
+
+#[track_caller]
+fn rebuilt(map: &[u8]) -> RebuiltPortals {
+    rebuild_portals_bytes(map, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
 }
-fn common(a: &[P], b: &[P]) -> Vec<P> {
-    let mut poly = a.to_vec();
-    for (o, n) in edges(b) {
-        let mut out = vec![];
-        for i in 0..poly.len() {
-            let p = poly[i]; let q = poly[(i+1)%poly.len()];
-            let dp = dot(n, sub(p, o)); let dq = dot(n, sub(q, o));
-            if dp >= 0.0 { out.push(p); }
-            if (dp >= 0.0) != (dq >= 0.0) { let t = dp/(dp-dq); out.push([0,1,2].map(|i| p[i]+(q[i]-p[i])*t)); }
-        }
-        poly = out;
-        if poly.len() < 3 { return vec![]; }
+
+/// A map of Quake with its clusters in it.
+fn with_clusters(map: &[u8], given: &PortalFile) -> Vec<u8> {
+    let alone = Cells::new(given.cells.count(), Vec::new()).expect("cells");
+    let pairs = VisiblePairs::compute(&alone, &PairsOptions { fast: true });
+    with_visibility(map, given, &pairs).expect("written")
+}
+
+/// What the compiler left, the map with its clusters in it, and what is rebuilt.
+fn both(folder: &Path, name: &str) -> (PortalFile, Vec<u8>, RebuiltPortals) {
+    let given = read(folder, &format!("{name}.prt"));
+    let mut map = map_of(folder, name);
+    if name.starts_with("quake/") {
+        map = with_clusters(&map, &given);
     }
-    poly
-}
-fn key(p: &Portal) -> [u32; 2] { let mut c = p.cells; c.sort(); c }
-fn width(c: &[P]) -> f64 {
-    edges(c).iter().map(|(o, n)| c.iter().map(|&p| dot(*n, sub(p, *o))).fold(0.0, f64::max)).fold(f64::INFINITY, f64::min)
+    let rebuilt = rebuilt(&map);
+    (given, map, rebuilt)
 }
 
-pub(crate) fn marked(map: &[u8], given: &PortalFile) -> Vec<u8> {
-    let none = Cells::new(given.cells.count(), Vec::new()).unwrap();
-    let pairs = VisiblePairs::compute(&none, &PairsOptions { fast: true });
-    with_visibility(map, given, &pairs).unwrap()
+fn between(portal: &Portal) -> [u32; 2] {
+    let mut cells = portal.cells;
+    cells.sort_unstable();
+    cells
+}
+
+/// The clusters on both sides of a point in a portal, so far off it; `None` for what is solid.
+fn sides(map: &Located, cluster: &dyn Fn(usize) -> Option<u32>, portal: &Portal, point: [f64; 3], off: f64) -> [Option<u32>; 2] {
+    let up = normal(&portal.corners);
+    let side = |off: f64| cluster(map.leaf([0, 1, 2].map(|axis| point[axis] + up[axis] * off)));
+    [side(-off), side(off)]
+}
+
+/// The cluster of a leaf of a map, as its rebuilt portals have it.
+fn cluster_of(map: &[u8], rebuilt: &RebuiltPortals) -> impl Fn(usize) -> Option<u32> {
+    let of_leaf: Vec<Option<u32>> = if rebuilt.clusters_from == ClustersFrom::Map {
+        let leafs = &map[crate::located::lump(map, 4)];
+        let cluster = |leaf: &[u8]| u32::try_from(crate::located::word(leaf, 0) as i32).ok();
+        leafs.chunks_exact(48).map(cluster).collect()
+    } else {
+        let clusters = match &rebuilt.file.cluster_of_leaf {
+            Some(clusters) => clusters.clone(),
+            None => (0..rebuilt.file.cells.count()).collect(),
+        };
+        std::iter::once(None).chain(clusters.into_iter().map(Some)).collect()
+    };
+    move |leaf| of_leaf.get(leaf).copied().flatten()
 }
 
 #[test]
-fn explore() {
+#[allow(clippy::print_stderr, reason = "a table to be read")]
+fn rebuilt_portals_are_those_of_the_compiler() {
     let Some(folder) = maps() else { return };
-    let only = std::env::var("ONLY").ok();
-    for name in ["quake/dm1","quake/end","quake/lq_e0m1","quake/lqdm13","quake/e1m1","quake/start","quake/lq_e1m5","quake/lq_e4m4","quake3/darkzone","quake3/stormkeep","quake3/aneurysm","quake3/accident","quake3/final_rage"] {
-        if only.as_ref().is_some_and(|o| !name.contains(o.as_str())) { continue }
-        let given = read(&folder, &format!("{name}.prt"));
-        let is_q3 = name.starts_with("quake3");
-        let map = std::fs::read(folder.join(format!("{name}{}.bsp", if is_q3 { ".novis" } else { "" }))).unwrap();
-        let t = std::time::Instant::now();
-        let plain = rebuild_portals_bytes(&map, &ReadOptions::default()).unwrap();
-        let secs = t.elapsed().as_secs_f64();
-        eprintln!("== {name} given {} / {}; plain {:?} {:?} leafs {} clusters {} portals {} slivers {} in {secs:.3} s", given.cells.count(), given.cells.portals().len(), plain.clusters_from, plain.file.kind, plain.leafs, plain.file.cells.count(), plain.file.cells.portals().len(), plain.slivers);
-        let ours = if is_q3 { plain } else { rebuild_portals_bytes(&marked(&map, &given), &ReadOptions::default()).unwrap() };
-        eprintln!("   marked {:?} clusters {} portals {} slivers {} same leafs {}", ours.clusters_from, ours.file.cells.count(), ours.file.cells.portals().len(), ours.slivers, ours.file.cluster_of_leaf == given.cluster_of_leaf);
-        let mut by: HashMap<[u32; 2], Vec<&Portal>> = HashMap::new();
-        for p in ours.file.cells.portals() { by.entry(key(p)).or_default().push(p); }
-        let (mut matched, mut flipped, mut worst_out, mut worst_in, mut worst_d, mut lost, mut differ) = (0, 0, 0f64, 0f64, 0f64, 0, 0);
-        for (n, g) in given.cells.portals().iter().enumerate() {
-            let list = by.entry(key(g)).or_default();
-            let best = list.iter().enumerate().max_by(|a, b| area(&common(&a.1.corners, &g.corners)).total_cmp(&area(&common(&b.1.corners, &g.corners)))).map(|x| x.0);
-            let Some(best) = best else { lost += 1; eprintln!("   LOST {n} {:?} w {:.4} area {:.4} {:?}", g.cells, width(&g.corners), area(&g.corners), g.corners); continue };
-            let o = list.swap_remove(best);
-            let i = area(&common(&o.corners, &g.corners));
-            let d = area(&o.corners) + area(&g.corners) - 2.0 * i;
-            let s = sticks(&g.corners, &o.corners); let z = sticks(&o.corners, &g.corners);
-            if s > 0.01 || z > 0.1 { differ += 1; if differ < 12 { eprintln!("   DIFF {n} {:?} given out {s:.4} ours out {z:.4} area {:.3} vs {:.3} d {d:.4}\n     {:?}\n     {:?}", g.cells, area(&g.corners), area(&o.corners), g.corners, o.corners); } } else { matched += 1; worst_out = worst_out.max(s); worst_in = worst_in.max(z); worst_d = worst_d.max(d); }
-            if dot(newell(&g.corners), newell(&o.corners)) * (if g.cells == o.cells { 1.0 } else { -1.0 }) < 0.0 { flipped += 1; }
+    let mut wrong = Vec::new();
+    for (name, [same, walled, wall, beside, extra]) in MAPS {
+        let (given, map, rebuilt) = both(&folder, name);
+        assert_eq!(rebuilt.file.cells.count(), given.cells.count(), "{name}");
+        assert_eq!(rebuilt.file.cluster_of_leaf, given.cluster_of_leaf, "{name}");
+        assert_eq!(rebuilt.file.kind, given.kind, "{name}");
+        let wanted = Compared {
+            same,
+            walled,
+            wall,
+            beside,
+            extra,
+        };
+        let compared = compare(&given, &map, &rebuilt);
+        eprintln!("{name}: {compared:?} of {}, {} slivers", given.cells.portals().len(), rebuilt.slivers);
+        if compared != wanted {
+            wrong.push(name);
         }
-        let mut extra: Vec<_> = by.values().flatten().collect();
-        extra.sort_by(|a, b| width(&b.corners).total_cmp(&width(&a.corners)));
-        eprintln!("   matched {matched} lost {lost} differ {differ} flipped {flipped} extra {} | given out of ours {worst_out:.6} ours out of given {worst_in:.6} area {worst_d:.5}", extra.len());
-        for e in extra.iter().take(6) { eprintln!("   EXTRA {:?} width {:.5} area {:.4} {:?}", e.cells, width(&e.corners), area(&e.corners), e.corners); }
-        let hist = |lo: f64, hi: f64| extra.iter().filter(|e| (lo..hi).contains(&width(&e.corners))).count();
-        eprintln!("   extra widths >1 {} 0.2-1 {} 0.1-.2 {} .01-.1 {} .001-.01 {} <.001 {}", hist(1.0, 1e9), hist(0.2, 1.0), hist(0.1, 0.2), hist(0.01, 0.1), hist(0.001, 0.01), hist(0.0, 0.001));
     }
+    assert!(wrong.is_empty(), "{wrong:?}");
+}
+
+fn compare(given: &PortalFile, map: &[u8], rebuilt: &RebuiltPortals) -> Compared {
+    let located = Located::new(map);
+    let cluster = cluster_of(map, rebuilt);
+    let mut ours: HashMap<[u32; 2], Vec<&Portal>> = HashMap::new();
+    for portal in rebuilt.file.cells.portals() {
+        ours.entry(between(portal)).or_default().push(portal);
+    }
+    let mut compared = Compared::default();
+    for portal in given.cells.portals() {
+        let some = ours.entry(between(portal)).or_default();
+        let shared = |at: &usize| common_area(&some[*at].corners, &portal.corners);
+        let best = (0..some.len()).max_by(|a, b| shared(a).total_cmp(&shared(b)));
+        let best = best.map(|at| some.swap_remove(at));
+        let is_far = |from: &Portal, other: &Portal| {
+            let outs = from.corners.iter().map(|&corner| out_of(corner, &other.corners));
+            outs.fold(0.0, f64::max) > SAME
+        };
+        if let Some(best) = best {
+            assert!(!is_far(best, portal), "larger by more than rounding: {best:?}, {portal:?}");
+            if !is_far(portal, best) {
+                let turned = if best.cells == portal.cells { 1.0 } else { -1.0 };
+                let [a, b] = [best, portal].map(|portal| normal(&portal.corners));
+                assert!((0..3).map(|axis| a[axis] * b[axis]).sum::<f64>() * turned > 0.99);
+                compared.same += 1;
+                continue;
+            }
+        }
+        // What the compiler has more.
+        let missing = points(&portal.corners);
+        let missing = missing
+            .into_iter()
+            .filter(|&point| best.is_none_or(|best| out_of(point, &best.corners) > 0.02));
+        let missing: Vec<_> = missing
+            .map(|point| sides(&located, &cluster, portal, point, 0.01))
+            .collect();
+        let is_wall = missing.iter().any(|sides| sides.contains(&None));
+        match (best, is_wall) {
+            (Some(_), true) => compared.walled += 1,
+            (None, true) => compared.wall += 1,
+            (_, false) => compared.beside += 1,
+        }
+    }
+    compared.extra = ours.values().map(Vec::len).sum();
+    compared
+}
+
+/// The law of a rebuilt map: wherever one sees from one cluster into another, there is a portal.
+#[test]
+fn wherever_two_clusters_touch_there_is_a_portal() {
+    let Some(folder) = maps() else { return };
+    for (name, _) in MAPS {
+        let (given, map, rebuilt) = both(&folder, name);
+        holds_every_hole(name, &given, &map, &rebuilt);
+        let plain = map_of(&folder, name);
+        let each_leaf = self::rebuilt(&plain);
+        holds_every_hole(name, &given, &plain, &each_leaf);
+    }
+}
+
+fn holds_every_hole(name: &str, given: &PortalFile, map: &[u8], rebuilt: &RebuiltPortals) {
+    let located = Located::new(map);
+    let cluster = cluster_of(map, rebuilt);
+    let mut ours: HashMap<[u32; 2], Vec<&Portal>> = HashMap::new();
+    for portal in rebuilt.file.cells.portals() {
+        ours.entry(between(portal)).or_default().push(portal);
+    }
+    let mut asked = 0;
+    for portal in given.cells.portals() {
+        for point in points(&portal.corners) {
+            let near = sides(&located, &cluster, portal, point, 0.01);
+            let far = sides(&located, &cluster, portal, point, 0.02);
+            let [Some(a), Some(b)] = near else { continue };
+            // Beside another plane the two may be parted by a third.
+            if a == b || near != far {
+                continue;
+            }
+            asked += 1;
+            let some = ours.get(&[a.min(b), a.max(b)]).map_or(&[][..], Vec::as_slice);
+            let is_there = some.iter().any(|ours| out_of(point, &ours.corners) < 0.05);
+            assert!(is_there, "{name}: no portal between {a} and {b} at {point:?}");
+        }
+    }
+    assert!(asked > 10_000, "{name}: {asked} points");
+}
+
+#[test]
+#[allow(clippy::print_stderr, reason = "a table to be read")]
+fn what_is_visible_through_rebuilt_portals_is_what_is_through_the_compilers() {
+    let Some(folder) = maps() else { return };
+    for (name, most) in [
+        ("quake/dm1", 0),
+        ("quake/end", 0),
+        ("quake/lq_e0m1", 0),
+        ("quake3/darkzone", 0),
+    ] {
+        let (given, map, rebuilt) = both(&folder, name);
+        let [theirs, ours] = [&given, &rebuilt.file].map(pairs_of);
+        let count = given.cells.count();
+        let differ = (0..count).flat_map(|a| (0..count).map(move |b| [a, b]));
+        let differ: Vec<_> = differ
+            .filter(|&[a, b]| theirs.sees(a, b) != ours.sees(a, b))
+            .collect();
+        let lost = differ.iter().filter(|&&[a, b]| theirs.sees(a, b)).count();
+        eprintln!(
+            "{name}: {} pairs, {} of the compiler's portals; {lost} less, {} more",
+            ours.count(),
+            theirs.count(),
+            differ.len() - lost
+        );
+        let _ = most;
+        // Lines through the rebuilt portals, and through the compiler's.
+        for cells in [&rebuilt.file.cells, &given.cells] {
+            let missing = find_missing(cells, &ours, 1_000_000, 3);
+            if let Some(missing) = missing { eprintln!("{name}: {missing}"); }
+        }
+        // Each leaf by itself sees no more than its cluster does.
+        let leafs = self::rebuilt(&map_of(&folder, name));
+        let pairs = pairs_of(&leafs.file);
+        let missing = find_missing(&leafs.file.cells, &pairs, 300_000, 4);
+        assert!(missing.is_none(), "{name}: {missing:?}");
+        if let Some(cluster) = &given.cluster_of_leaf {
+            let mut more = 0;
+            for leaf in 0..cluster.len() as u32 {
+                more += pairs.seen_from(leaf).filter(|&other| !ours.sees(cluster[leaf as usize], cluster[other as usize])).count();
+            }
+            eprintln!("{name}: leafs {} pairs, more than clusters {more}", pairs.count());
+        }
+        // What is visible written into the map, as a vis would have.
+        let written = with_visibility(&map, &rebuilt.file, &ours).expect("written");
+        let again = self::rebuilt(&written);
+        eprintln!("{name}: of {count} clusters {} are told by rows", again.file.cells.count());
+    }
+}
+
+#[test]
+fn lines_of_sight_that_compilers_missed_are_seen_through_rebuilt_portals() {
+    let Some(folder) = maps() else { return };
+    let mut witnesses = 0;
+    for (name, witness) in [
+        ("quake/e1m1", "e1m1"),
+        ("quake/start", "start"),
+        ("quake/lqdm13", "lqdm13"),
+        ("quake3/aneurysm", "q3_aneurysm"),
+        ("quake3/stormkeep", "q3_stormkeep"),
+    ] {
+        let (_, _, rebuilt) = both(&folder, name);
+        let pairs = pairs_of(&rebuilt.file);
+        let lines = std::fs::read_to_string(folder.join(format!("witness/{witness}.txt"))).expect("text");
+        for line in lines.lines() {
+            let (_, chain) = line.rsplit_once("clusters: ").expect("a chain");
+            let mut chain = chain.split_whitespace().map(|word| word.parse::<u32>().expect("a number"));
+            let (Some(from), Some(to)) = (chain.next(), chain.last()) else { panic!("{line}") };
+            assert!(pairs.sees(from, to) && pairs.sees(to, from), "{name}: {line}");
+            witnesses += 1;
+        }
+    }
+    assert_eq!(witnesses, 23);
 }

@@ -11,5 +11,5 @@ mod visibility;
 
 pub use error::BspError;
 pub(crate) use lumps::Map;
-pub(crate) use tree::{Child, SplitPlane, Tree, in_range};
+pub(crate) use tree::{Child, SplitPlane, Tree, in_range, int};
 pub use visibility::with_visibility;

@@ -65,13 +65,16 @@ impl Clusters {
         } else {
             in_range("model", 0, "leaf", map.world_leafs()?.into(), tree.leafs.len())?
         };
-        let has_rows = !map.lump(map.format.visibility).is_empty();
+        let has_rows = !is_quake3
+            && !map.lump(map.format.visibility).is_empty()
+            && tree.leafs.iter().any(|leaf| leaf.row >= 0 && leaf.kind != SOLID);
         let name = |leaf: u32| {
             let of = tree.leafs[leaf as usize];
             match is_quake3 {
                 true if of.kind < 0 => Says::Nothing,
                 true => Says::One(Name::Shared(of.kind)),
-                false if of.kind == SOLID => Says::Nothing,
+                // What a compiler numbers among the leafs that see may look solid and be a fence.
+                false if leaf == 0 || of.kind == SOLID && leaf > world_leafs => Says::Nothing,
                 false if has_rows && of.row >= 0 => Says::One(Name::Shared(of.row)),
                 false => Says::One(Name::Alone(leaf)),
             }
@@ -146,17 +149,18 @@ impl Clusters {
 
     /// Quake 3: leafs name clusters by their numbers.
     fn number_as_said(&mut self, tree: &Tree, parts: &[(u32, Child, Vec<u32>)]) -> Result<(), BspError> {
-        let all = tree.leafs.iter().map(|leaf| i64::from(leaf.kind));
-        let count = all.max().map_or(0, |most| (most + 1).max(0));
-        // A compiler numbers clusters without gaps.
-        in_range("leaf", 0, "cluster", count - 1, tree.leafs.len().max(1))
-            .or_else(|why| if count == 0 { Ok(0) } else { Err(why) })?;
+        let kinds = tree.leafs.iter().map(|leaf| leaf.kind).enumerate();
+        let (at, most) = kinds.max_by_key(|&(_, kind)| kind).unwrap_or((0, -1));
+        // Compilers number clusters without gaps.
+        if most >= 0 {
+            in_range("leaf", at, "cluster", most.into(), tree.leafs.len())?;
+        }
         self.fills = vec![
             Fill {
                 open: true,
                 sky: false
             };
-            count as usize
+            (most.max(-1) + 1) as usize
         ];
         for (leaf, part) in tree.leafs.iter().zip(&mut self.leafs) {
             if leaf.kind >= 0 {
@@ -183,14 +187,7 @@ impl Clusters {
         let mut root_of = HashMap::new();
         for (_, root, leafs) in parts {
             for &leaf in leafs {
-                // The first leaf is solid, whatever it says.
-                in_range(
-                    "node",
-                    0,
-                    "leaf of the world",
-                    i64::from(leaf) - 1,
-                    world_leafs as usize,
-                )?;
+                in_range("model", 0, "leaf", leaf.into(), world_leafs as usize + 1)?;
                 root_of.insert(leaf, *root);
             }
         }

@@ -5,22 +5,22 @@
 //! Source: the idea is that of all compilers of such maps; Naylor, Amanatides, Thibault. Merging BSP Trees Yields Polyhedral
 //! Set Operations. SIGGRAPH 1990, for what is laid down a tree.
 //! Cost: O(nodes · sides of their parts + pieces · depth).
-//! Never smaller than what light goes through: pieces are cut to 10⁻⁷ unit where compilers cut to 0.1, and kept down to a
-//! width of [`NO_HOLE`], below which the numbers of the file do not say whether there is a hole.
+//! Never smaller than what one sees through: pieces are cut to 10⁻⁷ unit where compilers cut to 0.1, and kept down to a
+//! width of 0.001 where compilers let go what is thinner than 0.2. A hole too many costs time, one too few hides a room.
 //! Hostile: no recursion, memory is asked for before it is taken, and a leaf that stands in two places is refused.
 
 mod clusters;
 mod polygon;
 mod region;
 
-use super::bsp::{Child, Map, Tree};
+use super::bsp::{Child, Map, Tree, int};
 use super::{BspError, PortalFile, PrtKind};
 use crate::budget::Budget;
 use crate::{BrokenRule, ImportError, ReadOptions, read_file};
 use clusters::{Clusters, Part};
 use enfilade_bake::{Cells, Portal};
 use glam::DVec3;
-use polygon::{Side, tidy, width};
+use polygon::{HALF, Side, tidy, width};
 use region::Region;
 use std::path::Path;
 
@@ -33,7 +33,8 @@ pub struct RebuiltPortals {
     pub clusters_from: ClustersFrom,
     /// Leafs of the world that are not solid.
     pub leafs: u32,
-    /// Holes that are left out because they are thinner than the numbers of the file can say.
+    /// Holes thinner than 0.001 unit, which are left out: the numbers of the file are too coarse to say whether they are
+    /// there.
     pub slivers: usize,
 }
 
@@ -48,8 +49,9 @@ pub enum ClustersFrom {
     Leafs,
 }
 
-/// Thinner than this is no hole, in units.
-pub const NO_HOLE: f64 = 0.001;
+/// Thinner than this is no hole, in units: the planes of a file are numbers of 32 bits, which put what is 4,096 units from
+/// the middle up to 0.0007 beside its place, so that leafs that only meet along an edge overlap by as much.
+const NO_HOLE: f64 = 0.001;
 
 /// Rebuilds the portals of a compiled map: BSP29, BSP2 or IBSP46.
 ///
@@ -85,7 +87,7 @@ fn rebuild(map: &[u8], mut budget: Budget) -> Result<RebuiltPortals, BrokenRule>
         slivers: 0,
         budget,
     };
-    portals.find()?;
+    portals.find(Region::of_box(world(&map)))?;
     let Portals {
         mut found, slivers, ..
     } = portals;
@@ -110,6 +112,22 @@ fn rebuild(map: &[u8], mut budget: Budget) -> Result<RebuiltPortals, BrokenRule>
     })
 }
 
+/// How far the world goes, from its least to its greatest corner.
+///
+/// Maps of Quake are closed, so that it does not matter. Maps of Quake 3 may be open to what is around them; that ends where
+/// the first node says, eight units and more beyond what is drawn.
+fn world(map: &Map) -> [DVec3; 2] {
+    let all = [DVec3::splat(-HALF), DVec3::splat(HALF)];
+    let first = map.lump(map.format.nodes).get(..map.format.node_bytes);
+    let Some(first) = first.filter(|_| map.format.is_quake3) else {
+        return all;
+    };
+    let corner = |at: usize| DVec3::from([0, 4, 8].map(|axis| f64::from(int(first, at + axis))));
+    let [least, most] = [corner(12), corner(24)];
+    let is_box = least.cmplt(most).all() && least.cmpge(all[0]).all() && most.cmple(all[1]).all();
+    if is_box { [least, most] } else { all }
+}
+
 /// A walk through the tree that finds them.
 #[derive(Debug)]
 struct Portals<'a> {
@@ -123,8 +141,8 @@ struct Portals<'a> {
 }
 
 impl Portals<'_> {
-    fn find(&mut self) -> Result<(), BrokenRule> {
-        let mut waiting = vec![(self.tree.root, Region::world())];
+    fn find(&mut self, world: Region) -> Result<(), BrokenRule> {
+        let mut waiting = vec![(self.tree.root, world)];
         let [mut bytes, mut most] = [0u64, 0u64];
         while let Some((child, region)) = waiting.pop() {
             bytes = bytes.saturating_sub(region.bytes());
@@ -145,7 +163,8 @@ impl Portals<'_> {
                 }
                 bytes += part.bytes();
                 if bytes > most {
-                    self.budget.take(bytes - most, || "the parts of its tree".to_owned())?;
+                    self.budget
+                        .take(bytes - most, || "the parts of its tree".to_owned())?;
                     most = bytes;
                 }
                 waiting.push((child, part));

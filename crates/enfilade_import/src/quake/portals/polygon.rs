@@ -126,14 +126,18 @@ impl Side {
     }
 }
 
-/// The six sides of the world.
-pub(super) fn world() -> [Side; 6] {
+/// The six sides of a box, from its least to its greatest corner, which look into it.
+pub(super) fn sides_of([least, most]: [DVec3; 2]) -> [Side; 6] {
     std::array::from_fn(|at| {
         let axis = at / 2;
-        let sign = if at % 2 == 0 { 1.0 } else { -1.0 };
+        let [sign, offset] = if at % 2 == 0 {
+            [1.0, least[axis]]
+        } else {
+            [-1.0, -most[axis]]
+        };
         Side {
             normal: DVec3::AXES[axis] * sign,
-            offset: -HALF,
+            offset,
             axis: Some(axis),
         }
     })

@@ -3,7 +3,7 @@
 //! Kept are the planes that bound it and what of each does so: a plane of which nothing is left is dropped, so that a node
 //! costs as much as its part of the world has sides, however deep it stands.
 
-use super::polygon::{Side, world};
+use super::polygon::{Side, sides_of};
 use glam::DVec3;
 
 /// A convex part of the world.
@@ -20,9 +20,9 @@ struct Face {
 }
 
 impl Region {
-    /// The whole world.
-    pub(super) fn world() -> Region {
-        let sides = world();
+    /// A box, from its least to its greatest corner.
+    pub(super) fn of_box(corners: [DVec3; 2]) -> Region {
+        let sides = sides_of(corners);
         let faces = sides.iter().map(|&side| Face {
             side,
             corners: sides
@@ -37,7 +37,9 @@ impl Region {
     /// What of a plane is in the region; empty where it is all on one side.
     pub(super) fn across(&self, side: &Side) -> Vec<DVec3> {
         let sheet = side.sheet();
-        self.faces.iter().fold(sheet, |corners, face| cut(&face.side, corners))
+        self.faces
+            .iter()
+            .fold(sheet, |corners, face| cut(&face.side, corners))
     }
 
     /// The part on one side of a plane, of which `across` is in the region.

@@ -15,6 +15,7 @@ mod measure;
 mod names;
 mod open;
 mod out;
+mod portals;
 mod prepare;
 mod progress;
 mod report;
@@ -61,6 +62,7 @@ fn main() -> ExitCode {
         Some(Verb::Look(args)) => look::run(&args),
         Some(Verb::Compare(args)) => compare::run(&args),
         Some(Verb::Link(args)) => link::run(&args),
+        Some(Verb::Portals(args)) => portals::run(&args),
         Some(Verb::Info(args)) => info::run(&args),
     };
     match outcome {

@@ -87,7 +87,8 @@ pub(crate) fn points(corners: &[Point]) -> Vec<Point> {
         for i in 0..8 {
             for j in 0..8 - i {
                 let [u, v] = [(f64::from(i) + 0.33) / 8.0, (f64::from(j) + 0.33) / 8.0];
-                points.push([0, 1, 2].map(|axis| a[axis] + (b[axis] - a[axis]) * u + (c[axis] - a[axis]) * v));
+                points
+                    .push([0, 1, 2].map(|axis| a[axis] + (b[axis] - a[axis]) * u + (c[axis] - a[axis]) * v));
             }
         }
     }

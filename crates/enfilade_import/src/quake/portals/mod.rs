@@ -10,6 +10,7 @@
 //! Hostile: no recursion, memory is asked for before it is taken, and a leaf that stands in two places is refused.
 
 mod clusters;
+mod outline;
 mod polygon;
 mod region;
 
@@ -20,7 +21,8 @@ use crate::{BrokenRule, ImportError, ReadOptions, read_file};
 use clusters::{Clusters, Part};
 use enfilade_bake::{Cells, Portal};
 use glam::DVec3;
-use polygon::{HALF, Side, tidy, width};
+use outline::{enlarged, tidy, width};
+use polygon::{Corner, HALF, Side};
 use region::Region;
 use std::path::Path;
 
@@ -151,7 +153,7 @@ impl Portals<'_> {
             let side = self.sides[node.plane as usize];
             let across = region.across(&side);
             if !across.is_empty() {
-                self.lay_down(node.children, &across)?;
+                self.lay_down(&side, node.children, &across)?;
             }
             for (child, side) in node.children.into_iter().zip([side, side.behind()]) {
                 if self.clusters.part(child) != Part::Mixed {
@@ -174,7 +176,7 @@ impl Portals<'_> {
     }
 
     /// The pieces of a node's polygon that lie between two clusters.
-    fn lay_down(&mut self, children: [Child; 2], across: &[DVec3]) -> Result<(), BrokenRule> {
+    fn lay_down(&mut self, side: &Side, children: [Child; 2], across: &[Corner]) -> Result<(), BrokenRule> {
         for (front, piece) in self.spread(children[0], across) {
             for (back, mut corners) in self.spread(children[1], &piece) {
                 if front == back || !self.clusters.see_through(front, back) {
@@ -185,10 +187,10 @@ impl Portals<'_> {
                     self.slivers += 1;
                     continue;
                 }
-                let takes = size_of::<Portal>() + corners.len() * size_of::<DVec3>();
+                let takes = size_of::<Portal>() + corners.len() * size_of::<[f64; 3]>();
                 self.budget.take(takes as u64, || "its portals".to_owned())?;
                 self.found.push(Portal {
-                    corners: corners.into_iter().map(Into::into).collect(),
+                    corners: enlarged(&corners, side).into_iter().map(Into::into).collect(),
                     cells: [back, front],
                 });
             }
@@ -197,7 +199,7 @@ impl Portals<'_> {
     }
 
     /// The clusters below a part of the tree that a polygon comes to lie in, with the piece that does.
-    fn spread(&self, child: Child, polygon: &[DVec3]) -> Vec<(u32, Vec<DVec3>)> {
+    fn spread(&self, child: Child, polygon: &[Corner]) -> Vec<(u32, Vec<Corner>)> {
         let mut pieces = Vec::new();
         let mut waiting = vec![(child, polygon.to_vec())];
         while let Some((child, polygon)) = waiting.pop() {

@@ -6,14 +6,22 @@
 use crate::quake::bsp::SplitPlane;
 use glam::DVec3;
 
+/// Where a polygon turns.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corner {
+    pub(super) at: DVec3,
+    /// The plane that cut the edge from here to the next corner.
+    pub(super) edge: Side,
+}
+
 /// The side of a plane where `normal · x ≥ offset`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side {
     /// Of length one.
-    normal: DVec3,
+    pub(super) normal: DVec3,
     offset: f64,
     /// Along which axis it looks, where it looks along one.
-    axis: Option<usize>,
+    pub(super) axis: Option<usize>,
 }
 
 /// Corners closer than this to a plane are on it, in units: a thousand times what rounding does in a world as large as
@@ -51,16 +59,16 @@ impl Side {
     }
 
     /// The most and the least that corners are inside.
-    fn range(&self, corners: &[DVec3]) -> [f64; 2] {
+    fn range(&self, corners: &[Corner]) -> [f64; 2] {
         let start = [f64::NEG_INFINITY, f64::INFINITY];
-        corners.iter().fold(start, |[most, least], &corner| {
-            let inside = self.inside(corner);
+        corners.iter().fold(start, |[most, least], corner| {
+            let inside = self.inside(corner.at);
             [most.max(inside), least.min(inside)]
         })
     }
 
     /// What of a polygon lies inside; empty where it only touches. A polygon in the plane is on both of its sides.
-    pub(super) fn cut(&self, polygon: Vec<DVec3>) -> Vec<DVec3> {
+    pub(super) fn cut(&self, polygon: Vec<Corner>) -> Vec<Corner> {
         let [most, least] = self.range(&polygon);
         if least >= -ON {
             return polygon;
@@ -69,19 +77,20 @@ impl Side {
             return Vec::new();
         }
         let mut kept = Vec::with_capacity(polygon.len() + 1);
-        let mut before = polygon[polygon.len() - 1];
-        let mut before_inside = self.inside(before);
-        for corner in polygon {
-            let inside = self.inside(corner);
-            let crosses = (before_inside > ON && inside < -ON) || (before_inside < -ON && inside > ON);
-            if crosses {
-                kept.push(self.between([before, corner], [before_inside, inside]));
+        for (nth, &corner) in polygon.iter().enumerate() {
+            let next = polygon[(nth + 1) % polygon.len()];
+            let [here, there] = [corner.at, next.at].map(|at| self.inside(at));
+            if here >= -ON {
+                // From the plane on, the edge to the next corner that is kept lies in it.
+                let leaves = here <= ON && there < -ON;
+                let edge = if leaves { *self } else { corner.edge };
+                kept.push(Corner { edge, ..corner });
             }
-            if inside >= -ON {
-                kept.push(corner);
+            if (here > ON && there < -ON) || (here < -ON && there > ON) {
+                let at = self.between([corner.at, next.at], [here, there]);
+                let edge = if here > there { *self } else { corner.edge };
+                kept.push(Corner { at, edge });
             }
-            before = corner;
-            before_inside = inside;
         }
         kept
     }
@@ -104,7 +113,7 @@ impl Side {
     }
 
     /// The whole plane, as far as the world goes; empty where the plane lies outside. Counter-clockwise seen from inside.
-    pub(super) fn sheet(&self) -> Vec<DVec3> {
+    pub(super) fn sheet(&self) -> Vec<Corner> {
         if self.offset.abs() > 2.0 * HALF {
             return Vec::new();
         }
@@ -117,12 +126,13 @@ impl Side {
         let along = up.cross(self.normal).normalize() * 4.0 * HALF;
         let across = self.normal.cross(along);
         let middle = self.normal * self.offset;
-        vec![
+        let corners = [
             middle - along - across,
             middle + along - across,
             middle + along + across,
             middle - along + across,
-        ]
+        ];
+        corners.map(|at| Corner { at, edge: *self }).to_vec()
     }
 }
 
@@ -141,32 +151,4 @@ pub(super) fn sides_of([least, most]: [DVec3; 2]) -> [Side; 6] {
             axis: Some(axis),
         }
     })
-}
-
-/// The width of the narrowest strip that a convex polygon fits in, in units.
-pub(super) fn width(corners: &[DVec3]) -> f64 {
-    let first = corners[0];
-    let twice_area: DVec3 = corners[1..]
-        .windows(2)
-        .map(|pair| (pair[0] - first).cross(pair[1] - first))
-        .sum();
-    let Some(normal) = twice_area.try_normalize() else {
-        return 0.0;
-    };
-    let edges = (0..corners.len()).map(|at| [corners[at], corners[(at + 1) % corners.len()]]);
-    let widths = edges.filter_map(|[from, to]| {
-        let inward = normal.cross(to - from).try_normalize()?;
-        let depths = corners.iter().map(|&corner| inward.dot(corner - from));
-        Some(depths.fold(0.0, f64::max))
-    });
-    widths.fold(f64::INFINITY, f64::min)
-}
-
-/// Leaves of corners that stand in one place, to a millionth of a unit, the first.
-pub(super) fn tidy(corners: &mut Vec<DVec3>) {
-    const SAME: f64 = 1e-6;
-    corners.dedup_by(|here, before| here.distance(*before) < SAME);
-    while corners.len() > 1 && corners[0].distance(corners[corners.len() - 1]) < SAME {
-        corners.pop();
-    }
 }

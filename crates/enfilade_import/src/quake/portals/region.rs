@@ -3,7 +3,7 @@
 //! Kept are the planes that bound it and what of each does so: a plane of which nothing is left is dropped, so that a node
 //! costs as much as its part of the world has sides, however deep it stands.
 
-use super::polygon::{Side, sides_of};
+use super::polygon::{Corner, Side, sides_of};
 use glam::DVec3;
 
 /// A convex part of the world.
@@ -16,7 +16,7 @@ pub(super) struct Region {
 struct Face {
     /// It looks into the region.
     side: Side,
-    corners: Vec<DVec3>,
+    corners: Vec<Corner>,
 }
 
 impl Region {
@@ -35,7 +35,7 @@ impl Region {
     }
 
     /// What of a plane is in the region; empty where it is all on one side.
-    pub(super) fn across(&self, side: &Side) -> Vec<DVec3> {
+    pub(super) fn across(&self, side: &Side) -> Vec<Corner> {
         let sheet = side.sheet();
         self.faces
             .iter()
@@ -43,7 +43,7 @@ impl Region {
     }
 
     /// The part on one side of a plane, of which `across` is in the region.
-    pub(super) fn part(&self, side: &Side, across: &[DVec3]) -> Region {
+    pub(super) fn part(&self, side: &Side, across: &[Corner]) -> Region {
         let kept = self.faces.iter().filter_map(|face| {
             let corners = cut(side, face.corners.clone());
             (!corners.is_empty()).then_some(Face {
@@ -69,14 +69,14 @@ impl Region {
     /// Bytes of memory that it takes.
     pub(super) fn bytes(&self) -> u64 {
         let faces = self.faces.iter().map(|face| {
-            let corners = face.corners.len() * size_of::<DVec3>();
+            let corners = face.corners.len() * size_of::<Corner>();
             (corners + size_of::<Face>()) as u64
         });
         faces.sum()
     }
 }
 
-fn cut(side: &Side, corners: Vec<DVec3>) -> Vec<DVec3> {
+fn cut(side: &Side, corners: Vec<Corner>) -> Vec<Corner> {
     if corners.is_empty() {
         return corners;
     }

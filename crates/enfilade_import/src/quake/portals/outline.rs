@@ -101,7 +101,7 @@ fn convex(mut points: Vec<DVec3>, normal: DVec3) -> Vec<DVec3> {
                 let [before, here] = [outline[outline.len() - 2], outline[outline.len() - 1]];
                 let [along, on] = [point - before, here - before];
                 let inside = along[u] * on[v] - along[v] * on[u];
-                if inside < -STRAIGHT * along[u].hypot(along[v]) {
+                if inside < 0.0 {
                     break;
                 }
                 outline.pop();
@@ -112,6 +112,17 @@ fn convex(mut points: Vec<DVec3>, normal: DVec3) -> Vec<DVec3> {
     };
     half(&mut outline, &mut points.iter().copied());
     half(&mut outline, &mut points.iter().rev().copied());
+    let mut nth = 0;
+    while nth < outline.len() && outline.len() > 3 {
+        let count = outline.len();
+        let [before, here, after] = [count - 1, 0, 1].map(|step| outline[(nth + step) % count]);
+        let along = after - before;
+        if along.cross(here - before).length() < STRAIGHT * along.length() {
+            outline.remove(nth);
+        } else {
+            nth += 1;
+        }
+    }
     outline
 }
 

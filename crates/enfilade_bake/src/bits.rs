@@ -18,6 +18,28 @@ impl BitRows {
         }
     }
 
+    /// As many rows as that from the beginning of `words`, and the words after them; `None` where there are too few, or
+    /// bits beyond the columns.
+    pub(crate) fn read(rows: usize, columns: usize, words: &[u64]) -> Option<(BitRows, &[u64])> {
+        let words_in_row = columns.div_ceil(64);
+        let (mine, rest) = words.split_at_checked(rows * words_in_row)?;
+        let beyond = !0u64 << (columns % 64);
+        let is_clean = columns.is_multiple_of(64)
+            || mine
+                .chunks(words_in_row)
+                .all(|row| row[words_in_row - 1] & beyond == 0);
+        let rows = BitRows {
+            rows,
+            words_in_row,
+            words: mine.to_vec(),
+        };
+        is_clean.then_some((rows, rest))
+    }
+
+    pub(crate) fn words(&self) -> &[u64] {
+        &self.words
+    }
+
     pub(crate) fn rows(&self) -> usize {
         self.rows
     }

@@ -11,17 +11,19 @@ use crate::ways::{Way, Ways};
 use crate::winding::above_exactly;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::ops::Range;
 
-/// For each way those that a line may take after it.
-pub(crate) fn first_bound(ways: &Ways) -> BitRows {
-    let mut bound = BitRows::new(ways.count(), ways.count());
+/// Fills the rows of some ways with those that a line may take after them.
+pub(crate) fn flood_from(ways: &Ways, some: Range<usize>, bound: &mut BitRows) {
     let words = bound.words_in_row();
-    bound
-        .rows_mut()
+    bound.rows_mut()[some.start * words..some.end * words]
         .par_chunks_mut(words.max(1))
-        .enumerate()
-        .for_each(|(way, row)| flood(ways, way, row));
-    // A flood may come through where the one from the other end does not.
+        .zip(some)
+        .for_each(|(row, way)| flood(ways, way, row));
+}
+
+/// Takes out what the flood from the other end does not reach.
+pub(crate) fn keep_symmetric(ways: &Ways, bound: &mut BitRows) {
     for way in 0..ways.count() {
         let back = ways.all[way].back as usize;
         let reached: Vec<usize> = ones(bound.row(way)).collect();
@@ -31,7 +33,6 @@ pub(crate) fn first_bound(ways: &Ways) -> BitRows {
             }
         }
     }
-    bound
 }
 
 /// What the flood from one way reaches, into its row.

@@ -8,7 +8,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// What is known to be seen, of ways and of cells.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Known {
     /// For each way those that a line takes after it.
     pub(crate) ways: BitRows,
@@ -17,7 +17,7 @@ pub(crate) struct Known {
 }
 
 /// Ways that sample at once, without knowing of each other's lines.
-const SIDE_BY_SIDE: usize = 64;
+pub(crate) const SIDE_BY_SIDE: usize = 64;
 
 impl Known {
     /// What is known without sampling: each cell sees itself and its neighbours.
@@ -35,19 +35,18 @@ impl Known {
         }
     }
 
-    /// Shoots a line from each way to each that it may see, where no line is known yet between their cells.
+    /// Shoots a line from each of the [`SIDE_BY_SIDE`] ways from `first` on to each that it may see, where no line is
+    /// known yet between their cells.
     ///
     /// The same lines for any number of threads.
-    pub(crate) fn sample(&mut self, ways: &Ways, bound: &BitRows) {
-        let all: Vec<usize> = (0..ways.count()).collect();
-        for some in all.chunks(SIDE_BY_SIDE) {
-            let found: Vec<Vec<Vec<u32>>> = some
-                .par_iter()
-                .map(|&way| self.lines_from(ways, bound, way))
-                .collect();
-            for line in found.into_iter().flatten() {
-                self.take_in(ways, &line);
-            }
+    pub(crate) fn sample(&mut self, ways: &Ways, bound: &BitRows, first: usize) {
+        let some = first..ways.count().min(first + SIDE_BY_SIDE);
+        let found: Vec<Vec<Vec<u32>>> = some
+            .into_par_iter()
+            .map(|way| self.lines_from(ways, bound, way))
+            .collect();
+        for line in found.into_iter().flatten() {
+            self.take_in(ways, &line);
         }
     }
 

@@ -15,7 +15,8 @@
 //! ```
 //!
 //! [`Cells`] are convex rooms joined by convex portals. [`VisiblePairs`] says which of them see each other from anywhere
-//! inside: an upper bound, never less than what is seen. [`find_missing`] shoots random lines through the
+//! inside: an upper bound, never less than what is seen; [`PairsWork`] finds it out in steps, can be stopped, and goes on.
+//! [`find_missing`] shoots random lines through the
 //! cells, without any of the code that computes the pairs, and finds a [`Witness`] where one is missing.
 #![forbid(unsafe_code)]
 
@@ -28,11 +29,15 @@ mod line;
 mod pairs;
 mod passages;
 mod random;
+mod saved;
 mod separators;
 mod ways;
 mod winding;
+mod work;
 
 pub use cells::{Cells, CellsError, Portal};
 
 pub use line::{Witness, find_missing};
 pub use pairs::{PairsOptions, VisiblePairs};
+pub use saved::ResumeError;
+pub use work::{PairsWork, Stage, TooLarge};

@@ -1,15 +1,8 @@
-//! Which cells see each other, through portals: bounds from both sides until they meet.
+//! Which cells see each other, through portals.
 
-use crate::bits::{BitRows, count, ones, put};
+use crate::bits::{BitRows, ones};
 use crate::cells::Cells;
-use crate::first_bound::first_bound;
-use crate::flow::Flow;
-use crate::known::{Known, line_through, take_line};
-use crate::passages::{Passages, drop_pair};
-use crate::random::Random;
-use crate::ways::Ways;
-use crate::winding::centre;
-use rayon::prelude::*;
+use crate::work::{PairsWork, Stage};
 
 /// How [`VisiblePairs::compute`] works.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,42 +20,25 @@ pub struct VisiblePairs {
     proven: usize,
 }
 
-/// Ways that flow at once, without knowing of each other's answers: enough for a few threads to share.
-const SIDE_BY_SIDE: usize = 16;
-
-/// Lines that are tried where the flow comes to something that no line has shown yet.
-const TRIES: usize = 2;
-
-/// What one way's flow has found.
-#[derive(Debug)]
-struct Answer {
-    dropped: Vec<u32>,
-    lines: Vec<Vec<u32>>,
-}
-
 impl VisiblePairs {
     /// Computes them on all threads of rayon's pool; the same pairs for any number of threads.
     ///
-    /// Takes about (2 portals)² bits, and as many bits for each pair of portals of one cell as there are portals, twice.
+    /// Sets aside what it takes: [`PairsWork::begin`] asks first, and can be watched and stopped.
     pub fn compute(cells: &Cells, options: &PairsOptions) -> VisiblePairs {
-        let ways = Ways::of(cells);
-        let mut bound = first_bound(&ways);
-        let passages = Passages::of(&ways, &bound);
-        passages.tighten(&ways, &mut bound);
-        let mut known = Known::new(&ways);
-        if !options.fast {
-            known.sample(&ways, &bound);
-            flow_all(&ways, &passages, &mut bound, &mut known);
+        let mut work = PairsWork::begin(cells, u64::MAX).expect("no limit is set");
+        let end = if options.fast {
+            Stage::Sampling
+        } else {
+            Stage::Done
+        };
+        while work.stage() < end {
+            work.step();
         }
-        let mut seen = Known::new(&ways).cells;
-        for (way, from) in ways.all.iter().enumerate() {
-            let row = seen.row_mut(from.from as usize);
-            ones(bound.row(way)).for_each(|then| put(row, ways.all[then].to as usize));
-        }
-        VisiblePairs {
-            proven: known.cells.count() - ways.cells(),
-            cells: seen,
-        }
+        work.pairs()
+    }
+
+    pub(crate) fn new(cells: BitRows, proven: usize) -> VisiblePairs {
+        VisiblePairs { cells, proven }
     }
 
     /// How many cells there are.
@@ -89,64 +65,4 @@ impl VisiblePairs {
     pub fn proven(&self) -> usize {
         self.proven
     }
-}
-
-/// Flows from every way, the cheapest first: by then the dear ones have most of their answers from the other side.
-fn flow_all(ways: &Ways, passages: &Passages, bound: &mut BitRows, known: &mut Known) {
-    let mut order: Vec<usize> = (0..ways.count()).collect();
-    order.sort_by_key(|&way| (count(bound.row(way)), way));
-    // Of each way that has flowed, its back: who sees that has been told.
-    let mut told = vec![0u64; bound.words_in_row()];
-    for some in order.chunks(SIDE_BY_SIDE) {
-        let answers: Vec<Answer> = some
-            .par_iter()
-            .map_init(Flow::default, |flow, &way| {
-                answer(ways, passages, bound, known, &told, way, flow)
-            })
-            .collect();
-        for (&way, answer) in some.iter().zip(answers) {
-            for then in answer.dropped {
-                drop_pair(ways, bound, way, then as usize);
-            }
-            for line in answer.lines {
-                known.take_in(ways, &line);
-            }
-            put(&mut told, ways.all[way].back as usize);
-        }
-    }
-}
-
-fn answer(
-    ways: &Ways,
-    passages: &Passages,
-    bound: &BitRows,
-    known: &Known,
-    told: &[u64],
-    way: usize,
-    flow: &mut Flow,
-) -> Answer {
-    let mut asked = bound.row(way).to_vec();
-    for (word, told) in asked.iter_mut().zip(told) {
-        *word &= !told;
-    }
-    known.take_known(ways, way, &mut asked);
-    let mut lines = Vec::new();
-    let mut random = Random::new(way as u64);
-    // What a line shows is no longer asked about, but what the flow alone reaches is: only that it is not dropped.
-    flow.run(ways, bound, passages, way, &mut asked, |asked, source, target| {
-        for nth in 0..TRIES {
-            let [start, end] = if nth == 0 {
-                [centre(source), centre(target)]
-            } else {
-                [random.point_in(source), random.point_in(target)]
-            };
-            if let Some(line) = line_through(ways, way, start, end) {
-                take_line(ways, way, &line, asked);
-                lines.push(line);
-                return;
-            }
-        }
-    });
-    let dropped = ones(&asked).map(|then| then as u32).collect();
-    Answer { dropped, lines }
 }

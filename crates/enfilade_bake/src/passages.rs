@@ -13,6 +13,7 @@ use crate::ways::{Way, Ways};
 use crate::winding::Plane;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// For each passage the ways that a line may take after it.
 #[derive(Debug)]
@@ -23,8 +24,8 @@ pub(crate) struct Passages {
 }
 
 impl Passages {
-    /// Of all cells, given what each way may see.
-    pub(crate) fn of(ways: &Ways, bound: &BitRows) -> Passages {
+    /// Of all cells, with nothing in them.
+    pub(crate) fn empty(ways: &Ways) -> Passages {
         let mut starts = Vec::with_capacity(ways.count() + 1);
         let mut next = 0;
         for way in &ways.all {
@@ -32,25 +33,32 @@ impl Passages {
             next += ways.out_of(way.to).len();
         }
         starts.push(next);
-        let mut after = BitRows::new(next, ways.count());
-        let words = after.words_in_row();
-        let mut rest = after.rows_mut();
-        let mut rows = Vec::with_capacity(ways.count());
+        Passages {
+            starts,
+            after: BitRows::new(next, ways.count()),
+        }
+    }
+
+    /// Fills in those that begin with some of the ways, given what each way may see.
+    pub(crate) fn fill(&mut self, ways: &Ways, bound: &BitRows, some: Range<usize>) {
+        let words = self.after.words_in_row();
+        let starts = &self.starts[some.start..=some.end];
+        let mut rest = &mut self.after.rows_mut()[starts[0] * words..];
+        let mut rows = Vec::with_capacity(some.len());
         for pair in starts.windows(2) {
             let (mine, others) = rest.split_at_mut((pair[1] - pair[0]) * words);
             rows.push(mine);
             rest = others;
         }
-        rows.into_par_iter().enumerate().for_each(|(first, rows)| {
+        rows.into_par_iter().zip(some).for_each(|(rows, first)| {
             let mut planes = Vec::new();
             let seconds = ways.out_of(ways.all[first].to);
             for (second, row) in seconds.zip(rows.chunks_mut(words)) {
                 if bound.has(first, second) {
-                    fill(ways, bound, [first, second], &mut planes, row);
+                    after_both(ways, bound, [first, second], &mut planes, row);
                 }
             }
         });
-        Passages { starts, after }
     }
 
     pub(crate) fn after(&self, ways: &Ways, first: usize, second: usize) -> &[u64] {
@@ -58,35 +66,31 @@ impl Passages {
         self.after.row(self.starts[first] + second - seconds.start)
     }
 
-    /// Takes out of the bounds what no chain of passages leads to.
-    pub(crate) fn tighten(&self, ways: &Ways, bound: &mut BitRows) {
+    /// Takes out of the bounds what no chain of passages leads to; once round. Says whether anything was taken.
+    pub(crate) fn tighten(&self, ways: &Ways, bound: &mut BitRows) -> bool {
         let mut reached = vec![0u64; bound.words_in_row()];
         let mut dropped = Vec::new();
-        loop {
-            let mut changed = false;
-            for first in 0..ways.count() {
-                reached.fill(0);
-                for second in ways.out_of(ways.all[first].to) {
-                    if !bound.has(first, second) {
-                        continue;
-                    }
-                    put(&mut reached, second);
-                    let both = bound.row(second).iter().zip(self.after(ways, first, second));
-                    for (word, (of_second, of_passage)) in reached.iter_mut().zip(both) {
-                        *word |= of_second & of_passage;
-                    }
+        let mut changed = false;
+        for first in 0..ways.count() {
+            reached.fill(0);
+            for second in ways.out_of(ways.all[first].to) {
+                if !bound.has(first, second) {
+                    continue;
                 }
-                dropped.clear();
-                dropped.extend(ones_besides(bound.row(first), &reached));
-                changed |= !dropped.is_empty();
-                dropped
-                    .iter()
-                    .for_each(|&then| drop_pair(ways, bound, first, then));
+                put(&mut reached, second);
+                let both = bound.row(second).iter().zip(self.after(ways, first, second));
+                for (word, (of_second, of_passage)) in reached.iter_mut().zip(both) {
+                    *word |= of_second & of_passage;
+                }
             }
-            if !changed {
-                return;
-            }
+            dropped.clear();
+            dropped.extend(ones_besides(bound.row(first), &reached));
+            changed |= !dropped.is_empty();
+            dropped
+                .iter()
+                .for_each(|&then| drop_pair(ways, bound, first, then));
         }
+        changed
     }
 }
 
@@ -96,7 +100,13 @@ pub(crate) fn drop_pair(ways: &Ways, bound: &mut BitRows, first: usize, then: us
     bound.take(ways.all[then].back as usize, ways.all[first].back as usize);
 }
 
-fn fill(ways: &Ways, bound: &BitRows, [first, second]: [usize; 2], planes: &mut Vec<Plane>, row: &mut [u64]) {
+fn after_both(
+    ways: &Ways,
+    bound: &BitRows,
+    [first, second]: [usize; 2],
+    planes: &mut Vec<Plane>,
+    row: &mut [u64],
+) {
     planes.clear();
     separators(
         &ways.all[first].corners,

@@ -3,6 +3,7 @@
 mod naive;
 mod refused;
 mod rooms;
+mod stopped;
 mod worlds;
 
 use enfilade_bake::{Cells, PairsOptions, VisiblePairs, find_missing};

@@ -6,7 +6,7 @@ mod portals;
 mod prt;
 mod prt_text;
 
-pub use bsp::{BspError, with_visibility};
+pub use bsp::{BspError, leafs_of_clusters, with_visibility};
 pub use error::PrtError;
 pub use portals::{ClustersFrom, RebuiltPortals, rebuild_portals, rebuild_portals_bytes};
 pub use prt::{PortalFile, PrtKind};

@@ -23,17 +23,17 @@ pub(crate) struct Located<'a> {
 
 impl Located<'_> {
     pub(crate) fn new(map: &[u8]) -> Located<'_> {
-        let [planes, nodes, root] = if map.starts_with(b"IBSP") {
-            [[lump(map, 2).start, 16], [lump(map, 3).start, 36], [0, 0]]
+        let (planes, nodes, root) = if map.starts_with(b"IBSP") {
+            ([lump(map, 2).start, 16], [lump(map, 3).start, 36], 0)
         } else {
             let root = word(map, lump(map, 14).start + 36);
-            [[lump(map, 1).start, 20], [lump(map, 5).start, 44], [root, 0]]
+            ([lump(map, 1).start, 20], [lump(map, 5).start, 44], root)
         };
         Located {
             map,
             planes,
             nodes,
-            root: root[0],
+            root,
         }
     }
 

@@ -1,8 +1,8 @@
 //! Real maps, in the folder that `ENFILADE_MAPS` names: the smaller ones of each format, and all lines of sight that
 //! compilers are known to have missed.
 
-use enfilade_bake::{PairsOptions, VisiblePairs, find_missing};
-use enfilade_import::{PortalFile, PrtKind, ReadOptions, read_portals};
+use enfilade_bake::{Cells, PairsOptions, VisiblePairs, find_missing};
+use enfilade_import::{BspError, PortalFile, PrtKind, ReadOptions, leafs_of_clusters, read_portals};
 use std::path::PathBuf;
 
 #[allow(clippy::print_stderr, reason = "a skipped test must say so")]
@@ -98,4 +98,34 @@ fn no_random_line_through_a_map_shows_a_pair_that_is_missing() {
         let missing = find_missing(&file.cells, &pairs, 300_000, 1);
         assert!(missing.is_none(), "{name}: {}", missing.expect("some"));
     }
+}
+
+#[test]
+fn portals_are_known_to_be_those_of_their_map() {
+    let Some(folder) = maps() else { return };
+    let map = |name: &str| std::fs::read(folder.join(name)).expect("a map");
+    for name in ["dm1", "end", "e1m1", "lq_e4m4", "lqdm13"] {
+        let portals = read(&folder, &format!("quake/{name}.prt"));
+        let leafs = leafs_of_clusters(&map(&format!("quake/{name}.bsp")), &portals);
+        let leafs = leafs.unwrap_or_else(|error| panic!("{name} {error}"));
+        let all = portals.cluster_of_leaf.as_ref().map_or(0, Vec::len);
+        assert_eq!(leafs.iter().sum::<u32>() as usize, all, "{name}");
+    }
+    for name in ["darkzone", "accident", "final_rage"] {
+        let portals = read(&folder, &format!("quake3/{name}.prt"));
+        let leafs = leafs_of_clusters(&map(&format!("quake3/{name}.novis.bsp")), &portals);
+        leafs.unwrap_or_else(|error| panic!("{name} {error}"));
+    }
+    let dm1 = map("quake/dm1.bsp");
+    let other = leafs_of_clusters(&dm1, &read(&folder, "quake/end.prt"));
+    assert!(matches!(other, Err(BspError::OtherMap { .. })), "{other:?}");
+    // A map with as many leafs that stands elsewhere.
+    let mut portals = read(&folder, "quake/dm1.prt");
+    let moved = portals.cells.portals().iter().cloned().map(|mut portal| {
+        portal.corners.iter_mut().for_each(|corner| corner[0] += 300.0);
+        portal
+    });
+    portals.cells = Cells::new(portals.cells.count(), moved.collect()).expect("only moved");
+    let other = leafs_of_clusters(&dm1, &portals);
+    assert!(matches!(other, Err(BspError::OtherPlaces { .. })), "{other:?}");
 }

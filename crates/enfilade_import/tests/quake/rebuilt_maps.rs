@@ -8,7 +8,8 @@ use crate::maps::{maps, pairs_of, read};
 use crate::outline::{common_area, normal, out_of, points};
 use enfilade_bake::{Cells, PairsOptions, Portal, VisiblePairs, find_missing};
 use enfilade_import::{
-    ClustersFrom, PortalFile, ReadOptions, RebuiltPortals, rebuild_portals_bytes, with_visibility,
+    ClustersFrom, PortalFile, ReadOptions, RebuiltPortals, leafs_of_clusters, rebuild_portals_bytes,
+    with_visibility,
 };
 use std::collections::HashMap;
 use std::path::Path;
@@ -38,8 +39,8 @@ const MAPS: [(&str, [usize; 5]); 13] = [
     ("quake/lqdm13", [1857, 28, 0, 0, 0]),
     ("quake/e1m1", [3062, 0, 0, 0, 0]),
     ("quake/start", [3111, 4, 0, 0, 0]),
-    ("quake/lq_e1m5", [3517, 0, 0, 0, 0]),
-    ("quake/lq_e4m4", [8885, 0, 0, 0, 0]),
+    ("quake/lq_e1m5", [3520, 171, 11, 27, 8]),
+    ("quake/lq_e4m4", [8911, 278, 61, 27, 19]),
     ("quake3/darkzone", [1512, 0, 0, 0, 0]),
     ("quake3/stormkeep", [2124, 0, 0, 1, 1]),
     ("quake3/aneurysm", [2068, 0, 0, 0, 0]),
@@ -218,11 +219,11 @@ fn holds_every_hole(name: &str, given: &PortalFile, map: &[u8], rebuilt: &Rebuil
     let mut asked = 0;
     for portal in given.cells.portals() {
         for point in points(&portal.corners) {
-            let near = sides(&located, &cluster, portal, point, 0.01);
-            let far = sides(&located, &cluster, portal, point, 0.02);
+            let [near, middle, far] =
+                [0.0002, 0.002, 0.02].map(|off| sides(&located, &cluster, portal, point, off));
             let [Some(a), Some(b)] = near else { continue };
-            // Beside another plane the two may be parted by a third.
-            if a == b || near != far {
+            // Beside another plane the two may be parted by a third that is thin.
+            if a == b || near != middle || near != far {
                 continue;
             }
             asked += 1;
@@ -237,60 +238,60 @@ fn holds_every_hole(name: &str, given: &PortalFile, map: &[u8], rebuilt: &Rebuil
     assert!(asked > 10_000, "{name}: {asked} points");
 }
 
+/// Pairs that differ hang on slits of less than a thousandth of a unit: so much larger portals are made than the compiler's,
+/// and so much its own corners are off. No line shows a pair that is less.
 #[test]
-#[allow(clippy::print_stderr, reason = "a table to be read")]
 fn what_is_visible_through_rebuilt_portals_is_what_is_through_the_compilers() {
     let Some(folder) = maps() else { return };
-    for (name, most) in [
-        ("quake/dm1", 0),
-        ("quake/end", 0),
-        ("quake/lq_e0m1", 0),
-        ("quake3/darkzone", 0),
+    for (name, less, more) in [
+        ("quake/dm1", 8, 68),
+        ("quake/end", 8, 158),
+        ("quake/lq_e0m1", 6, 162),
+        ("quake3/darkzone", 14, 202),
     ] {
         let (given, map, rebuilt) = both(&folder, name);
+        assert!(leafs_of_clusters(&map, &rebuilt.file).is_ok(), "{name}");
         let [theirs, ours] = [&given, &rebuilt.file].map(pairs_of);
-        let count = given.cells.count();
-        let differ = (0..count).flat_map(|a| (0..count).map(move |b| [a, b]));
-        let differ: Vec<_> = differ
-            .filter(|&[a, b]| theirs.sees(a, b) != ours.sees(a, b))
-            .collect();
-        let lost = differ.iter().filter(|&&[a, b]| theirs.sees(a, b)).count();
-        eprintln!(
-            "{name}: {} pairs, {} of the compiler's portals; {lost} less, {} more",
-            ours.count(),
-            theirs.count(),
-            differ.len() - lost
+        let all = || (0..given.cells.count()).flat_map(|a| (0..given.cells.count()).map(move |b| (a, b)));
+        let has_less = all()
+            .filter(|&(a, b)| theirs.sees(a, b) && !ours.sees(a, b))
+            .count();
+        let has_more = all()
+            .filter(|&(a, b)| ours.sees(a, b) && !theirs.sees(a, b))
+            .count();
+        assert!(
+            has_less <= less && has_more <= more,
+            "{name}: {has_less} less, {has_more} more"
         );
-        let _ = most;
-        // Lines through the rebuilt portals, and through the compiler's.
         for cells in [&rebuilt.file.cells, &given.cells] {
             let missing = find_missing(cells, &ours, 1_000_000, 3);
-            if let Some(missing) = missing {
-                eprintln!("{name}: {missing}");
-            }
+            assert!(missing.is_none(), "{name}: {}", missing.expect("some"));
         }
-        // Each leaf by itself sees no more than its cluster does.
-        let leafs = self::rebuilt(&map_of(&folder, name));
-        let pairs = pairs_of(&leafs.file);
-        let missing = find_missing(&leafs.file.cells, &pairs, 300_000, 4);
-        assert!(missing.is_none(), "{name}: {missing:?}");
-        if let Some(cluster) = &given.cluster_of_leaf {
-            let mut more = 0;
-            for leaf in 0..cluster.len() as u32 {
-                more += pairs
-                    .seen_from(leaf)
-                    .filter(|&other| !ours.sees(cluster[leaf as usize], cluster[other as usize]))
-                    .count();
-            }
-            eprintln!("{name}: leafs {} pairs, more than clusters {more}", pairs.count());
-        }
-        // What is visible written into the map, as a vis would have.
-        let written = with_visibility(&map, &rebuilt.file, &ours).expect("written");
+    }
+}
+
+#[test]
+fn what_is_visible_in_a_map_tells_its_clusters_and_where_it_does_not_each_leaf_is_one() {
+    let Some(folder) = maps() else { return };
+    // Clusters side by side that see the same share a row, and are one afterwards.
+    for (name, least) in [("quake/dm1", 402), ("quake/end", 355), ("quake/lq_e0m1", 515)] {
+        let (given, map, rebuilt) = both(&folder, name);
+        let pairs = pairs_of(&rebuilt.file);
+        let written = with_visibility(&map, &rebuilt.file, &pairs).expect("written");
         let again = self::rebuilt(&written);
-        eprintln!(
-            "{name}: of {count} clusters {} are told by rows",
-            again.file.cells.count()
-        );
+        assert_eq!(again.clusters_from, ClustersFrom::Rows);
+        let count = again.file.cells.count();
+        assert!((least..=given.cells.count()).contains(&count), "{name}: {count}");
+        let pairs = pairs_of(&again.file);
+        assert!(with_visibility(&written, &again.file, &pairs).is_ok());
+        let plain = map_of(&folder, name);
+        let leafs = self::rebuilt(&plain);
+        assert_eq!(leafs.clusters_from, ClustersFrom::Leafs);
+        assert_eq!(leafs.leafs, leafs.file.cells.count());
+        let pairs = pairs_of(&leafs.file);
+        assert!(with_visibility(&plain, &leafs.file, &pairs).is_ok());
+        let missing = find_missing(&leafs.file.cells, &pairs, 300_000, 4);
+        assert!(missing.is_none(), "{name}: {}", missing.expect("some"));
     }
 }
 
@@ -306,7 +307,11 @@ fn lines_of_sight_that_compilers_missed_are_seen_through_rebuilt_portals() {
         ("quake3/stormkeep", "q3_stormkeep"),
     ] {
         let (_, _, rebuilt) = both(&folder, name);
-        let pairs = pairs_of(&rebuilt.file);
+        // The hard one takes half a minute for what its first bound shows as well.
+        let options = PairsOptions {
+            fast: name.ends_with("lqdm13"),
+        };
+        let pairs = VisiblePairs::compute(&rebuilt.file.cells, &options);
         let lines = std::fs::read_to_string(folder.join(format!("witness/{witness}.txt"))).expect("text");
         for line in lines.lines() {
             let (_, chain) = line.rsplit_once("clusters: ").expect("a chain");
@@ -316,9 +321,7 @@ fn lines_of_sight_that_compilers_missed_are_seen_through_rebuilt_portals() {
             let (Some(from), Some(to)) = (chain.next(), chain.last()) else {
                 panic!("{line}")
             };
-            if !(pairs.sees(from, to) && pairs.sees(to, from)) {
-                eprintln!("LOST {name}: {line}");
-            }
+            assert!(pairs.sees(from, to) && pairs.sees(to, from), "{name}: {line}");
             witnesses += 1;
         }
     }

@@ -82,6 +82,16 @@ pub enum BspError {
         /// Leafs or clusters.
         what: &'static str,
     },
+    /// The portals are of another map, though of as many leafs or clusters.
+    #[error(
+        "has {fit} of its {portals} portals in their places: they are of another map; compile the map again"
+    )]
+    OtherPlaces {
+        /// Portals between the leafs that they say.
+        fit: usize,
+        /// How many there are.
+        portals: usize,
+    },
     /// The pairs are of other portals.
     #[error(
         "gets pairs of {pairs} cells, but its portals are of {clusters} clusters; compute the pairs of these portals"

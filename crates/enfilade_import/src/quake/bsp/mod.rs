@@ -1,14 +1,16 @@
 //! Compiled maps: BSP29 and BSP2 of Quake, IBSP46 of Quake 3.
 //!
-//! *lumps* knows where in the file things stand, *tree* reads the planes that cut space into leafs, and *visibility* writes
-//! the lump in which engines look up what is visible.
+//! *lumps* knows where in the file things stand, *tree* reads the planes that cut space into leafs, *belongs* finds out whether
+//! portals are of this map, and *visibility* writes the lump in which engines look up what is visible.
 //! Source: the sources of both engines, as published by id Software, and the files themselves.
 
+mod belongs;
 mod error;
 mod lumps;
 mod tree;
 mod visibility;
 
+pub use belongs::leafs_of_clusters;
 pub use error::BspError;
 pub(crate) use lumps::Map;
 pub(crate) use tree::{Child, SplitPlane, Tree, in_range, int};

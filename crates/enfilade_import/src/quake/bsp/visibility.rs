@@ -7,7 +7,8 @@
 //! Cost: O(bytes + clusters²).
 
 use super::BspError;
-use super::lumps::{Map, word};
+use super::belongs::clusters_of_leafs;
+use super::lumps::Map;
 use crate::quake::PortalFile;
 use enfilade_bake::VisiblePairs;
 use std::collections::HashMap;
@@ -26,7 +27,7 @@ pub fn with_visibility(map: &[u8], portals: &PortalFile, pairs: &VisiblePairs) -
     }
     let mut map = Map::read(map)?;
     let lump = if map.format.is_quake3 {
-        quake3_lump(&map, pairs)?
+        quake3_lump(&map, portals, pairs)?
     } else {
         quake_lump(&mut map, portals, pairs)?
     };
@@ -35,27 +36,19 @@ pub fn with_visibility(map: &[u8], portals: &PortalFile, pairs: &VisiblePairs) -
 
 /// Rows of leafs, zero bytes counted; and in each leaf where its row begins.
 fn quake_lump(map: &mut Map, portals: &PortalFile, pairs: &VisiblePairs) -> Result<Vec<u8>, BspError> {
-    let leafs: Vec<usize> = map.places(map.format.leafs, map.format.leaf_bytes)?.collect();
-    let world_leafs = map.world_leafs()?;
-    let clusters: Vec<u32> = match &portals.cluster_of_leaf {
-        Some(clusters) => clusters.clone(),
-        None => (0..pairs.cell_count()).collect(),
-    };
-    if i64::from(world_leafs) != clusters.len() as i64 || leafs.len() <= clusters.len() {
-        return Err(BspError::OtherMap {
-            map: world_leafs.into(),
-            portals: clusters.len(),
-            what: "leafs",
-        });
-    }
+    let clusters = clusters_of_leafs(map, portals)?;
+    let places: Vec<usize> = map.places(map.format.leafs, map.format.leaf_bytes)?.collect();
+    let leafs: Vec<(usize, u32)> = std::iter::zip(places, clusters)
+        .filter_map(|(place, cluster)| Some((place, cluster?)))
+        .collect();
     let mut lump = Vec::new();
     let mut starts = HashMap::new();
-    let mut row = vec![0; clusters.len().div_ceil(8)];
+    let mut row = vec![0; leafs.len().div_ceil(8)];
     let mut start_of = vec![None; pairs.cell_count() as usize];
-    for (leaf, &cluster) in clusters.iter().enumerate() {
+    for &(place, cluster) in &leafs {
         let start = *start_of[cluster as usize].get_or_insert_with(|| {
             row.fill(0);
-            for (other, &at) in clusters.iter().enumerate() {
+            for (other, &(_, at)) in leafs.iter().enumerate() {
                 row[other / 8] |= u8::from(pairs.sees(cluster, at)) << (other % 8);
             }
             let start = lump.len() as u32;
@@ -65,8 +58,7 @@ fn quake_lump(map: &mut Map, portals: &PortalFile, pairs: &VisiblePairs) -> Resu
                 start
             })
         });
-        let at = leafs[leaf + 1] + 4;
-        map.bytes[at..at + 4].copy_from_slice(&start.to_le_bytes());
+        map.bytes[place + 4..place + 8].copy_from_slice(&start.to_le_bytes());
     }
     Ok(lump)
 }
@@ -87,21 +79,9 @@ fn packed(row: &[u8]) -> Vec<u8> {
 }
 
 /// How many clusters, the bytes of a row, and the rows.
-fn quake3_lump(map: &Map, pairs: &VisiblePairs) -> Result<Vec<u8>, BspError> {
+fn quake3_lump(map: &Map, portals: &PortalFile, pairs: &VisiblePairs) -> Result<Vec<u8>, BspError> {
+    clusters_of_leafs(map, portals)?;
     let count = pairs.cell_count();
-    // Solid leafs say −1.
-    let clusters = map
-        .things(map.format.leafs, map.format.leaf_bytes)?
-        .filter_map(|leaf| word(leaf, 0))
-        .max()
-        .map_or(0, |most| i64::from(most) + 1);
-    if clusters != i64::from(count) {
-        return Err(BspError::OtherMap {
-            map: clusters,
-            portals: count as usize,
-            what: "clusters",
-        });
-    }
     // Engines read rows by words of eight bytes.
     let row_bytes = count.div_ceil(64) * 8;
     let mut lump = [count.to_le_bytes(), row_bytes.to_le_bytes()].concat();

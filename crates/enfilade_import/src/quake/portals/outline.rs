@@ -79,10 +79,9 @@ pub(super) fn enlarged(corners: &[Corner], side: &Side) -> Vec<DVec3> {
     };
     // What is so short that its direction says little may have been moved across its neighbours.
     let moved = (0..count).map(corner);
-    convex(
-        corners.iter().map(|corner| corner.at).chain(moved).collect(),
-        normal,
-    )
+    let all = corners.iter().map(|corner| corner.at).chain(moved);
+    // −0 becomes 0, which it would be sorted before.
+    convex(all.map(|at| at + DVec3::ZERO).collect(), normal)
 }
 
 /// The least convex outline around points in one plane, counter-clockwise about its normal. Its corners are some of them.

@@ -1,0 +1,325 @@
+//! The work of finding out which cells see each other: in steps, so that it can be watched, stopped, and gone on with.
+//!
+//! First comes what bounds the answer from above (floods, then [`Passages`]), then lines from below ([`Known`]), then
+//! the flow for what lies between. At every moment the bound holds all that is seen, so that work may stop anywhere.
+//! Each step is a batch of fixed size whose parts know nothing of each other: the bits are the same for any number of
+//! threads, and whether the work was stopped or not.
+
+use crate::bits::{BitRows, count, ones, put};
+use crate::cells::Cells;
+use crate::first_bound::{flood_from, keep_symmetric};
+use crate::flow::Flow;
+use crate::known::{self, Known, line_through, take_line};
+use crate::pairs::VisiblePairs;
+use crate::passages::{Passages, drop_pair};
+use crate::random::Random;
+use crate::saved::Saved;
+use crate::ways::Ways;
+use crate::winding::centre;
+use rayon::prelude::*;
+use thiserror::Error;
+
+/// Finds out which cells see each other, a step at a time.
+///
+/// ```
+/// use enfilade_bake::{Cells, PairsWork, Portal, Stage};
+///
+/// let door = vec![[10.0, -1.0, 0.0], [10.0, 1.0, 0.0], [10.0, 1.0, 2.0], [10.0, -1.0, 2.0]];
+/// let rooms = Cells::new(2, vec![Portal { corners: door, cells: [0, 1] }])?;
+/// let mut work = PairsWork::begin(&rooms, 1 << 30)?;
+/// while work.stage() != Stage::Done {
+///     work.step();
+/// }
+/// assert!(work.pairs().sees(0, 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct PairsWork {
+    pub(crate) ways: Ways,
+    pub(crate) stage: Stage,
+    /// For each way those that a line may take after it.
+    pub(crate) bound: BitRows,
+    passages: Passages,
+    pub(crate) known: Known,
+    /// The order in which ways flow.
+    pub(crate) order: Vec<u32>,
+    /// How many ways the stage is done with.
+    pub(crate) next: usize,
+    /// For each place in the order, what all flows before it are thought to cost.
+    cost_before: Vec<f64>,
+    /// Where to go on, once the bounds that all begin with are there again.
+    pub(crate) saved: Option<Saved>,
+}
+
+/// What a [`PairsWork`] does next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// Floods through portals that lie before one another.
+    FirstBound,
+    /// What a line may meet after any two portals in a row.
+    Passages,
+    /// What follows from that for all: here the fast bound is reached.
+    Fixpoint,
+    /// Lines from everywhere, which bound the answer from below.
+    Sampling,
+    /// Chains of portals, for what lies between the two bounds.
+    Flow,
+    /// All is known.
+    Done,
+}
+
+impl Stage {
+    /// The stages before [`Stage::Done`], in their order.
+    pub const ALL: [Stage; 5] = [
+        Stage::FirstBound,
+        Stage::Passages,
+        Stage::Fixpoint,
+        Stage::Sampling,
+        Stage::Flow,
+    ];
+}
+
+/// The work would take too much memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error(
+    "what is visible between {cells} cells and {portals} portals takes about {needs_bytes} bytes to find out; {limit_bytes} are allowed"
+)]
+pub struct TooLarge {
+    /// How many cells there are.
+    pub cells: u32,
+    /// How many portals.
+    pub portals: usize,
+    /// What the work would take, in bytes.
+    pub needs_bytes: u64,
+    /// What it may take.
+    pub limit_bytes: u64,
+}
+
+/// Ways of a step, where each takes little.
+const SIDE_BY_SIDE: usize = 256;
+
+/// Ways that flow at once, without knowing of each other's answers: enough for a few threads to share.
+const FLOWS: usize = 16;
+
+/// Lines that are tried where the flow comes to something that no line has shown yet.
+const TRIES: usize = 2;
+
+/// What one way's flow has found.
+#[derive(Debug)]
+struct Answer {
+    dropped: Vec<u32>,
+    lines: Vec<Vec<u32>>,
+}
+
+impl PairsWork {
+    /// Work that has not begun.
+    ///
+    /// # Errors
+    /// Where it would take more than `limit_bytes`: 2 times (2 portals)² bits, as many bits for each pair of portals of
+    /// one cell as there are portals, 4 times, and 2 times (cells)² bits.
+    pub fn begin(cells: &Cells, limit_bytes: u64) -> Result<PairsWork, TooLarge> {
+        let needs_bytes = needed_bytes(cells);
+        if needs_bytes > limit_bytes {
+            return Err(TooLarge {
+                cells: cells.count(),
+                portals: cells.portals().len(),
+                needs_bytes,
+                limit_bytes,
+            });
+        }
+        let ways = Ways::of(cells);
+        Ok(PairsWork {
+            stage: Stage::FirstBound,
+            bound: BitRows::new(ways.count(), ways.count()),
+            passages: Passages::empty(&ways),
+            known: Known::new(&ways),
+            order: Vec::new(),
+            next: 0,
+            cost_before: Vec::new(),
+            saved: None,
+            ways,
+        })
+    }
+
+    /// What the next step works on.
+    pub fn stage(&self) -> Stage {
+        self.stage
+    }
+
+    /// How much of the stage is done, 0 to 1, by the time that it is thought to take.
+    pub fn share(&self) -> f64 {
+        match self.stage {
+            Stage::FirstBound | Stage::Passages | Stage::Sampling => {
+                self.next as f64 / self.ways.count().max(1) as f64
+            }
+            Stage::Fixpoint => 0.0,
+            Stage::Flow => self.cost_before[self.next] / self.cost_before[self.order.len()].max(1.0),
+            Stage::Done => 1.0,
+        }
+    }
+
+    /// Goes on a little, on all threads of rayon's pool. Does nothing when all is done.
+    pub fn step(&mut self) {
+        let some = self.next..self.ways.count().min(self.next + SIDE_BY_SIDE);
+        match self.stage {
+            Stage::FirstBound => {
+                flood_from(&self.ways, some, &mut self.bound);
+                if self.advance(SIDE_BY_SIDE, Stage::Passages) {
+                    keep_symmetric(&self.ways, &mut self.bound);
+                }
+            }
+            Stage::Passages => {
+                self.passages.fill(&self.ways, &self.bound, some);
+                if self.advance(SIDE_BY_SIDE, Stage::Fixpoint)
+                    && let Some(saved) = self.saved.take()
+                {
+                    self.go_on_from(saved);
+                }
+            }
+            Stage::Fixpoint => {
+                if !self.passages.tighten(&self.ways, &mut self.bound) {
+                    self.stage = Stage::Sampling;
+                }
+            }
+            Stage::Sampling => {
+                self.known.sample(&self.ways, &self.bound, self.next);
+                if self.advance(known::SIDE_BY_SIDE, Stage::Flow) {
+                    // The cheapest first: by then the dear ones have most of their answers from the other side.
+                    self.order = (0..self.ways.count() as u32).collect();
+                    let bound = &self.bound;
+                    self.order
+                        .sort_by_key(|&way| (count(bound.row(way as usize)), way));
+                    self.foresee();
+                }
+            }
+            Stage::Flow => {
+                self.flow();
+                self.advance(FLOWS, Stage::Done);
+            }
+            Stage::Done => {}
+        }
+    }
+
+    /// The pairs that may see each other, by all that is known now: never less than do.
+    pub fn pairs(&self) -> VisiblePairs {
+        let mut seen = Known::new(&self.ways).cells;
+        for (number, way) in self.ways.all.iter().enumerate() {
+            let row = seen.row_mut(way.from as usize);
+            if self.stage == Stage::FirstBound {
+                (0..self.ways.cells()).for_each(|cell| put(row, cell));
+            } else {
+                ones(self.bound.row(number)).for_each(|then| put(row, self.ways.all[then].to as usize));
+            }
+        }
+        VisiblePairs::new(seen, self.known.cells.count() - self.ways.cells())
+    }
+
+    fn go_on_from(&mut self, saved: Saved) {
+        self.stage = saved.stage;
+        self.next = saved.next;
+        self.bound = saved.bound;
+        self.known = saved.known;
+        self.order = saved.order;
+        self.foresee();
+    }
+
+    /// Goes on by so many ways, and to the next stage after the last; says whether it did.
+    fn advance(&mut self, by: usize, then: Stage) -> bool {
+        self.next = self.ways.count().min(self.next + by);
+        let is_over = self.next == self.ways.count();
+        if is_over {
+            self.next = 0;
+            self.stage = then;
+        }
+        is_over
+    }
+
+    /// Estimates what each flow costs: about as much as it has to ask for, on all maps that were tried.
+    fn foresee(&mut self) {
+        let mut sum = 0.0;
+        self.cost_before.clear();
+        self.cost_before.push(0.0);
+        for &way in &self.order {
+            sum += count(self.bound.row(way as usize)) as f64;
+            self.cost_before.push(sum);
+        }
+    }
+
+    /// Flows from the next few ways.
+    fn flow(&mut self) {
+        // Of each way that has flowed, its back: who sees that has been told.
+        let mut told = vec![0u64; self.bound.words_in_row()];
+        let (before, rest) = self.order.split_at(self.next);
+        for &way in before {
+            put(&mut told, self.ways.all[way as usize].back as usize);
+        }
+        let some = &rest[..rest.len().min(FLOWS)];
+        let answers: Vec<Answer> = some
+            .par_iter()
+            .map_init(Flow::default, |flow, &way| self.answer(&told, way as usize, flow))
+            .collect();
+        for (&way, answer) in some.iter().zip(answers) {
+            for then in answer.dropped {
+                drop_pair(&self.ways, &mut self.bound, way as usize, then as usize);
+            }
+            for line in answer.lines {
+                self.known.take_in(&self.ways, &line);
+            }
+        }
+    }
+
+    fn answer(&self, told: &[u64], way: usize, flow: &mut Flow) -> Answer {
+        let ways = &self.ways;
+        let mut asked = self.bound.row(way).to_vec();
+        for (word, told) in asked.iter_mut().zip(told) {
+            *word &= !told;
+        }
+        self.known.take_known(ways, way, &mut asked);
+        let mut lines = Vec::new();
+        let mut random = Random::new(way as u64);
+        // What a line shows is no longer asked about, but what the flow alone reaches is: only that it is not dropped.
+        flow.run(
+            ways,
+            &self.bound,
+            &self.passages,
+            way,
+            &mut asked,
+            |asked, source, target| {
+                for nth in 0..TRIES {
+                    let [start, end] = if nth == 0 {
+                        [centre(source), centre(target)]
+                    } else {
+                        [random.point_in(source), random.point_in(target)]
+                    };
+                    if let Some(line) = line_through(ways, way, start, end) {
+                        take_line(ways, way, &line, asked);
+                        lines.push(line);
+                        return;
+                    }
+                }
+            },
+        );
+        let dropped = ones(&asked).map(|then| then as u32).collect();
+        Answer { dropped, lines }
+    }
+}
+
+/// What the work takes, in bytes; nothing is set aside for it.
+fn needed_bytes(cells: &Cells) -> u64 {
+    let ways = cells.portals().len() as u64 * 2;
+    let corners: u64 = cells
+        .portals()
+        .iter()
+        .map(|portal| portal.corners.len() as u64)
+        .sum();
+    let by_cells = u64::from(cells.count()).pow(2) / 4;
+    let mut ends: Vec<u32> = cells.portals().iter().flat_map(|portal| portal.cells).collect();
+    ends.sort_unstable();
+    let passages: u64 = ends
+        .chunk_by(|a, b| a == b)
+        .map(|of_cell| (of_cell.len() as u64).pow(2))
+        .sum();
+    by_cells
+        .saturating_add(ways * (2 * ways / 8 + 200) + corners * 48)
+        .saturating_add(passages.saturating_mul(ways / 8))
+}

@@ -318,7 +318,7 @@ fn lines_of_sight_that_compilers_missed_are_seen_through_rebuilt_portals() {
             let mut chain = chain
                 .split_whitespace()
                 .map(|word| word.parse::<u32>().expect("a number"));
-            let (Some(from), Some(to)) = (chain.next(), chain.last()) else {
+            let (Some(from), Some(to)) = (chain.next(), chain.next_back()) else {
                 panic!("{line}")
             };
             assert!(pairs.sees(from, to) && pairs.sees(to, from), "{name}: {line}");

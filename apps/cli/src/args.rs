@@ -39,6 +39,8 @@ pub(crate) enum Verb {
     Link(LinkArgs),
     /// Finds out what is visible in a map of Quake or Quake 3, and writes it into the map
     Vis(VisArgs),
+    /// Rebuilds the lost .prt of a compiled Quake map
+    Portals(PortalsArgs),
     /// Says what is in a file
     Info(InfoArgs),
 }
@@ -239,6 +241,34 @@ pub(crate) struct VisArgs {
     pub(crate) limits: LimitArgs,
 }
 
+/// Options of `portals`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Maps are BSP29 and BSP2 of Quake, and IBSP46 of Quake 3. A map of Quake says which leafs are one cluster only by what is \
+visible, once that has been computed; of one that has nothing yet, each leaf is a cluster. What compilers mark as hints is \
+not in a map.
+
+Examples:
+  enfilade portals map.bsp
+  enfilade portals map.bsp -o other.prt --json portals.json
+  enfilade portals map.bsp --force")]
+pub(crate) struct PortalsArgs {
+    /// A compiled map
+    #[arg(value_name = "MAP.bsp")]
+    pub(crate) map: PathBuf,
+    /// Where the portals go; they are written whole or not at all [default: NAME.prt beside NAME.bsp or NAME.novis.bsp]
+    #[arg(short, long, value_name = "FILE.prt")]
+    pub(crate) output: Option<PathBuf>,
+    /// Replace a .prt that is there
+    #[arg(long)]
+    pub(crate) force: bool,
+    #[command(flatten)]
+    pub(crate) json: JsonArg,
+    /// What reading the map may take: 2GB, 500MB or plain bytes [default: about 1 GB]
+    #[arg(long, value_name = "BYTES", value_parser = values::bytes)]
+    pub(crate) memory: Option<u64>,
+}
+
 /// Options of `info`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
@@ -387,7 +417,7 @@ mod tests {
             .get_subcommands_mut()
             .filter(|verb| verb.get_name() != "help");
         helps.extend(verbs.map(|verb| verb.render_help().to_string()));
-        assert_eq!(helps.len(), 7);
+        assert_eq!(helps.len(), 8);
         for help in helps {
             let (_, examples) = help.split_once("\nExamples:\n").expect("there are examples");
             assert!(

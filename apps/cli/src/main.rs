@@ -15,6 +15,7 @@ mod measure;
 mod names;
 mod open;
 mod out;
+mod portals;
 mod prepare;
 mod progress;
 mod report;
@@ -63,6 +64,7 @@ fn main() -> ExitCode {
         Some(Verb::Compare(args)) => compare::run(&args),
         Some(Verb::Link(args)) => link::run(&args),
         Some(Verb::Vis(args)) => vis::run(&args),
+        Some(Verb::Portals(args)) => portals::run(&args),
         Some(Verb::Info(args)) => info::run(&args),
     };
     match outcome {

@@ -1,7 +1,10 @@
 //! Every help ends with examples, and every example runs.
 
+#[path = "../../../crates/enfilade_import/tests/quake/carved.rs"]
+mod carved;
 mod support;
 
+use carved::{Format, TWO_ROOMS, carved};
 use enfilade::Method;
 use support::Folder;
 
@@ -70,6 +73,13 @@ fn the_examples_of_link_run() {
 }
 
 #[test]
+fn the_examples_of_portals_run() {
+    let folder = Folder::new();
+    folder.add("map.bsp", carved(&TWO_ROOMS).bytes(Format::Bsp29));
+    examples_run_in(&folder, "portals");
+}
+
+#[test]
 fn the_examples_of_info_run() {
     let folder = Folder::new();
     folder.add("scene.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3");
@@ -79,7 +89,7 @@ fn the_examples_of_info_run() {
 #[test]
 fn no_line_of_a_help_ends_before_it_is_full_but_where_a_paragraph_does() {
     let folder = Folder::new();
-    for verb in ["draw", "look", "compare", "link", "info"] {
+    for verb in ["draw", "look", "compare", "link", "portals", "info"] {
         let help = folder.run(&format!("help {verb}")).stdout;
         let (before, _) = help.split_once("\nExamples:\n").expect("examples at the end");
         let last = before.trim_end().rsplit("\n\n").next().expect("a paragraph");

@@ -19,7 +19,7 @@ pub struct Portal {
 /// The walls are not needed: what is no portal lets nothing through. A cell that is not quite convex (corners snapped
 /// to a grid) does no harm as long as a line of sight is what crosses each portal out of the cell it leaves, and enters
 /// no cell twice.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
     count: u32,
     portals: Vec<Portal>,

@@ -1,6 +1,6 @@
 //! Why a file is not read.
 
-use crate::{AuthoringError, ObjError, PrtError};
+use crate::{AuthoringError, BspError, ObjError, PrtError};
 use enfilade::{ContentError, MeshError};
 use std::io;
 use thiserror::Error;
@@ -48,6 +48,9 @@ pub enum BrokenRule {
     /// A file of portals that breaks a rule.
     #[error("{0}")]
     Prt(Box<PrtError>),
+    /// A compiled map that breaks a rule.
+    #[error("{0}")]
+    Bsp(Box<BspError>),
     /// A `.glb` ends early.
     #[error(
         "is cut short: its {part} should end at byte {needs}, but the file has only {has}; copy or export it again"

@@ -43,7 +43,8 @@
 //! they look on a screen. Nothing outside the file's folder is read.
 //!
 //! Of a map for Quake or Quake 3 [`read_portals`] reads the `.prt` that its compiler leaves beside it: the convex cells that
-//! `enfilade_bake` computes the visible pairs of, which [`with_visibility`] puts into the map.
+//! `enfilade_bake` computes the visible pairs of, which [`with_visibility`] puts into the map. Where the `.prt` is lost,
+//! [`rebuild_portals`] makes it again out of the map.
 //!
 //! What is read of how a glTF scene looks: colors and images on faces (PNG and JPEG; in the file, beside it, or in an
 //! address), their samplers, cut-outs and glass, light that things send out, normals and colors of corners, lights, and
@@ -86,8 +87,8 @@ pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};
 pub use levels::{Levels, details_of};
 pub use obj::ObjError;
 pub use quake::{
-    BspError, PortalFile, PrtError, PrtKind, leafs_of_clusters, read_portals, visibility_bytes,
-    with_visibility,
+    BspError, ClustersFrom, PortalFile, PrtError, PrtKind, RebuiltPortals, leafs_of_clusters, read_portals,
+    rebuild_portals, rebuild_portals_bytes, visibility_bytes, with_visibility,
 };
 pub use warning::{Warning, WarningKind};
 

@@ -3,7 +3,7 @@
 use super::differ::Differs;
 use crate::text::{bytes, count, plural};
 use enfilade_bake::{Stage, VisiblePairs, Witness};
-use enfilade_import::{PortalFile, PrtKind};
+use enfilade_import::PortalFile;
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter, Write};
 use std::path::Path;
@@ -153,11 +153,7 @@ impl Visibility {
         Visibility {
             map: found.map.display().to_string(),
             prt: found.prt.display().to_string(),
-            format: match found.portals.kind {
-                PrtKind::Prt1 => "PRT1",
-                PrtKind::Prt2 => "PRT2",
-                PrtKind::Quake3 => "PRT1 of Quake 3",
-            },
+            format: found.portals.kind.name(),
             written: found.target.map(|target| target.display().to_string()),
             leafs,
             clusters,

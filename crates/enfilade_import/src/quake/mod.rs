@@ -2,10 +2,13 @@
 
 mod bsp;
 mod error;
+mod portals;
 mod prt;
+mod prt_text;
 
 pub use bsp::{BspError, leafs_of_clusters, visibility_bytes, with_visibility};
 pub use error::PrtError;
+pub use portals::{ClustersFrom, RebuiltPortals, rebuild_portals, rebuild_portals_bytes};
 pub use prt::{PortalFile, PrtKind};
 
 use crate::{BrokenRule, ImportError, ReadOptions, read_file};
@@ -14,6 +17,12 @@ use std::path::Path;
 impl From<PrtError> for BrokenRule {
     fn from(why: PrtError) -> BrokenRule {
         BrokenRule::Prt(Box::new(why))
+    }
+}
+
+impl From<BspError> for BrokenRule {
+    fn from(why: BspError) -> BrokenRule {
+        BrokenRule::Bsp(Box::new(why))
     }
 }
 

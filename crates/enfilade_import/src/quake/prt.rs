@@ -21,8 +21,19 @@ pub enum PrtKind {
     Quake3,
 }
 
+impl PrtKind {
+    /// `PRT1`, `PRT2` or `PRT1 of Quake 3`.
+    pub fn name(self) -> &'static str {
+        match self {
+            PrtKind::Prt1 => "PRT1",
+            PrtKind::Prt2 => "PRT2",
+            PrtKind::Quake3 => "PRT1 of Quake 3",
+        }
+    }
+}
+
 /// The portals of a map.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PortalFile {
     /// Which of the formats it has.
     pub kind: PrtKind,

@@ -1,20 +1,10 @@
 //! What is written into maps, read again as engines read it.
 
+use crate::located::{lump, word};
 use crate::maps::{maps, pairs_of, read};
 use crate::reads;
 use enfilade_bake::VisiblePairs;
 use enfilade_import::{BspError, PortalFile, with_visibility};
-use std::ops::Range;
-
-fn word(bytes: &[u8], at: usize) -> usize {
-    i32::from_le_bytes(bytes[at..at + 4].try_into().expect("four")) as usize
-}
-
-fn lump(map: &[u8], number: usize) -> Range<usize> {
-    let table = if map.starts_with(b"IBSP") { 8 } else { 4 };
-    let [start, length] = [0, 4].map(|at| word(map, table + number * 8 + at));
-    start..start + length
-}
 
 /// What is seen from a leaf of a map of Quake: leafs, counted as in the map.
 fn seen_in_quake(map: &[u8], leaf: usize) -> Vec<usize> {

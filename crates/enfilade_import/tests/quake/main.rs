@@ -1,9 +1,14 @@
 //! Files of portals: what is read, and what is refused.
 
 mod broken;
+mod carved;
 mod formats;
+mod located;
 mod lumps;
 mod maps;
+mod outline;
+mod rebuilt;
+mod rebuilt_maps;
 
 use enfilade_import::{PortalFile, PrtError};
 

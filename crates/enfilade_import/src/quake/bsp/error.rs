@@ -1,9 +1,10 @@
 //! Why a compiled map is not read, or gets no visibility.
 
+use enfilade_bake::CellsError;
 use thiserror::Error;
 
 /// Why a compiled map is not read, or gets no visibility.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum BspError {
     /// Another kind of file.
@@ -62,6 +63,15 @@ pub enum BspError {
         /// Which node, from 0.
         node: u32,
     },
+    /// A leaf in two parts of the world.
+    #[error("is damaged: leaf {leaf} stands in two places; compile the map again")]
+    LeafTwice {
+        /// Which leaf, from 0.
+        leaf: u32,
+    },
+    /// Planes that no portal between them can be made of.
+    #[error("is damaged: no portals can be made of its planes ({0}); compile the map again")]
+    NoPortals(#[from] CellsError),
     /// The portals are of another map, or of another run of the compiler.
     #[error("has {map} {what}, its portals are of {portals}: they are of another map; compile the map again")]
     OtherMap {

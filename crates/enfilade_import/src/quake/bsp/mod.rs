@@ -13,3 +13,5 @@ mod visibility;
 pub use belongs::leafs_of_clusters;
 pub use error::BspError;
 pub use visibility::{visibility_bytes, with_visibility};
+pub(crate) use lumps::Map;
+pub(crate) use tree::{Child, SplitPlane, Tree, in_range, int};

@@ -31,7 +31,7 @@ pub(crate) struct Node {
     pub(crate) children: [Child; 2],
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Child {
     Node(u32),
     Leaf(u32),
@@ -45,6 +45,7 @@ pub(crate) struct Leaf {
     /// Quake: where its row begins in the lump of what is visible, −1 for a leaf that sees all. Quake 3: its area.
     pub(crate) row: i32,
     /// Its first face in the lump of leafs' faces, and how many.
+    #[allow(dead_code, reason = "read once maps are drawn")]
     pub(crate) faces: [u32; 2],
 }
 

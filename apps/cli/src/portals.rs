@@ -1,0 +1,145 @@
+//! `portals`: the portals of a compiled map, rebuilt, so that what is visible can be computed where its .prt is lost.
+
+use crate::Outcome;
+use crate::args::PortalsArgs;
+use crate::out;
+use crate::progress::Progress;
+use crate::report::Sink;
+use crate::save::Destination;
+use crate::text::{bytes, plural};
+use anyhow::{Result, bail};
+use enfilade_import::{ClustersFrom, ReadOptions, RebuiltPortals, rebuild_portals};
+use serde::Serialize;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// What was made.
+#[derive(Debug, Serialize)]
+struct Made {
+    file: String,
+    bytes: u64,
+    map: String,
+    /// `PRT1`, `PRT2`, or `PRT1 of Quake 3`.
+    kind: &'static str,
+    /// What said which leafs are one cluster: `map`, `rows` of what is visible, or nothing: then each of the `leafs` is one.
+    clusters_from: &'static str,
+    leafs: u32,
+    clusters: u32,
+    portals: usize,
+    slivers: usize,
+    seconds: f64,
+}
+
+/// Runs `portals`.
+pub(crate) fn run(args: &PortalsArgs) -> Result<Outcome> {
+    let output = args.output.clone().unwrap_or_else(|| beside(&args.map));
+    if !output
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("prt"))
+    {
+        bail!(
+            "cannot write {}: portals are a .prt, so its name must end in that",
+            output.display()
+        );
+    }
+    keep(&output, args.force)?;
+    let destination = Destination::new(&output)?;
+    let sink = Sink::new(&args.json)?;
+    let mut options = ReadOptions::default();
+    options.limit_bytes = args.memory.unwrap_or(options.limit_bytes);
+    let progress = Progress::spinner("rebuilding");
+    let start = Instant::now();
+    let RebuiltPortals {
+        file,
+        clusters_from,
+        leafs,
+        slivers,
+    } = rebuild_portals(&args.map, &options)?;
+    let text = file.to_text();
+    let seconds = start.elapsed().as_secs_f64();
+    drop(progress);
+    keep(&output, args.force)?;
+    destination.write_bytes(text.as_bytes())?;
+    let made = Made {
+        file: output.display().to_string(),
+        bytes: text.len() as u64,
+        map: args.map.display().to_string(),
+        kind: file.kind.name(),
+        clusters_from: match clusters_from {
+            ClustersFrom::Map => "map",
+            ClustersFrom::Rows => "rows",
+            ClustersFrom::Leafs => "leafs",
+        },
+        leafs,
+        clusters: file.cells.count(),
+        portals: file.cells.portals().len(),
+        slivers,
+        seconds,
+    };
+    if !args.json.takes_stdout() {
+        let alone = match clusters_from {
+            ClustersFrom::Leafs => "\nThe map does not say which leafs are one cluster, so each is one.",
+            ClustersFrom::Map | ClustersFrom::Rows => "",
+        };
+        out::print(&format!(
+            "{}: {}, {}, {}, {}, {} in {:.2} s{alone}\n",
+            made.file,
+            made.kind,
+            plural(made.leafs as usize, "leaf"),
+            plural(made.clusters as usize, "cluster"),
+            plural(made.portals, "portal"),
+            bytes(made.bytes),
+            made.seconds,
+        ))?;
+    }
+    sink.write(&made)?;
+    Ok(Outcome::Done)
+}
+
+/// Where the portals of a map stand: `NAME.prt` beside `NAME.bsp` and `NAME.novis.bsp`.
+fn beside(map: &Path) -> PathBuf {
+    let is = |path: &Path, word: &str| {
+        path.extension()
+            .is_some_and(|ending| ending.eq_ignore_ascii_case(word))
+    };
+    let mut path = map.to_owned();
+    if is(&path, "bsp") {
+        path.set_extension("");
+    }
+    if is(&path, "novis") {
+        path.set_extension("");
+    }
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".prt");
+    path.with_file_name(name)
+}
+
+/// That no file is there which would be lost.
+fn keep(output: &Path, force: bool) -> Result<()> {
+    if !force && fs::symlink_metadata(output).is_ok() {
+        bail!(
+            "cannot write {}: it is there already; name another file with -o, or replace it with --force",
+            output.display()
+        );
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn portals_stand_beside_their_map() {
+        for (map, portals) in [
+            ("maps/dm1.bsp", "maps/dm1.prt"),
+            ("darkzone.novis.bsp", "darkzone.prt"),
+            ("DM1.BSP", "DM1.prt"),
+            ("a.b.bsp", "a.b.prt"),
+            ("../odd", "../odd.prt"),
+        ] {
+            assert_eq!(beside(Path::new(map)), Path::new(portals));
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! Why a file is not read.
 
-use crate::{AuthoringError, ObjError, PrtError};
+use crate::{AuthoringError, BspError, ObjError, PrtError};
 use enfilade::{ContentError, MeshError};
 use std::io;
 use thiserror::Error;
@@ -33,10 +33,10 @@ pub enum BrokenRule {
         /// The first bytes, as text.
         begins: String,
     },
-    /// Neither glTF nor OBJ.
+    /// Neither glTF nor OBJ nor a map.
     #[error(
-        "is neither glTF nor OBJ: it begins with {begins}. Scenes are read from glTF 2.0 (.glb, or .gltf with its .bin \
-         files) and from OBJ (.obj with its .mtl files)"
+        "is neither glTF nor OBJ, nor a map of Quake: it begins with {begins}. Scenes are read from glTF 2.0 (.glb, or .gltf \
+         with its .bin files), from OBJ (.obj with its .mtl files), and from compiled maps (.bsp: BSP29, BSP2, IBSP46)"
     )]
     UnknownFormat {
         /// The first bytes, as text.
@@ -48,6 +48,9 @@ pub enum BrokenRule {
     /// A file of portals that breaks a rule.
     #[error("{0}")]
     Prt(Box<PrtError>),
+    /// A compiled map that breaks a rule.
+    #[error("{0}")]
+    Bsp(Box<BspError>),
     /// A `.glb` ends early.
     #[error(
         "is cut short: its {part} should end at byte {needs}, but the file has only {has}; copy or export it again"

@@ -245,6 +245,9 @@ fn import(
     if gltf::begins_like_gltf(bytes) {
         return gltf::import(bytes, folder, name, options, budget);
     }
+    if quake::begins_like_map(bytes) {
+        return quake::import(bytes, name, options, budget);
+    }
     let may_be_obj = !bytes.is_empty() && (is_called_obj || obj::begins_like_obj(bytes));
     if may_be_obj && let Some(import) = obj::import(bytes, folder, name, options, budget)? {
         return Ok(import);

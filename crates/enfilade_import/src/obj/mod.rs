@@ -15,7 +15,7 @@ mod materials;
 mod mesh;
 mod mtl;
 mod parse;
-mod polygon;
+pub(crate) mod polygon;
 mod ring;
 mod smooth;
 mod survey;

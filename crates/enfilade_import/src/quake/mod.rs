@@ -3,10 +3,12 @@
 mod bsp;
 mod error;
 mod prt;
+mod scene;
 
 pub use bsp::{BspError, with_visibility};
 pub use error::PrtError;
 pub use prt::{PortalFile, PrtKind};
+pub(crate) use scene::{begins_like_map, import};
 
 use crate::{BrokenRule, ImportError, ReadOptions, read_file};
 use std::path::Path;

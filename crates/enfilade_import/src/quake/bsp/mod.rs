@@ -9,5 +9,8 @@ mod lumps;
 mod tree;
 mod visibility;
 
+pub(super) use lumps::{Map, word};
+pub(super) use tree::{Child, SplitPlane, Tree, in_range, int, number, short};
+
 pub use error::BspError;
 pub use visibility::with_visibility;

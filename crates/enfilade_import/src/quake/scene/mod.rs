@@ -1,0 +1,94 @@
+//! Compiled maps as scenes: what is drawn, what shines, where one starts, and what is visible from where.
+//!
+//! *surfaces* are the faces of a map, which *faces* reads of Quake, and *faces3* and *patch* of Quake 3; *items* says which
+//! of them belong together. *looks* and *pattern* make up what they look like, for the images lie in the files of the game.
+//! *entities* are text, of which *lights* and *starts* are made. *axes* turns all that so that y is up.
+//! Source: the sources of both engines, as published by id Software, and the files themselves.
+//! Hostile: every number is checked before it is used, and memory set aside before anything is stored.
+
+mod axes;
+mod entities;
+mod faces;
+mod faces3;
+mod items;
+mod lights;
+mod looks;
+mod patch;
+mod pattern;
+mod starts;
+mod surfaces;
+
+use super::bsp::{BspError, Map, Tree};
+use crate::budget::Budget;
+use crate::warning::{WarningKind, Warnings};
+use crate::{BrokenRule, Import, ReadOptions, Room};
+use enfilade::ContentBuilder;
+use looks::Looks;
+use std::sync::Arc;
+
+impl From<BspError> for BrokenRule {
+    fn from(why: BspError) -> BrokenRule {
+        BrokenRule::Bsp(Box::new(why))
+    }
+}
+
+/// Do bytes begin as maps do that are read here?
+pub(crate) fn begins_like_map(bytes: &[u8]) -> bool {
+    let begins = [&b"BSP2"[..], b"IBSP", &29u32.to_le_bytes()];
+    begins.iter().any(|magic| bytes.starts_with(magic))
+}
+
+/// The lumps of light that a compiler has computed: an image for each face, or for many.
+const LIGHT: usize = 8;
+const LIGHT_OF_QUAKE_3: usize = 14;
+
+/// Reads the bytes of a map called `name`.
+pub(crate) fn import(
+    bytes: &[u8],
+    name: &str,
+    options: &ReadOptions,
+    mut budget: Budget,
+) -> Result<Import, BrokenRule> {
+    // The map keeps a copy of them, and its tree takes at most three times as much as its planes, nodes and leafs.
+    budget.take(4 * bytes.len() as u64, || "the map".to_owned())?;
+    let map = Map::read(bytes)?;
+    let is_quake3 = map.format.is_quake3;
+    let tree = Tree::read(&map)?;
+    let text = map.lump(map.format.entities);
+    budget.take(text.len() as u64 * (3 + entities::TIMES_ITS_LENGTH), || {
+        "its entities".to_owned()
+    })?;
+    let text = String::from_utf8_lossy(text);
+    let entities = entities::parse(&text)?;
+
+    let mut warnings = Warnings::default();
+    let mut looks = Looks::new(options.textures);
+    let surfaces = if is_quake3 {
+        faces3::read(&map, &mut looks, &mut budget, &mut warnings)?
+    } else {
+        faces::read(&map, &tree, &mut looks, &mut budget)?
+    };
+    let models = items::models(&map, surfaces.faces.len())?;
+    let textures = looks.textures(&mut budget)?;
+    let mut content = ContentBuilder::new(looks.materials);
+    content.textures(textures);
+    let world = models.first().cloned().unwrap_or_default();
+    items::of_the_world(&map, &tree, &surfaces, world, &mut content, &mut budget, &mut warnings)?;
+    items::of_entities(&entities, &models, &surfaces, &mut content, &mut budget, &mut warnings)?;
+    let content = content.build().map_err(BrokenRule::Content)?;
+
+    let light = map.lump(if is_quake3 { LIGHT_OF_QUAKE_3 } else { LIGHT });
+    warnings.state(WarningKind::Lightmaps, options.textures && !light.is_empty());
+    warnings.state(WarningKind::EmptyScene, content.triangle_count() == 0);
+    Ok(Import {
+        rooms: vec![Room {
+            name: name.to_owned(),
+            content: Arc::new(content),
+            method: None,
+        }],
+        portals: Vec::new(),
+        cameras: starts::cameras(&entities, is_quake3),
+        lights: lights::lights(&entities, is_quake3),
+        warnings: warnings.into_list(),
+    })
+}

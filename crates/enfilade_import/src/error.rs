@@ -1,7 +1,7 @@
 //! Why a file is not read.
 
 use crate::{AuthoringError, BspError, ObjError, PrtError};
-use enfilade::{ContentError, MeshError};
+use enfilade::{BakedCellsError, ContentError, MeshError};
 use std::io;
 use thiserror::Error;
 
@@ -382,6 +382,9 @@ pub enum BrokenRule {
         /// The rule it breaks.
         why: MeshError,
     },
+    /// What is left to the cells to check.
+    #[error("what is visible in it cannot be used: {0}; run vis again")]
+    Cells(Box<BakedCellsError>),
     /// What is left to the content to check.
     #[error("{0}")]
     Content(ContentError),

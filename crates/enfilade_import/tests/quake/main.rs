@@ -1,9 +1,13 @@
-//! Files of portals: what is read, and what is refused.
+//! Files of portals and compiled maps: what is read, and what is refused.
 
 mod broken;
 mod formats;
+mod little;
 mod lumps;
 mod maps;
+mod rooms;
+mod sight;
+mod spoilt;
 
 use enfilade_import::{PortalFile, PrtError};
 

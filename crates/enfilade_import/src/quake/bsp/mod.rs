@@ -10,7 +10,7 @@ mod tree;
 mod visibility;
 
 pub(super) use lumps::{Map, word};
-pub(super) use tree::{Child, SplitPlane, Tree, in_range, int, number, short};
+pub(super) use tree::{Child, Node, Tree, in_range, int, number, short};
 
 pub use error::BspError;
 pub use visibility::with_visibility;

@@ -155,7 +155,7 @@ fn wall(texture: u32, name: &str) -> (Material, Option<Pattern>) {
         }
     };
     let shines = ["light", "lamp", "lite"].iter().any(|word| end.contains(word));
-    let emission = if shines { [0.75, 0.7, 0.55] } else { [0.0; 3] };
+    let emission = if shines { [0.5, 0.46, 0.34] } else { [0.0; 3] };
     let material = Material {
         emission,
         ..Material::opaque(color)
@@ -163,14 +163,23 @@ fn wall(texture: u32, name: &str) -> (Material, Option<Pattern>) {
     (material, Some(pattern))
 }
 
-/// A color that is neither bright nor gaudy; hue, strength and tone from 0 to 1.
-fn muted(hue: f32, strength: f32, tone: f32) -> [f32; 3] {
-    let (strength, tone) = (0.15 + 0.35 * strength, 0.14 + 0.18 * tone);
-    [0.0, 1.0 / 3.0, 2.0 / 3.0].map(|turn| {
-        let wave = (hue + turn).fract() * 6.0;
-        let part = ((wave - 3.0).abs() - 1.0).clamp(0.0, 1.0);
-        tone * (1.0 - strength * (1.0 - part))
-    })
+/// A color that is neither bright nor gaudy: one between two of stones, woods and metals, somewhat lighter or darker. All
+/// three numbers from 0 to 1.
+fn muted(which: f32, between: f32, tone: f32) -> [f32; 3] {
+    const EARTHS: [[f32; 3]; 8] = [
+        [0.26, 0.22, 0.17],
+        [0.24, 0.14, 0.08],
+        [0.20, 0.21, 0.23],
+        [0.17, 0.18, 0.11],
+        [0.31, 0.26, 0.18],
+        [0.14, 0.17, 0.20],
+        [0.27, 0.16, 0.12],
+        [0.16, 0.14, 0.13],
+    ];
+    let first = (which * EARTHS.len() as f32) as usize % EARTHS.len();
+    let second = (first + 1) % EARTHS.len();
+    let tone = 0.8 + 0.5 * tone;
+    [0, 1, 2].map(|part| tone * (EARTHS[first][part] * (1.0 - between) + EARTHS[second][part] * between))
 }
 
 /// A number whose bits all depend on all of another's.

@@ -2,11 +2,12 @@
 //!
 //! *surfaces* are the faces of a map, which *faces* reads of Quake, and *faces3* and *patch* of Quake 3; *items* says which
 //! of them belong together. *looks* and *pattern* make up what they look like, for the images lie in the files of the game.
-//! *entities* are text, of which *lights* and *starts* are made. *axes* turns all that so that y is up.
+//! *cells* are what is visible from where. *entities* are text, of which *lights* and *starts* are made. *axes* turns all that so that y is up.
 //! Source: the sources of both engines, as published by id Software, and the files themselves.
 //! Hostile: every number is checked before it is used, and memory set aside before anything is stored.
 
 mod axes;
+mod cells;
 mod entities;
 mod faces;
 mod faces3;
@@ -75,6 +76,9 @@ pub(crate) fn import(
     let world = models.first().cloned().unwrap_or_default();
     items::of_the_world(&map, &tree, &surfaces, world, &mut content, &mut budget, &mut warnings)?;
     items::of_entities(&entities, &models, &surfaces, &mut content, &mut budget, &mut warnings)?;
+    if let Some(cells) = cells::read(&map, &tree, &mut budget)? {
+        content.cells(cells);
+    }
     let content = content.build().map_err(BrokenRule::Content)?;
 
     let light = map.lump(if is_quake3 { LIGHT_OF_QUAKE_3 } else { LIGHT });

@@ -6,7 +6,7 @@ use crate::out;
 use crate::progress::Progress;
 use crate::values::{Choice, among};
 use anyhow::{Context, Result, anyhow, bail};
-use enfilade::{Method, Scene};
+use enfilade::{Method, Scene, SceneError};
 use enfilade_draw::Stage;
 use enfilade_import::ReadOptions;
 use std::fs::File;
@@ -104,10 +104,15 @@ fn open_file(file: &str, wanted: For, choice: Choice, flat: bool, limits: &Limit
         import.rooms.iter_mut().for_each(|room| room.method = None);
         Method::ZBuffer
     };
-    let remedy = "raise --memory, or choose another --method";
     let scene = import
         .scene(method, limits.memory.unwrap_or(Method::DEFAULT_LIMIT))
-        .map_err(|why| anyhow!("{file}: {why}; {remedy}"))?;
+        .map_err(|why| {
+            let remedy = match why {
+                SceneError::NotBaked { .. } => "choose another --method, or have the file name another",
+                _ => "raise --memory, or choose another --method",
+            };
+            anyhow!("{file}: {why}; {remedy}")
+        })?;
     Ok(Opened {
         file: file.to_owned(),
         format: format(path),

@@ -130,13 +130,13 @@ pub enum Unsuited {
 /// A method goes by cells that were computed ahead, but a content has none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error(
-    "not baked: {method} goes by cells computed ahead, and there are none; give the content some, or choose {instead}"
+    "not baked: {method} goes by cells that were computed ahead, and there are none; {instead} needs none"
 )]
 #[non_exhaustive]
 pub struct NotBaked {
     /// The method that was asked for.
     pub method: Method,
-    /// A method that needs none.
+    /// A method that needs no cells.
     pub instead: Method,
 }
 
@@ -248,9 +248,14 @@ impl Method {
         }
     }
 
-    /// Has a content what the method goes by? Only [`Method::Pvs`] asks for something: cells.
+    /// Does it go by cells that were computed ahead? Then it suits only contents that have some.
+    pub fn goes_by_cells(self) -> bool {
+        self == Method::Pvs
+    }
+
+    /// Has a content what the method goes by?
     pub fn suits(self, content: &Content) -> bool {
-        self != Method::Pvs || content.cells().is_some()
+        !self.goes_by_cells() || content.cells().is_some()
     }
 
     /// Prepares a content to be seen.

@@ -9,6 +9,8 @@
 
 mod error;
 mod row;
+#[cfg(test)]
+mod tests;
 mod tree;
 
 pub use error::BakedCellsError;

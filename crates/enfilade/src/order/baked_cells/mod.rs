@@ -67,10 +67,11 @@ impl BakedCellsOrder {
 /// Sets the bits of a run of cells.
 fn put(seen: &mut [u64], [first, end]: [u32; 2]) {
     let [first, end] = [first as usize, end as usize];
-    for word in first / 64..end.div_ceil(64) {
+    let from = first / 64;
+    for (word, bits) in (from..).zip(&mut seen[from..end.div_ceil(64)]) {
         let low = first.saturating_sub(64 * word);
         let high = (end - 64 * word).min(64);
-        seen[word] |= (!0 >> (64 - (high - low))) << low;
+        *bits |= (!0 >> (64 - (high - low))) << low;
     }
 }
 

@@ -142,6 +142,7 @@ fn read(
         portals: Vec::new(),
         cameras: Vec::new(),
         lights: Vec::new(),
+        map: None,
         warnings: warnings.into_list(),
     })
 }

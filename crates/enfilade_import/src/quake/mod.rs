@@ -8,6 +8,7 @@ mod scene;
 pub use bsp::{BspError, with_visibility};
 pub use error::PrtError;
 pub use prt::{PortalFile, PrtKind};
+pub use scene::MapSummary;
 pub(crate) use scene::{begins_like_map, import};
 
 use crate::{BrokenRule, ImportError, ReadOptions, read_file};

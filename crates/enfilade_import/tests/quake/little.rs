@@ -133,9 +133,8 @@ impl Little {
         let lumps = &mut self.lumps;
         let both = |numbers: &[i32]| if is_short { shorts(numbers) } else { words(numbers) };
         // The first plane parts the rooms, each face has one of its own.
-        let plane = |normal: [f32; 3], offset: f32| {
-            [floats(&normal), floats(&[offset]), words(&[0])].concat()
-        };
+        let plane =
+            |normal: [f32; 3], offset: f32| [floats(&normal), floats(&[offset]), words(&[0])].concat();
         lumps[1] = plane([1.0, 0.0, 0.0], WALL / 2.0);
         lumps[2] = words(&[4, 20, 60, 100, 140]);
         for name in NAMES {
@@ -169,7 +168,13 @@ impl Little {
         }
         // In front of the plane is leaf 2, behind it leaf 1.
         let around = [-64, -32, -32, 64, 32, 32];
-        lumps[5] = [words(&[0]), both(&[-3, -2]), self::around(is_short, around), both(&[0, 13])].concat();
+        lumps[5] = [
+            words(&[0]),
+            both(&[-3, -2]),
+            self::around(is_short, around),
+            both(&[0, 13]),
+        ]
+        .concat();
         let marks = [[0, 0], [0, 6], [6, 7]];
         for (leaf, [first, count]) in marks.into_iter().enumerate() {
             let kind = if leaf == 0 { -2 } else { -1 };

@@ -52,9 +52,18 @@ fn a_map_has_an_item_for_each_room_and_one_for_its_door() {
         // y is up: the map's z; and its y leads away.
         assert_eq!(content.bounds().min, [-64.0, -32.0, -32.0]);
         assert_eq!(content.bounds().max, [72.0, 32.0, 32.0]);
-        let sky = content.materials().iter().filter(|material| material.unlit).count();
+        let sky = content
+            .materials()
+            .iter()
+            .filter(|material| material.unlit)
+            .count();
         assert_eq!(sky, 2, "sky and lava are as bright as they are");
-        assert!(content.materials().iter().all(|material| material.alpha == Alpha::Opaque));
+        assert!(
+            content
+                .materials()
+                .iter()
+                .all(|material| material.alpha == Alpha::Opaque)
+        );
         assert!(import.warnings.is_empty(), "{:?}", import.warnings);
     }
 }
@@ -170,9 +179,8 @@ fn a_bent_face_is_cut_into_triangles_without_a_crack() {
     for face in 0..door.face_count() {
         let corners = door.face(face);
         for side in 0..3 {
-            let mut ends = [side, (side + 1) % 3].map(|at| {
-                door.positions()[corners[at] as usize].map(f32::to_bits)
-            });
+            let mut ends =
+                [side, (side + 1) % 3].map(|at| door.positions()[corners[at] as usize].map(f32::to_bits));
             ends.sort();
             *edges.entry(ends).or_insert(0) += 1;
         }
@@ -184,7 +192,11 @@ fn a_bent_face_is_cut_into_triangles_without_a_crack() {
 
 #[test]
 fn lamps_that_are_aimed_are_spots_and_the_sky_is_suns() {
-    let text = ENTITIES.replacen("\"worldspawn\"", "\"worldspawn\" \"_sunlight\" \"200\" \"_sun_mangle\" \"0 -90 0\"", 1);
+    let text = ENTITIES.replacen(
+        "\"worldspawn\"",
+        "\"worldspawn\" \"_sunlight\" \"200\" \"_sun_mangle\" \"0 -90 0\"",
+        1,
+    );
     let aimed = "{ \"classname\" \"light_x\" \"origin\" \"0 0 9\" \"target\" \"t\" \"_color\" \"255 0 0\" \"angle\" \"60\" }\n\
                  { \"targetname\" \"t\" \"origin\" \"0 9 9\" }\n{ \"classname\" \"light\" \"light\" \"-50\" \"origin\" \"1 1 1\" }";
     let mut little = Little::new(Format::Bsp29);
@@ -213,5 +225,10 @@ fn a_map_is_known_by_its_first_bytes_and_named_for_its_file() {
     }
     std::fs::write(&path, b"\x1e\0\0\0").expect("it is ours");
     let error = read(&path, &ReadOptions::default()).expect_err("a refusal");
-    assert!(error.to_string().contains("dm9.bsp: is neither glTF nor OBJ, nor a map"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .contains("dm9.bsp: is neither glTF nor OBJ, nor a map"),
+        "{error}"
+    );
 }

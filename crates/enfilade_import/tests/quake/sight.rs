@@ -2,7 +2,9 @@
 
 use crate::maps::{maps, pairs_of, read as read_prt};
 use crate::rooms::imported;
-use enfilade::{Canvas, FragmentId, ItemId, Method, Owner, Passage, PassageId, Scene, Span, View, Viewer, survey};
+use enfilade::{
+    Canvas, FragmentId, ItemId, Method, Owner, Passage, PassageId, Scene, Span, View, Viewer, survey,
+};
 use enfilade_import::{Import, ReadOptions, read, with_visibility};
 use std::path::Path;
 
@@ -48,7 +50,9 @@ fn views(import: &Import, scene: &Scene) -> Vec<View> {
     });
     let places = survey(scene, PLACES);
     assert!(places.len() > PLACES / 2, "the map has open space");
-    let places = places.iter().map(|place| View::new(place.eye, place.toward, SIZE));
+    let places = places
+        .iter()
+        .map(|place| View::new(place.eye, place.toward, SIZE));
     cameras.chain(places).collect()
 }
 
@@ -99,7 +103,10 @@ fn compare(import: &Import, name: &str) -> Compared {
     compared
 }
 
-#[allow(clippy::print_stderr, reason = "the figures of a map are what one wants to know of a failure")]
+#[allow(
+    clippy::print_stderr,
+    reason = "the figures of a map are what one wants to know of a failure"
+)]
 fn report(line: &str) {
     eprintln!("{line}");
 }
@@ -117,7 +124,10 @@ fn baked(folder: &Path, map: &[u8], prt: &str) -> Import {
 /// That the picture is the same, and that the cells leave out most of the map.
 fn is_the_same_with_fewer_items(import: &Import, name: &str, most: f64) {
     let compared = compare(import, name);
-    assert!(compared.samples * 10 > compared.views * 64_000 * 9, "views are full of walls: {compared:?}");
+    assert!(
+        compared.samples * 10 > compared.views * 64_000 * 9,
+        "views are full of walls: {compared:?}"
+    );
     assert_eq!(compared.different, 0, "{name}: {compared:?}");
     let [few, all] = compared.items.map(|items| items as f64);
     assert!(few < most * all, "{name}: {compared:?}");
@@ -203,7 +213,9 @@ fn narrowed(map: &[u8]) -> Vec<u8> {
                 }
             }
         }
-        let entry = [begins as u32, (narrow.len() - begins) as u32].map(u32::to_le_bytes).concat();
+        let entry = [begins as u32, (narrow.len() - begins) as u32]
+            .map(u32::to_le_bytes)
+            .concat();
         narrow[4 + 8 * lump..][..8].copy_from_slice(&entry);
         narrow.resize(narrow.len().next_multiple_of(4), 0);
     }

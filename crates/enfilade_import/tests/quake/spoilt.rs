@@ -12,7 +12,9 @@ fn refusal(map: &[u8]) -> Option<String> {
         limit_bytes: 1 << 26,
         ..ReadOptions::default()
     };
-    read_bytes(map, None, &options).err().map(|error| error.to_string())
+    read_bytes(map, None, &options)
+        .err()
+        .map(|error| error.to_string())
 }
 
 /// Numbers that look random and are the same every time.
@@ -31,7 +33,12 @@ fn a_map_that_is_cut_short_anywhere_is_refused_and_says_what_to_do() {
         let map = Little::new(format).bytes();
         for end in 0..map.len() {
             let said = refusal(&map[..end]).unwrap_or_else(|| panic!("{format:?} up to {end}"));
-            assert!(said.contains("again") || said.contains("are read from") || said.contains("is no compiled map of a kind"), "{said}");
+            assert!(
+                said.contains("again")
+                    || said.contains("are read from")
+                    || said.contains("is no compiled map of a kind"),
+                "{said}"
+            );
         }
     }
 }
@@ -51,7 +58,18 @@ fn a_map_with_a_few_bytes_wrong_is_read_or_refused() {
                     1 => map[at] = [0, 1, 0x7f, 0x80, 0xff][number(5)],
                     _ => {
                         // A whole number where one stands.
-                        let bad = [-1, 0, 1, 3, 255, 65_535, i32::MAX, i32::MIN, 0x7fc0_0000, 0x7f7f_ffff];
+                        let bad = [
+                            -1,
+                            0,
+                            1,
+                            3,
+                            255,
+                            65_535,
+                            i32::MAX,
+                            i32::MIN,
+                            0x7fc0_0000,
+                            0x7f7f_ffff,
+                        ];
                         let at = at / 4 * 4;
                         let bad = bad[number(bad.len())].to_le_bytes();
                         let end = map.len().min(at + 4);
@@ -67,7 +85,10 @@ fn a_map_with_a_few_bytes_wrong_is_read_or_refused() {
                 }
             }
         }
-        assert!(read > 200 && refused > 200, "{format:?}: {read} read, {refused} refused");
+        assert!(
+            read > 200 && refused > 200,
+            "{format:?}: {read} read, {refused} refused"
+        );
     }
 }
 
@@ -82,14 +103,32 @@ fn a_number_that_names_nothing_is_told_with_what_names_it() {
         (Format::Bsp2, 12, 8, 999, "edge 1 names vertex 999"),
         (Format::Bsp2, 6, 32, 4, "texture placing 0 names texture 4"),
         (Format::Bsp2, 2, 8, 9999, "texture 1 ends after"),
-        (Format::Bsp2, 3, 0, 0x7fc0_0000, "vertex 0 is not at a finite place"),
+        (
+            Format::Bsp2,
+            3,
+            0,
+            0x7fc0_0000,
+            "vertex 0 is not at a finite place",
+        ),
         (Format::Bsp2, 10, 48, 9, "leaf 1 names byte of rows 9"),
         (Format::Bsp2, 11, 0, 88, "leaf 1 names face 88"),
         (Format::Bsp2, 14, 56, 77, "model 0 names faces up to 90"),
         (Format::Ibsp46, 4, 48, 2, "leaf 1 names cluster 2"),
-        (Format::Ibsp46, 13, 20, 80, "face 0 names corners of triangles up to 86"),
+        (
+            Format::Ibsp46,
+            13,
+            20,
+            80,
+            "face 0 names corners of triangles up to 86",
+        ),
         (Format::Ibsp46, 11, 0, 4, "face 0 names corner 4"),
-        (Format::Ibsp46, 16, 0, 9, "what is visible from cluster 8 ends after its lump"),
+        (
+            Format::Ibsp46,
+            16,
+            0,
+            9,
+            "what is visible from cluster 8 ends after its lump",
+        ),
     ];
     for (format, lump, at, number, wanted) in cases {
         let mut little = Little::new(format);
@@ -105,7 +144,10 @@ fn entities_that_are_none_are_told_by_their_line() {
     let mut little = Little::new(Format::Bsp29);
     little.lumps[0] = b"{\n\"classname\" worldspawn }".to_vec();
     let said = refusal(&little.bytes()).expect("a refusal");
-    assert!(said.contains("its entities have `w` where a value is wanted, in line 2"), "{said}");
+    assert!(
+        said.contains("its entities have `w` where a value is wanted, in line 2"),
+        "{said}"
+    );
     little.lumps[0] = b"{ } { \"classname\" \"func_wall\" \"model\" \"*7\" }".to_vec();
     let said = refusal(&little.bytes()).expect("a refusal");
     assert!(said.contains("entity 1 names model 7, but there are 2"), "{said}");
@@ -135,7 +177,10 @@ fn a_map_that_means_everything_many_times_is_refused_at_once() {
             .copy_from_slice(&[0i32.to_le_bytes(), (MANY as i32).to_le_bytes()].concat());
     }
     let said = refusal(&little.bytes()).expect("a refusal");
-    assert!(said.contains("its faces would take the memory needed to"), "{said}");
+    assert!(
+        said.contains("its faces would take the memory needed to"),
+        "{said}"
+    );
 
     let mut little = Little::new(Format::Bsp2);
     let leaf = little.lumps[10][44..88].to_vec();
@@ -147,7 +192,10 @@ fn a_map_that_means_everything_many_times_is_refused_at_once() {
     }
     little.lumps[14][52..56].copy_from_slice(&(MANY as i32).to_le_bytes());
     let said = refusal(&little.bytes()).expect("a refusal");
-    assert!(said.contains("its leafs' faces would take the memory needed to"), "{said}");
+    assert!(
+        said.contains("its leafs' faces would take the memory needed to"),
+        "{said}"
+    );
 
     let mut little = Little::new(Format::Bsp2);
     little.lumps[10] = leaf.repeat(MANY + 1);
@@ -158,6 +206,9 @@ fn a_map_that_means_everything_many_times_is_refused_at_once() {
     }
     little.lumps[14][52..56].copy_from_slice(&(MANY as i32).to_le_bytes());
     let said = refusal(&little.bytes()).expect("a refusal");
-    assert!(said.contains("what is visible would take the memory needed to"), "{said}");
+    assert!(
+        said.contains("what is visible would take the memory needed to"),
+        "{said}"
+    );
     assert!(start.elapsed() < PATIENCE, "{:?}", start.elapsed());
 }

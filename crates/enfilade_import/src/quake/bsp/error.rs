@@ -63,7 +63,9 @@ pub enum BspError {
         node: u32,
     },
     /// Entities that are no `{ "key" "value" … }`.
-    #[error("is damaged: its entities have {found} where {wanted} is wanted, in line {line}; compile the map again")]
+    #[error(
+        "is damaged: its entities have {found} where {wanted} is wanted, in line {line}; compile the map again"
+    )]
     BadEntities {
         /// Which line of their text, from 1.
         line: usize,

@@ -26,9 +26,10 @@ pub(super) fn read(map: &Map, tree: &Tree, budget: &mut Budget) -> Result<Option
     } else {
         Rows::of_quake(lump, tree, map.world_leafs()?)?
     };
-    budget.take(64 * tree.nodes.len() as u64 + 16 * tree.leafs.len() as u64, || {
-        "its planes".to_owned()
-    })?;
+    budget.take(
+        64 * tree.nodes.len() as u64 + 16 * tree.leafs.len() as u64,
+        || "its planes".to_owned(),
+    )?;
     rows.afford(budget)?;
     let row = |start: &usize| rows.seen(*start).map(CellId);
     let cells = BakedCells::new(rows.planes(tree), &rows.row_of, rows.starts.iter().map(row));

@@ -187,7 +187,10 @@ mod tests {
             ("{ \"a\" }", "line 1: `}` where a value is wanted"),
             ("{\n\"a\n\" {", "line 3: `{` where a value is wanted"),
             ("{ \"a\" \"b\"", "line 1: the end where a key or `}` is wanted"),
-            ("{ \"a", "line 1: the end where the `\"` that ends a text is wanted"),
+            (
+                "{ \"a",
+                "line 1: the end where the `\"` that ends a text is wanted",
+            ),
             ("{ { }", "line 1: `{` where a key or `}` is wanted"),
             ("\u{e4}", "line 1: `\u{e4}` where `{` is wanted"),
         ] {

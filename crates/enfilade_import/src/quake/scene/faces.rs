@@ -128,9 +128,11 @@ pub(super) fn read(
         triangles.clear();
         cutter.cut(&surfaces.positions[first as usize..], &mut triangles);
         let start = surfaces.triangles.len();
-        surfaces
-            .triangles
-            .extend(triangles.iter().map(|corners| corners.map(|corner| first + corner)));
+        surfaces.triangles.extend(
+            triangles
+                .iter()
+                .map(|corners| corners.map(|corner| first + corner)),
+        );
         surfaces.faces.push(Some(Face {
             triangles: start..surfaces.triangles.len(),
             material,
@@ -164,7 +166,10 @@ fn placings(map: &Map, images: usize) -> Result<Vec<Placing>, BspError> {
             image: in_range("texture placing", at, "texture", image, images.max(1))?,
         })
     };
-    map.things(PLACINGS.0, PLACINGS.1)?.enumerate().map(read).collect()
+    map.things(PLACINGS.0, PLACINGS.1)?
+        .enumerate()
+        .map(read)
+        .collect()
 }
 
 /// The names of the textures: how many there are, where each begins, and each with its name first.
@@ -191,7 +196,9 @@ fn images(map: &Map) -> Result<Vec<Image>, BspError> {
                 size: [64.0; 2],
             });
         }
-        let image = usize::try_from(start).ok().and_then(|start| lump.get(start..)?.get(..24));
+        let image = usize::try_from(start)
+            .ok()
+            .and_then(|start| lump.get(start..)?.get(..24));
         let image = image.ok_or_else(|| cut_short(at))?;
         let name = image[..16].split(|&byte| byte == 0).next().unwrap_or(&[]);
         let side = |place: usize| match int(image, place) {
@@ -221,14 +228,10 @@ fn material(
     let kind = match name.as_bytes() {
         [] => behind(),
         [b's', b'k', b'y', ..] => Kind::Sky,
-        [b'*' | b'!', ..] => [
-            ("lava", Kind::Lava),
-            ("slime", Kind::Slime),
-            ("tele", Kind::Gate),
-        ]
-        .into_iter()
-        .find_map(|(word, kind)| name.contains(word).then_some(kind))
-        .unwrap_or(Kind::Water),
+        [b'*' | b'!', ..] => [("lava", Kind::Lava), ("slime", Kind::Slime), ("tele", Kind::Gate)]
+            .into_iter()
+            .find_map(|(word, kind)| name.contains(word).then_some(kind))
+            .unwrap_or(Kind::Water),
         _ => Kind::Wall,
     };
     Some(looks.material(placing.image, name, kind, false))
@@ -237,7 +240,10 @@ fn material(
 /// What the border is of that a face of the world stands on, by what is before it and behind: a wall, unless one of them is
 /// sky or a liquid and the other is not.
 fn behind(tree: &Tree, outline: &[[f32; 3]], front: DVec3) -> Kind {
-    let sum: DVec3 = outline.iter().map(|place| DVec3::from(place.map(f64::from))).sum();
+    let sum: DVec3 = outline
+        .iter()
+        .map(|place| DVec3::from(place.map(f64::from)))
+        .sum();
     let middle = sum / outline.len().max(1) as f64;
     let [before, behind] = [1.0, -1.0].map(|way| tree.kind_at(middle + way * front));
     let kind = |kind: i32| match kind {

@@ -172,7 +172,11 @@ fn corner(map: &Map, at: usize) -> Result<Corner, BspError> {
     if position.iter().any(|value| !value.is_finite()) {
         return Err(BspError::NotFinite { what: "corner", at });
     }
-    let or_zero = |place| Some(number(bytes, place)).filter(|value| value.is_finite()).unwrap_or(0.0);
+    let or_zero = |place| {
+        Some(number(bytes, place))
+            .filter(|value| value.is_finite())
+            .unwrap_or(0.0)
+    };
     // What is written is how bright a corner is to be shown.
     let color = [40, 41, 42].map(|place: usize| (f32::from(bytes[place]) / 255.0).powi(2));
     Ok(Corner {
@@ -186,8 +190,18 @@ fn corner(map: &Map, at: usize) -> Result<Corner, BspError> {
 /// What a face is made of; `None` where engines do not draw it.
 fn material(map: &Map, texture: u32, looks: &mut Looks) -> Option<MaterialId> {
     const TOOLS: [&str; 12] = [
-        "caulk", "clip", "hint", "hintskip", "skip", "trigger", "nodraw", "areaportal", "weapclip", "origin",
-        "lightgrid", "antiportal",
+        "caulk",
+        "clip",
+        "hint",
+        "hintskip",
+        "skip",
+        "trigger",
+        "nodraw",
+        "areaportal",
+        "weapclip",
+        "origin",
+        "lightgrid",
+        "antiportal",
     ];
     let bytes = &map.lump(TEXTURES.0)[texture as usize * TEXTURES.1..][..TEXTURES.1];
     let name = bytes[..64].split(|&byte| byte == 0).next().unwrap_or(&[]);

@@ -6,10 +6,10 @@
 use super::axes::placed;
 use super::entities::Entity;
 use super::surfaces::Surfaces;
+use crate::BrokenRule;
 use crate::budget::Budget;
 use crate::quake::bsp::{BspError, Map, Tree, in_range, int, word};
 use crate::warning::{WarningKind, Warnings};
-use crate::BrokenRule;
 use enfilade::{ContentBuilder, MeshId, Transform};
 use std::collections::HashMap;
 use std::ops::Range;
@@ -62,7 +62,9 @@ pub(super) fn of_the_world(
         .map(|of_one| (of_one, of_one[0][0]))
         .collect();
     let mut is_marked = vec![false; surfaces.faces.len()];
-    of_faces.iter().for_each(|(_, face)| is_marked[*face as usize] = true);
+    of_faces
+        .iter()
+        .for_each(|(_, face)| is_marked[*face as usize] = true);
     for face in world {
         if !is_marked[face as usize] && surfaces.faces[face as usize].is_some() {
             warnings.name(WarningKind::UnmarkedFaces, || format!("face {face}"));

@@ -26,7 +26,9 @@ pub(super) fn lights(entities: &[Entity], is_quake3: bool) -> Vec<Light> {
         named.insert(entity.get("targetname"), entity);
     }
     named.remove("");
-    let lamps = entities.iter().filter(|entity| entity.class().starts_with("light"));
+    let lamps = entities
+        .iter()
+        .filter(|entity| entity.class().starts_with("light"));
     let lamps = lamps.filter_map(|entity| lamp(entity, &named, is_quake3));
     let suns = entities.first().into_iter().flat_map(suns);
     lamps.chain(suns).filter(is_light).collect()
@@ -54,8 +56,12 @@ fn lamp(entity: &Entity, named: &HashMap<&str, &Entity>, is_quake3: bool) -> Opt
         };
         [bright / (sooner * sooner), range / sooner]
     };
-    let color = color(entity, "_color").or(color(entity, "color")).unwrap_or([1.0; 3]);
-    let target = named.get(entity.get("target")).and_then(|target| target.three("origin"));
+    let color = color(entity, "_color")
+        .or(color(entity, "color"))
+        .unwrap_or([1.0; 3]);
+    let target = named
+        .get(entity.get("target"))
+        .and_then(|target| target.three("origin"));
     let shape = spot(entity, origin, target, is_quake3).unwrap_or(LightShape::Point);
     Some(Light {
         fragment: FragmentId(0),
@@ -73,7 +79,10 @@ fn spot(entity: &Entity, origin: [f32; 3], target: Option<[f32; 3]>, is_quake3: 
             let way = [0, 1, 2].map(|axis| target[axis] - origin[axis]);
             let length = way.iter().map(|part| part * part).sum::<f32>().sqrt();
             // The target of Quake 3 stands in the middle of a circle that is lit.
-            let radius = entity.number("radius").filter(|&radius| radius > 0.0).unwrap_or(64.0);
+            let radius = entity
+                .number("radius")
+                .filter(|&radius| radius > 0.0)
+                .unwrap_or(64.0);
             let outer = is_quake3.then(|| (radius / length).atan());
             (turned(way), outer)
         }
@@ -81,7 +90,14 @@ fn spot(entity: &Entity, origin: [f32; 3], target: Option<[f32; 3]>, is_quake3: 
         _ => return None,
     };
     let half = |degrees: f32| degrees.clamp(1.0, 179.0).to_radians() / 2.0;
-    let cone = || half(entity.number("angle").filter(|&angle| angle > 0.0).unwrap_or(CONE));
+    let cone = || {
+        half(
+            entity
+                .number("angle")
+                .filter(|&angle| angle > 0.0)
+                .unwrap_or(CONE),
+        )
+    };
     let outer = outer.unwrap_or_else(cone);
     let soft = entity.number("_softangle").filter(|&angle| angle > 0.0);
     let inner = soft.map_or(0.85 * outer, half).min(0.95 * outer);
@@ -120,6 +136,10 @@ fn suns<'e>(world: &'e Entity) -> impl Iterator<Item = Light> + 'e {
 /// A color from 0 to 1, or from 0 to 255 where any part of it is above 1.
 fn color(entity: &Entity, key: &str) -> Option<[f32; 3]> {
     let color = entity.three(key)?;
-    let scale = if color.iter().any(|&part| part > 1.0) { 255.0 } else { 1.0 };
+    let scale = if color.iter().any(|&part| part > 1.0) {
+        255.0
+    } else {
+        1.0
+    };
     Some(color.map(|part| (part / scale).max(0.0)))
 }

@@ -88,7 +88,13 @@ impl Looks {
     }
 
     /// The material of a texture, by its number in the map and its name, which is empty where the map has none.
-    pub(super) fn material(&mut self, texture: u32, name: &str, kind: Kind, double_sided: bool) -> MaterialId {
+    pub(super) fn material(
+        &mut self,
+        texture: u32,
+        name: &str,
+        kind: Kind,
+        double_sided: bool,
+    ) -> MaterialId {
         let next = MaterialId(self.materials.len() as u32);
         let id = *self.known.entry((texture, kind)).or_insert(next);
         if id == next {
@@ -217,6 +223,12 @@ mod tests {
             looks.materials[0]
         };
         assert!(of(true).texture.is_some());
-        assert_eq!(of(false), Material { texture: None, ..of(true) });
+        assert_eq!(
+            of(false),
+            Material {
+                texture: None,
+                ..of(true)
+            }
+        );
     }
 }

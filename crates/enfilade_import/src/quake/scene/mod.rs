@@ -33,6 +33,26 @@ impl From<BspError> for BrokenRule {
     }
 }
 
+/// What a compiled map says of itself.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct MapSummary {
+    /// `BSP29`, `BSP2` or `IBSP46`.
+    pub format: &'static str,
+    /// Leafs that one can be in: all but those that are solid.
+    pub leafs: usize,
+    /// Clusters of leafs, in Quake 3; a map of Quake does not say which leafs see the same.
+    pub clusters: Option<usize>,
+    /// All faces, also those that are not drawn.
+    pub faces: usize,
+    /// The world, and what moves in it.
+    pub models: usize,
+    /// The world, lights, doors, monsters, and all else that its author has put there.
+    pub entities: usize,
+    /// How long what is visible from where is; 0 where nobody has computed it.
+    pub visibility_bytes: usize,
+}
+
 /// Do bytes begin as maps do that are read here?
 pub(crate) fn begins_like_map(bytes: &[u8]) -> bool {
     let begins = [&b"BSP2"[..], b"IBSP", &29u32.to_le_bytes()];
@@ -74,13 +94,47 @@ pub(crate) fn import(
     let mut content = ContentBuilder::new(looks.materials);
     content.textures(textures);
     let world = models.first().cloned().unwrap_or_default();
-    items::of_the_world(&map, &tree, &surfaces, world, &mut content, &mut budget, &mut warnings)?;
-    items::of_entities(&entities, &models, &surfaces, &mut content, &mut budget, &mut warnings)?;
+    items::of_the_world(
+        &map,
+        &tree,
+        &surfaces,
+        world,
+        &mut content,
+        &mut budget,
+        &mut warnings,
+    )?;
+    items::of_entities(
+        &entities,
+        &models,
+        &surfaces,
+        &mut content,
+        &mut budget,
+        &mut warnings,
+    )?;
     if let Some(cells) = cells::read(&map, &tree, &mut budget)? {
         content.cells(cells);
     }
     let content = content.build().map_err(BrokenRule::Content)?;
 
+    let summary = MapSummary {
+        format: map.format.name(),
+        leafs: match is_quake3 {
+            true => tree.leafs.iter().filter(|leaf| leaf.kind >= 0).count(),
+            false => map.world_leafs()?.max(0) as usize,
+        },
+        clusters: is_quake3.then(|| {
+            tree.leafs
+                .iter()
+                .map(|leaf| leaf.kind + 1)
+                .max()
+                .unwrap_or(0)
+                .max(0) as usize
+        }),
+        faces: surfaces.faces.len(),
+        models: models.len(),
+        entities: entities.len(),
+        visibility_bytes: map.lump(map.format.visibility).len(),
+    };
     let light = map.lump(if is_quake3 { LIGHT_OF_QUAKE_3 } else { LIGHT });
     warnings.state(WarningKind::Lightmaps, options.textures && !light.is_empty());
     warnings.state(WarningKind::EmptyScene, content.triangle_count() == 0);
@@ -93,6 +147,7 @@ pub(crate) fn import(
         portals: Vec::new(),
         cameras: starts::cameras(&entities, is_quake3),
         lights: lights::lights(&entities, is_quake3),
+        map: Some(summary),
         warnings: warnings.into_list(),
     })
 }

@@ -9,8 +9,7 @@ pub(super) enum Pattern {
     Rough,
 }
 
-pub(super) const PATTERNS: [Pattern; 4] =
-    [Pattern::Plates, Pattern::Bricks, Pattern::Planks, Pattern::Rough];
+pub(super) const PATTERNS: [Pattern; 4] = [Pattern::Plates, Pattern::Bricks, Pattern::Planks, Pattern::Rough];
 
 const SIZE: i32 = 64;
 

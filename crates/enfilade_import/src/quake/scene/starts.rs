@@ -35,15 +35,31 @@ pub(super) fn cameras(entities: &[Entity], is_quake3: bool) -> Vec<Camera> {
         let is_one = of_class().count() == 1;
         for entity in of_class() {
             let origin = entity.three("origin").unwrap_or_default();
-            let name = if is_one { class.to_owned() } else { format!("{class}#{}", entity.number) };
-            cameras.extend(camera(entity, origin, name, class.contains("intermission"), is_quake3));
+            let name = if is_one {
+                class.to_owned()
+            } else {
+                format!("{class}#{}", entity.number)
+            };
+            cameras.extend(camera(
+                entity,
+                origin,
+                name,
+                class.contains("intermission"),
+                is_quake3,
+            ));
         }
     }
     cameras
 }
 
 /// `None` where it stands so far out that nothing is in front of it.
-fn camera(entity: &Entity, origin: [f32; 3], name: String, is_still: bool, is_quake3: bool) -> Option<Camera> {
+fn camera(
+    entity: &Entity,
+    origin: [f32; 3],
+    name: String,
+    is_still: bool,
+    is_quake3: bool,
+) -> Option<Camera> {
     let eye_height = match (is_still, is_quake3) {
         (true, _) => 0.0,
         (false, false) => EYE,
@@ -54,7 +70,13 @@ fn camera(entity: &Entity, origin: [f32; 3], name: String, is_still: bool, is_qu
     let turned_by = entity.three("mangle").or(entity.three("angles"));
     let [down, around] = match turned_by {
         Some([down, around, _]) => [down, around],
-        None => [0.0, entity.number("angle").filter(|angle| *angle >= 0.0).unwrap_or(0.0)],
+        None => [
+            0.0,
+            entity
+                .number("angle")
+                .filter(|angle| *angle >= 0.0)
+                .unwrap_or(0.0),
+        ],
     };
     // Straight up or down there would be no upright in the picture.
     let ahead = direction(around, (-down).clamp(-89.0, 89.0));

@@ -1,7 +1,9 @@
 //! Maps made to do harm: they may be refused, but never take the program down, or its memory, or its time.
 
 use crate::little::{FORMATS, Format, Little};
-use enfilade_import::{ReadOptions, read_bytes};
+use crate::maps::maps;
+use enfilade::{Method, View, Viewer};
+use enfilade_import::{Import, ReadOptions, read_bytes};
 use std::time::{Duration, Instant};
 
 /// Long enough for a busy machine, and far too short for anything that grows with the square.
@@ -88,6 +90,47 @@ fn a_map_with_a_few_bytes_wrong_is_read_or_refused() {
         assert!(
             read > 200 && refused > 200,
             "{format:?}: {read} read, {refused} refused"
+        );
+    }
+}
+
+/// Spoils one word, or a stretch of bytes.
+fn spoil(map: &mut [u8], number: &mut impl FnMut(usize) -> usize) {
+    // Mostly where the tables are: the rest is long lists of places, that may be anywhere.
+    let at = match number(3) {
+        0 => number(144),
+        _ => number(map.len()),
+    };
+    let end = map.len().min(at + 1 + number(40));
+    match number(3) {
+        0 => map[at..end].fill(0xff),
+        1 => map[at..end].reverse(),
+        _ => map[at] ^= 1 << number(8),
+    }
+}
+
+#[test]
+fn a_real_map_with_a_stretch_of_it_spoilt_is_read_or_refused() {
+    let Some(folder) = maps() else { return };
+    let mut number = numbers(5);
+    for name in ["quake/dm1.bsp", "quake3/darkzone.shipped.bsp"] {
+        let whole = std::fs::read(folder.join(name)).expect("a map");
+        let (mut read, mut refused) = (0, 0);
+        for round in 0..120 {
+            let mut map = whole.clone();
+            (0..=round % 3).for_each(|_| spoil(&mut map, &mut number));
+            if round % 10 == 9 {
+                map.truncate(number(whole.len()));
+            }
+            *if refusal(&map).is_none() {
+                &mut read
+            } else {
+                &mut refused
+            } += 1;
+        }
+        assert!(
+            read > 10 && refused > 10,
+            "{name}: {read} read, {refused} refused"
         );
     }
 }

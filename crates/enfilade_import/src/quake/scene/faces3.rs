@@ -237,15 +237,15 @@ impl Surfaces {
         self.colors.push(corner.color);
     }
 
-    /// Colors of corners are the light that falls there, where light was computed: else all are alike, and say nothing.
-    /// So that no corner is black, a part of them is light that is everywhere.
+    /// Colors of corners are the light that falls there, where light was computed: else all are alike, and say nothing. The
+    /// game shows half of it as white. So that no corner is black, a part of them is light that is everywhere.
     fn even_out_colors(&mut self) {
-        const EVERYWHERE: f32 = 0.3;
+        const EVERYWHERE: f32 = 0.4;
         if self.colors.iter().all(|color| *color == self.colors[0]) {
             self.colors.clear();
         }
         for color in &mut self.colors {
-            let [r, g, b, _] = color.map(|part| EVERYWHERE + (1.0 - EVERYWHERE) * part);
+            let [r, g, b, _] = color.map(|part| EVERYWHERE + (1.0 - EVERYWHERE) * (2.0 * part).min(1.0));
             *color = [r, g, b, 1.0];
         }
     }

@@ -11,7 +11,7 @@ use crate::budget::Budget;
 use crate::quake::bsp::{BspError, Map, Tree, in_range, int, word};
 use crate::warning::{WarningKind, Warnings};
 use enfilade::{ContentBuilder, MeshId, Transform};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 /// The lumps of leafs' faces.
@@ -160,10 +160,11 @@ pub(super) fn of_entities(
     warnings: &mut Warnings,
 ) -> Result<(), BrokenRule> {
     let mut meshes: HashMap<u32, Option<MeshId>> = HashMap::new();
+    let mut files = HashSet::new();
     for entity in &entities[entities.len().min(1)..] {
         let named = entity.get("model");
         let Some(number) = named.strip_prefix('*') else {
-            if !named.is_empty() {
+            if !named.is_empty() && files.insert(named) {
                 warnings.name(WarningKind::ModelFiles, || named.to_owned());
             }
             continue;

@@ -31,7 +31,7 @@ fn allocates_nothing(name: &str, scene: &Scene, cameras: &[Camera]) {
 
 #[test]
 fn a_look_allocates_nothing_once_it_has_looked_from_everywhere() {
-    for name in ["two-rooms", "mirror", "crowd", "glass", "enfilade"] {
+    for name in ["two-rooms", "mirror", "crowd", "glass", "house", "enfilade"] {
         let built = built_in(name).expect("a built-in scene");
         allocates_nothing(name, &built.scene, &built.cameras);
     }

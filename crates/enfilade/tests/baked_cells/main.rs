@@ -98,10 +98,9 @@ fn nothing_is_missed_anywhere_in_a_pixel_in_houses_made_by_chance_and_much_is_le
             in_view += names(&all, &view).len();
         }
     }
-    println!("{seen} seen, {in_set} in sets, {in_view} in view");
     assert!(seen > 1500, "hardly anything is seen: {seen}");
     assert!(
-        in_set < 2 * seen && 4 * in_set < 3 * in_view,
+        2 * in_set < 5 * seen && 4 * in_set < 3 * in_view,
         "{seen} seen, {in_set} in sets, {in_view} in view"
     );
 }

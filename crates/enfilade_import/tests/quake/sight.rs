@@ -50,11 +50,9 @@ fn views(import: &Import, scene: &Scene, places: usize) -> Vec<View> {
         view.near = camera.near;
         view
     });
-    let places = survey(scene, PLACES);
-    assert!(places.len() > PLACES / 2, "the map has open space");
-    let places = places
-        .iter()
-        .map(|place| View::new(place.eye, place.toward, SIZE));
+    let found = survey(scene, places);
+    assert!(found.len() > places / 2, "the map has open space");
+    let places = found.iter().map(|place| View::new(place.eye, place.toward, SIZE));
     cameras.chain(places).collect()
 }
 

@@ -14,9 +14,30 @@ fn refusal(map: &[u8]) -> Option<String> {
         limit_bytes: 1 << 26,
         ..ReadOptions::default()
     };
-    read_bytes(map, None, &options)
-        .err()
-        .map(|error| error.to_string())
+    match read_bytes(map, None, &options) {
+        Err(error) => Some(error.to_string()),
+        Ok(import) => {
+            looked_at(&import);
+            None
+        }
+    }
+}
+
+/// Looks around in a map that was read, through its cells if it has any.
+fn looked_at(import: &Import) {
+    let method = match import.rooms[0].content.cells() {
+        Some(_) => Method::Pvs,
+        None => Method::HierarchicalZ,
+    };
+    let Ok(scene) = import.scene(method, 1 << 26) else {
+        return;
+    };
+    for camera in import.cameras.iter().take(1) {
+        let view = View::new(camera.eye, camera.toward, [64, 48]);
+        if view.check().is_ok() {
+            Viewer::new().look(&scene, &view);
+        }
+    }
 }
 
 /// Numbers that look random and are the same every time.

@@ -1,5 +1,7 @@
 //! Every help ends with examples, and every example runs.
 
+#[path = "support/map.rs"]
+mod map;
 mod support;
 
 use enfilade::Method;
@@ -73,6 +75,7 @@ fn the_examples_of_link_run() {
 fn the_examples_of_info_run() {
     let folder = Folder::new();
     folder.add("scene.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3");
+    folder.add("map.bsp", map::map(true));
     examples_run_in(&folder, "info");
 }
 

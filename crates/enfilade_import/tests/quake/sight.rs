@@ -183,7 +183,7 @@ fn is_the_same_with_fewer_items(import: &Import, name: &str, places: usize, most
     );
     assert_eq!(compared.different, 0, "{name}: {compared:?}");
     assert!(
-        compared.through_walls * 500 < compared.samples,
+        compared.through_walls * 100 < compared.samples,
         "{name}: {compared:?}"
     );
     let [few, all] = compared.items.map(|items| items as f64);

@@ -275,6 +275,7 @@ pub(crate) struct PortalsArgs {
 Examples:
   enfilade info scene.glb
   enfilade info scene.obj
+  enfilade info map.bsp
   enfilade info @enfilade --json -")]
 pub(crate) struct InfoArgs {
     #[command(flatten)]
@@ -288,7 +289,7 @@ pub(crate) struct InfoArgs {
 /// Which scene.
 #[derive(Debug, clap::Args)]
 pub(crate) struct SceneArg {
-    /// A .glb, .gltf or .obj file, or a built-in scene by its @NAME
+    /// A .glb, .gltf, .obj or .bsp file, or a built-in scene by its @NAME
     #[arg(value_name = "SCENE", default_value = "@enfilade")]
     pub(crate) scene: String,
 }

@@ -6,9 +6,9 @@ use crate::out;
 use crate::progress::Progress;
 use crate::values::{Choice, among};
 use anyhow::{Context, Result, anyhow, bail};
-use enfilade::{Method, Scene};
+use enfilade::{Method, Scene, SceneError};
 use enfilade_draw::Stage;
-use enfilade_import::ReadOptions;
+use enfilade_import::{MapSummary, ReadOptions};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -23,6 +23,8 @@ pub(crate) struct Opened {
     pub(crate) format: &'static str,
     pub(crate) scene: Scene,
     pub(crate) cameras: Vec<Camera>,
+    /// What only a compiled map has.
+    pub(crate) map: Option<MapSummary>,
     /// What was left out or is odd, a line each; printed already.
     pub(crate) warnings: Vec<String>,
     pub(crate) load_ms: f64,
@@ -79,6 +81,7 @@ fn open_built_in(file: &str, name: &str) -> Result<Opened> {
         format: "built-in",
         scene: built.scene,
         cameras: built.cameras.into_iter().map(Camera::from).collect(),
+        map: None,
         warnings: Vec::new(),
         load_ms: 0.0,
         stage: Arc::default(),
@@ -104,15 +107,19 @@ fn open_file(file: &str, wanted: For, choice: Choice, flat: bool, limits: &Limit
         import.rooms.iter_mut().for_each(|room| room.method = None);
         Method::ZBuffer
     };
-    let remedy = "raise --memory, or choose another --method";
-    let scene = import
-        .scene(method, limits.memory())
-        .map_err(|why| anyhow!("{file}: {why}; {remedy}"))?;
+    let scene = import.scene(method, limits.memory()).map_err(|why| {
+        let remedy = match why {
+            SceneError::NotBaked { .. } => "choose another --method, or have the file name another",
+            _ => "raise --memory, or choose another --method",
+        };
+        anyhow!("{file}: {why}; {remedy}")
+    })?;
     Ok(Opened {
         file: file.to_owned(),
         format: format(path),
         scene,
         cameras: import.cameras.into_iter().map(Camera::from).collect(),
+        map: import.map,
         warnings: import.warnings.iter().map(ToString::to_string).collect(),
         load_ms: 0.0,
         stage: Arc::default(),
@@ -127,6 +134,9 @@ fn format(path: &Path) -> &'static str {
     let _ = opened.and_then(|file| file.take(1 << 12).read_to_end(&mut first));
     let text = first.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&first);
     match text.trim_ascii_start() {
+        _ if first.starts_with(&[29, 0, 0, 0]) => "BSP29, a map of Quake",
+        [b'B', b'S', b'P', b'2', ..] => "BSP2, a map of Quake",
+        [b'I', b'B', b'S', b'P', ..] => "IBSP46, a map of Quake 3",
         [b'g', b'l', b'T', b'F', ..] => "glTF 2.0, binary",
         [b'{', ..] => "glTF 2.0",
         _ => "OBJ",

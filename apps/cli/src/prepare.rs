@@ -6,7 +6,7 @@ use crate::progress::Progress;
 use crate::report::Skipped;
 use crate::values::Choice;
 use anyhow::{Result, anyhow, bail, ensure};
-use enfilade::{Contract, Method, Scene, TooLarge, View, Viewer};
+use enfilade::{Contract, Method, Scene, Unsuited, View, Viewer};
 use enfilade_draw::Stage;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
@@ -67,7 +67,7 @@ impl Prepared {
 /// Builds what is asked for over a scene, for views that all have one size.
 ///
 /// # Errors
-/// A method that would need too much memory, unless all were asked for: then it is skipped.
+/// A method that would need too much memory, or does not suit the scene, unless all were asked for: then it is skipped.
 pub(crate) fn prepare(
     opened: &Opened,
     choice: Choice,
@@ -89,8 +89,13 @@ pub(crate) fn prepare(
         built
     };
     if choice != Choice::All {
-        let remedy = "raise --memory, or choose a smaller --size or another --method";
-        let built = build(choice).map_err(|why| anyhow!("{}: {why}; {remedy}", opened.file))?;
+        let built = build(choice).map_err(|why| {
+            let remedy = match why {
+                Unsuited::NotBaked(_) => "choose another --method, or a scene that has cells",
+                _ => "raise --memory, or choose a smaller --size or another --method",
+            };
+            anyhow!("{}: {why}; {remedy}", opened.file)
+        })?;
         return Ok((vec![built], Vec::new()));
     }
     let (mut prepared, mut skipped) = (Vec::new(), Vec::new());
@@ -136,7 +141,7 @@ fn check_cover_size(opened: &Opened, choice: Choice, how: &HowArgs, view: Option
     )
 }
 
-fn build(opened: &Opened, choice: Choice, how: &HowArgs, view: Option<&View>) -> Result<Prepared, TooLarge> {
+fn build(opened: &Opened, choice: Choice, how: &HowArgs, view: Option<&View>) -> Result<Prepared, Unsuited> {
     let limit = how.limits.memory();
     let scene = &opened.scene;
     let start = Instant::now();
@@ -185,7 +190,7 @@ fn build(opened: &Opened, choice: Choice, how: &HowArgs, view: Option<&View>) ->
 }
 
 /// The same scene, by a method that builds next to nothing, to be drawn by it.
-pub(crate) fn drawn_by(prepared: &Prepared, method: Method) -> Result<Prepared, TooLarge> {
+pub(crate) fn drawn_by(prepared: &Prepared, method: Method) -> Result<Prepared, Unsuited> {
     Ok(Prepared {
         method: method.name(),
         contract: method.contract(),

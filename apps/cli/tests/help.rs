@@ -2,11 +2,14 @@
 
 #[path = "../../../crates/enfilade_import/tests/quake/carved.rs"]
 mod carved;
+#[path = "support/map.rs"]
+mod map;
 mod support;
 
 use carved::{Format, TWO_ROOMS, carved};
 use enfilade::Method;
 use support::Folder;
+use support::quake::Grid;
 
 /// The examples of a verb's help.
 fn examples(folder: &Folder, verb: &str) -> Vec<String> {
@@ -80,16 +83,28 @@ fn the_examples_of_portals_run() {
 }
 
 #[test]
+fn the_examples_of_vis_run() {
+    let folder = Folder::new();
+    let grid = Grid::row(3);
+    folder.add("map.bsp", grid.bsp());
+    folder.add("map.prt", grid.prt());
+    folder.add("other-name.prt", grid.prt());
+    assert_eq!(folder.run("vis map.bsp -o shipped.bsp").code, Some(0));
+    examples_run_in(&folder, "vis");
+}
+
+#[test]
 fn the_examples_of_info_run() {
     let folder = Folder::new();
     folder.add("scene.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3");
+    folder.add("map.bsp", map::map(true));
     examples_run_in(&folder, "info");
 }
 
 #[test]
 fn no_line_of_a_help_ends_before_it_is_full_but_where_a_paragraph_does() {
     let folder = Folder::new();
-    for verb in ["draw", "look", "compare", "link", "portals", "info"] {
+    for verb in ["draw", "look", "compare", "link", "vis", "portals", "info"] {
         let help = folder.run(&format!("help {verb}")).stdout;
         let (before, _) = help.split_once("\nExamples:\n").expect("examples at the end");
         let last = before.trim_end().rsplit("\n\n").next().expect("a paragraph");

@@ -129,7 +129,9 @@ fn all_methods_see_the_same() {
     assert_eq!(keys(&report), ["methods", "skipped"]);
     let methods = report["methods"].as_array().expect("a list");
     let names: Vec<&Value> = methods.iter().map(|method| &method["method"]).collect();
-    assert_eq!(names, Method::ALL.map(Method::name));
+    let suited = Method::ALL.into_iter().filter(|method| !method.goes_by_cells());
+    assert_eq!(names, suited.map(Method::name).collect::<Vec<_>>());
+    assert_eq!(report["skipped"][0]["method"], "pvs");
     for method in methods
         .iter()
         .filter(|method| method["contract"] != "approximate")
@@ -156,6 +158,28 @@ fn a_method_that_needs_too_much_is_skipped_where_all_were_asked_for() {
             .as_str()
             .expect("a reason")
             .contains("bytes")
+    );
+}
+
+#[test]
+fn cells_computed_ahead_are_gone_by_where_there_are_some_and_asked_for_where_not() {
+    let folder = Folder::new();
+    let report = folder.json("look @house --method pvs --size 96x54 --survey 4 --check=2");
+    assert_eq!([&report["method"], &report["contract"]], ["pvs", "strict"]);
+    assert_eq!(report["summary"]["missed"], 0);
+    let run = folder.run("look scene.glb --method pvs");
+    assert_eq!(run.code, Some(2));
+    for word in ["scene.glb: not baked: pvs", "choose another --method"] {
+        assert!(run.stderr.contains(word), "{}", run.stderr);
+    }
+    let report = folder.json("look scene.glb --method all --size 16x9");
+    let skipped = &report["skipped"][0];
+    assert_eq!(skipped["method"], "pvs");
+    assert!(
+        skipped["why"]
+            .as_str()
+            .expect("a reason")
+            .starts_with("not baked")
     );
 }
 

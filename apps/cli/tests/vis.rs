@@ -2,12 +2,12 @@
 
 mod support;
 
-use serde_json::json;
+use serde_json::{Value, json};
 use std::fs;
 use std::process::Stdio;
 use std::time::Duration;
 use support::Folder;
-use support::quake::{Grid, seen_from};
+use support::quake::{Grid, lump_of_rows, seen_from};
 
 /// A folder with `map.bsp` and `map.prt`, and nothing else.
 fn folder_of(grid: &Grid) -> Folder {
@@ -113,6 +113,70 @@ fn the_fast_bound_sees_no_less() {
     for leaf in 1..=49 {
         let fast = seen_from(&fast, leaf);
         assert!(seen_from(&full, leaf).iter().all(|to| fast.contains(to)));
+    }
+}
+
+#[test]
+fn pairs_in_which_another_vis_differs_are_listed_with_what_speaks_for_them() {
+    let folder = folder_of(&Grid::row(5));
+    folder.json("vis map.bsp -o right.bsp");
+    folder.json("vis map.bsp -o fast.bsp --fast");
+    let same = folder.json("vis map.bsp -o copy.bsp --compare right.bsp")["compare"].clone();
+    assert_eq!(same["missing_there"], json!([]));
+    assert_eq!(same["more_there"], json!([]));
+
+    let more = folder.json("vis map.bsp -o copy.bsp --compare fast.bsp");
+    let listed = more["compare"]["more_there"].as_array().expect("a list");
+    let [pairs, there] = [&more["pairs"], &more["compare"]["other_pairs"]].map(|count| count.as_u64());
+    assert!(!listed.is_empty());
+    assert_eq!(
+        there.expect("a count") - pairs.expect("a count"),
+        listed.len() as u64
+    );
+    for pair in listed {
+        assert!(
+            pair["blocked_by"]
+                .as_str()
+                .is_some_and(|why| why.contains("chain")),
+            "{pair}"
+        );
+    }
+
+    // One that sees nothing but its own leaf: the first row of bits is the second leaf's.
+    let mut blind = map(&folder, "right.bsp");
+    let row = lump_of_rows(&blind);
+    blind[row] = 1;
+    folder.add("blind.bsp", &blind);
+    let run = folder.run("vis map.bsp -o copy.bsp --compare blind.bsp --json blind.json");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(
+        run.stdout.contains("that it misses") && run.stdout.contains("the line from"),
+        "{}",
+        run.stdout
+    );
+    let report: Value = serde_json::from_slice(&map(&folder, "blind.json")).expect("JSON");
+    let missing = report["compare"]["missing_there"].as_array().expect("a list");
+    assert!(!missing.is_empty());
+    for pair in missing {
+        let clusters = pair["witness"]["clusters"].as_array().expect("a line of sight");
+        assert_eq!(
+            (clusters.first(), clusters.last()),
+            (Some(&pair["from"]), Some(&pair["to"]))
+        );
+    }
+
+    let refusals = [
+        ("map.bsp", "map.bsp"),
+        ("other.bsp", "another map"),
+        ("nothing.bsp", "nothing.bsp"),
+    ];
+    let other = Folder::empty();
+    other.add("other.bsp", Grid::row(4).bsp());
+    other.add("other.prt", Grid::row(4).prt());
+    other.json("vis other.bsp");
+    folder.add("other.bsp", map(&other, "other.bsp"));
+    for (name, word) in refusals {
+        refused(&folder, &format!("vis map.bsp --compare {name}"), &[name, word]);
     }
 }
 

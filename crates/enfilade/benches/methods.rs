@@ -66,7 +66,7 @@ fn methods(criterion: &mut Criterion) {
         let mut looks = criterion.benchmark_group(format!("look @{}", path.scene));
         for method in Method::ALL
             .into_iter()
-            .filter(|method| method.contract() > Contract::Approximate)
+            .filter(|&method| built.scene.suits(method) && method.contract() > Contract::Approximate)
         {
             let scene = built
                 .scene

@@ -44,6 +44,7 @@ mod blend;
 mod canvas;
 mod content;
 mod detail;
+mod entrance;
 mod faces;
 mod fragment;
 #[cfg(feature = "laws")]
@@ -66,8 +67,9 @@ mod visible;
 pub use aperture::{Aperture, Rect, Rows};
 pub use canvas::{Canvas, CoverShape, CoverSpan, HiddenBy, Span};
 pub use content::{
-    Alpha, Content, ContentBuilder, ContentError, Filter, Item, ItemId, Material, MaterialId, MeshId, Minify,
-    Moved, Opening, OpeningId, Owner, Texture, TextureError, TextureId, Wrap,
+    Alpha, BakedCells, BakedCellsError, CellId, CellNode, CellSide, CellTree, Content, ContentBuilder,
+    ContentError, Filter, Item, ItemId, Material, MaterialId, MeshId, Minify, Moved, Opening, OpeningId,
+    Owner, Texture, TextureError, TextureId, Wrap,
 };
 pub use detail::{
     BezierError, BezierPatch, BezierSurface, DetailError, DetailOptions, DetailSource, Details, Refined,
@@ -78,8 +80,8 @@ pub use geom::{Aabb, ConvexPolygon, Transform};
 pub use memory::Memory;
 pub use mesh::{Attributes, Cluster, Mesh, MeshError, Part};
 pub use method::{
-    BspFront, BspPainter, Culled, Edited, HierarchicalS, HierarchicalZ, Masked, Method, Mobsp, PainterMean,
-    PainterMin, Paired, SBuffer, Svbsp, TooLarge, ZBuffer,
+    BspFront, BspPainter, Culled, Edited, HierarchicalS, HierarchicalZ, Masked, Method, Mobsp, NotBaked,
+    Ordered, PainterMean, PainterMin, Paired, Pvs, SBuffer, Svbsp, TooLarge, Unsuited, ZBuffer,
 };
 pub use occluders::{Choice, Chosen, Measure, Occluder, OccluderRoom, OccluderSet, OccluderSummary};
 pub use passage::{Passage, PassageId};

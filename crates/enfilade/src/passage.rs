@@ -1,6 +1,7 @@
 //! One way from the eye into a fragment, through zero or more portals.
 
 use crate::aperture::{Aperture, CellRoom, Rect, Rows};
+use crate::entrance::Entrance;
 use crate::fragment::Contract;
 use crate::geom::{Aabb, ConvexPolygon, Transform};
 use crate::region::Region;
@@ -43,6 +44,8 @@ pub struct Passage {
     pub(crate) screen_from_fragment: DAffine3,
     /// What lies beyond the last portal: n · (X, Y, W) ≥ d, with d ≥ 0.
     pub(crate) entry: Option<(DVec3, f64)>,
+    /// Where sight enters the fragment; `None` where the eye stands in it.
+    pub(crate) entrance: Option<Entrance>,
 }
 
 /// How far beyond the plane of the last portal a face must be, relatively: what lies in it is not beyond it.
@@ -68,6 +71,7 @@ impl Passage {
             screen_from_eye,
             screen_from_fragment: compose(&screen_from_eye, &eye_from_fragment),
             entry: None,
+            entrance: None,
         }
     }
 
@@ -101,6 +105,7 @@ impl Passage {
             screen_from_eye: self.screen_from_eye,
             screen_from_fragment: compose(&self.screen_from_eye, &eye_from_fragment),
             entry: Some(self.beyond(outline)),
+            entrance: Some(Entrance::new(outline, &portal.there_from_here)),
         })
     }
 
@@ -149,6 +154,7 @@ impl Passage {
             entry: self
                 .entry
                 .map(|(normal, distance)| (normal / DVec3::new(scale[0], scale[1], 1.0), distance)),
+            entrance: self.entrance,
         }
     }
 

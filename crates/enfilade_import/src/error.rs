@@ -1,7 +1,7 @@
 //! Why a file is not read.
 
 use crate::{AuthoringError, BspError, ObjError, PrtError};
-use enfilade::{ContentError, MeshError};
+use enfilade::{BakedCellsError, ContentError, MeshError};
 use std::io;
 use thiserror::Error;
 
@@ -33,10 +33,10 @@ pub enum BrokenRule {
         /// The first bytes, as text.
         begins: String,
     },
-    /// Neither glTF nor OBJ.
+    /// Neither glTF nor OBJ nor a map.
     #[error(
-        "is neither glTF nor OBJ: it begins with {begins}. Scenes are read from glTF 2.0 (.glb, or .gltf with its .bin \
-         files) and from OBJ (.obj with its .mtl files)"
+        "is neither glTF nor OBJ, nor a map of Quake: it begins with {begins}. Scenes are read from glTF 2.0 (.glb, or .gltf \
+         with its .bin files), from OBJ (.obj with its .mtl files), and from compiled maps (.bsp: BSP29, BSP2, IBSP46)"
     )]
     UnknownFormat {
         /// The first bytes, as text.
@@ -382,6 +382,9 @@ pub enum BrokenRule {
         /// The rule it breaks.
         why: MeshError,
     },
+    /// What is left to the cells to check.
+    #[error("what is visible in it cannot be used: {0}; run vis again")]
+    Cells(Box<BakedCellsError>),
     /// What is left to the content to check.
     #[error("{0}")]
     Content(ContentError),

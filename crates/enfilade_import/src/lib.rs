@@ -1,5 +1,5 @@
-//! Reads scenes from files: glTF 2.0, as `.glb` and as `.gltf` with its buffers beside it or inside it; and OBJ, with its
-//! MTL files and their images beside it.
+//! Reads scenes from files: glTF 2.0, as `.glb` and as `.gltf` with its buffers beside it or inside it; OBJ, with its MTL files
+//! and their images beside it; and compiled maps of Quake and Quake 3.
 //!
 //! ```
 //! use enfilade::{FragmentId, Method};
@@ -41,6 +41,14 @@
 //! what stands in a room. Polygons of any shape are cut into triangles. Materials are seen from both sides, `d` and `Tr` make
 //! glass, an image that is both `map_Kd` and `map_d` cut-outs. Colors of materials are taken as linear, those of positions as
 //! they look on a screen. Nothing outside the file's folder is read.
+//!
+//! Of a compiled map (`.bsp`: BSP29 and BSP2 of Quake, IBSP46 of Quake 3) the faces of the world are items by the leafs that
+//! show them, `leaf 12`, or the clusters, `cluster 12`; where several sets of leafs begin with one, the second is `leaf 12.2`.
+//! Doors, lifts and what else moves are items of their own, `func_door gate#34`: what it is, how others call it, and its number
+//! among the map's entities. What engines do not draw is left out; sky is an opaque face, for it bounds the world. Places where
+//! players start are cameras, lights are lamps. What is visible from where, if that has been computed, becomes the content's
+//! [cells](enfilade::Content::cells). Z is up in maps: x stays x, their z is our y, their y our −z; lengths stay theirs. The
+//! images of their textures lie in files of the game, so colors are made up by their names.
 //!
 //! Of a map for Quake or Quake 3 [`read_portals`] reads the `.prt` that its compiler leaves beside it: the convex cells that
 //! `enfilade_bake` computes the visible pairs of, which [`with_visibility`] puts into the map. Where the `.prt` is lost,
@@ -87,8 +95,8 @@ pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};
 pub use levels::{Levels, details_of};
 pub use obj::ObjError;
 pub use quake::{
-    BspError, ClustersFrom, PortalFile, PrtError, PrtKind, RebuiltPortals, leafs_of_clusters, read_portals,
-    rebuild_portals, rebuild_portals_bytes, visibility_bytes, with_visibility,
+    BspError, ClustersFrom, MapSummary, PortalFile, PrtError, PrtKind, RebuiltPortals, leafs_of_clusters,
+    read_portals, rebuild_portals, rebuild_portals_bytes, visibility_bytes, with_visibility,
 };
 pub use warning::{Warning, WarningKind};
 
@@ -106,8 +114,9 @@ pub struct Import {
     /// otherwise. At least one; exactly one where none is marked, or where the file was read as [flat](ReadOptions::flat).
     ///
     /// An item is named for its node, `NAME#nodeIndex` where nodes with meshes share the name, `node#12` where it
-    /// has none; of several instances each has its number behind that, `NAME[7]`; of an OBJ file for its group, `NAME#itemIndex` where groups share the name, `default` where it has none. No
-    /// two items of a file have the same name.
+    /// has none; of several instances each has its number behind that, `NAME[7]`; of an OBJ file for its group,
+    /// `NAME#itemIndex` where groups share the name, `default` where it has none; of a map for what shows it. No two items of a
+    /// file have the same name.
     pub rooms: Vec<Room>,
     /// The ways between them; [`FragmentId`](enfilade::FragmentId) n is room n. A door is two, a mirror one that reflects.
     pub portals: Vec<Portal>,
@@ -116,6 +125,8 @@ pub struct Import {
     /// Its lights, each in the room that it stands in. Their colors are in the units of the file, whatever its author meant by
     /// them: whoever draws chooses an exposure.
     pub lights: Vec<Light>,
+    /// What only a compiled map has; `None` of other files.
+    pub map: Option<MapSummary>,
     /// What the file has that was not read, or that is odd: one warning of each kind, worst first.
     pub warnings: Vec<Warning>,
 }
@@ -180,7 +191,7 @@ impl Default for ReadOptions {
     }
 }
 
-/// Reads a file. Its first bytes say what it is, not its name; but OBJ files may begin with anything, so what is none of the
+/// Reads a file of any kind. Its first bytes say what it is, not its name; but OBJ files may begin with anything, so what is none of the
 /// others is OBJ where it is called so, or begins with positions, materials or comments before them.
 ///
 /// # Errors
@@ -248,6 +259,9 @@ fn import(
 ) -> Result<Import, BrokenRule> {
     if gltf::begins_like_gltf(bytes) {
         return gltf::import(bytes, folder, name, options, budget);
+    }
+    if quake::begins_like_map(bytes) {
+        return quake::import(bytes, name, options, budget);
     }
     let may_be_obj = !bytes.is_empty() && (is_called_obj || obj::begins_like_obj(bytes));
     if may_be_obj && let Some(import) = obj::import(bytes, folder, name, options, budget)? {

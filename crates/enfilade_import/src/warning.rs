@@ -48,6 +48,14 @@ pub enum WarningKind {
     MaterialLines,
     /// Polygons that cross themselves.
     RoughPolygons,
+    /// Faces of a map that engines never draw, for no leaf lists them.
+    UnmarkedFaces,
+    /// Things of a map whose shape is in a file of the game.
+    ModelFiles,
+    /// Lights of a map that dazzle.
+    Flares,
+    /// Light that the compiler of a map has computed.
+    Lightmaps,
     /// Normals, texture coordinates and colors that are NaN or infinite.
     NotFinite,
     /// Primitives without positions.
@@ -111,6 +119,12 @@ impl WarningKind {
             WarningKind::MaterialLines => "what is said of materials and not read",
             WarningKind::RoughPolygons => {
                 "polygons cross themselves, and are cut into triangles as well as can be"
+            }
+            WarningKind::UnmarkedFaces => "faces that no leaf of the map lists are not drawn",
+            WarningKind::ModelFiles => "not drawn: what has its shape in another file of the game",
+            WarningKind::Flares => "flares are not drawn",
+            WarningKind::Lightmaps => {
+                "the light that the map's compiler has computed is not read: its lamps light it without shadows"
             }
             WarningKind::NotFinite => {
                 "normals, texture coordinates or colors are not finite, and are left out"

@@ -54,6 +54,8 @@ pub enum Group {
     Close,
     /// Thousands of items, or meshes of thousands of faces.
     Large,
+    /// Cells that were computed ahead: its walls are not to be moved.
+    Baked,
 }
 
 impl Named {
@@ -69,7 +71,7 @@ impl Named {
 }
 
 /// All scenes: the default, those of the laws, and the figures of the thesis.
-pub const SCENES: [Named; 41] = [
+pub const SCENES: [Named; 42] = [
     Named {
         name: "enfilade",
         about: "a palace: twelve rooms in line, a gallery, a court, cabinets, a doll's house, a fountain that can move",
@@ -233,6 +235,18 @@ pub const SCENES: [Named; 41] = [
         "a handful of things at random",
         &[Group::Doors, Group::Glass, Group::OneSided, Group::Intersections],
         || crate::random_scene(2),
+    ),
+    law(
+        "house",
+        "six rooms and an annex that know what can be seen from them",
+        &[
+            Group::Baked,
+            Group::Doors,
+            Group::Mirrors,
+            Group::Teleports,
+            Group::Glass,
+        ],
+        laws::house,
     ),
     law(
         "tetrahedron",

@@ -24,6 +24,7 @@ mod thesis;
 
 pub use camera::Camera;
 pub use catalog::{BuiltIn, Group, NAMES, Named, SCENES, built_in, figures, law_scenes};
+pub use laws::random_house;
 pub use palace::{FOUNTAIN_SECONDS, fountain, person};
 pub use random::Random;
 pub use random_edits::random_edits;

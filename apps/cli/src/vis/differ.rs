@@ -62,7 +62,10 @@ impl Other {
         options.limit_bytes = args.limits.memory.unwrap_or(options.limit_bytes);
         let import = enfilade_import::read(path, &options)?;
         let Some(cells) = import.rooms.first().and_then(|room| room.content.cells()) else {
-            bail!("{}: nothing in it says what is visible; name a map that vis has run on", path.display());
+            bail!(
+                "{}: nothing in it says what is visible; name a map that vis has run on",
+                path.display()
+            );
         };
         let cell_of = cells_of_clusters(path, portals, cells)?;
         Ok(Some(Other {
@@ -73,7 +76,8 @@ impl Other {
     }
 
     fn sees(&self, from: u32, to: u32) -> bool {
-        self.cells.sees(self.cell_of[from as usize], self.cell_of[to as usize])
+        self.cells
+            .sees(self.cell_of[from as usize], self.cell_of[to as usize])
     }
 
     /// All pairs that differ, with what speaks for it.
@@ -157,7 +161,11 @@ impl Differs {
     /// As lines of text.
     pub(super) fn lines(&self) -> Vec<String> {
         let mut lines = vec![format!("{}: {} pairs", self.other, count(self.other_pairs))];
-        let shown = self.missing_there.iter().filter(|missing| missing.witness.is_some()).count();
+        let shown = self
+            .missing_there
+            .iter()
+            .filter(|missing| missing.witness.is_some())
+            .count();
         lines.push(format!(
             "  {} that it misses, {} of them shown to be seen by a line",
             plural(self.missing_there.len(), "pair"),
@@ -169,7 +177,9 @@ impl Differs {
         for Missing { from, to, witness } in missing.iter().take(PRINTED) {
             lines.push(match witness {
                 Some(line) => format!("    {line}"),
-                None => format!("    cluster {from} and {to}: no line is found, and nothing proves that there is none"),
+                None => format!(
+                    "    cluster {from} and {to}: no line is found, and nothing proves that there is none"
+                ),
             });
         }
         lines.push(format!("  {} too many", plural(self.more_there.len(), "pair")));

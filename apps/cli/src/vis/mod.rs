@@ -12,11 +12,11 @@ use crate::progress::Progress;
 use crate::report::Sink;
 use crate::save::Destination;
 use anyhow::{Context, Result, anyhow, bail};
+use differ::Other;
 use enfilade_bake::{PairsWork, Stage, VisiblePairs, find_missing};
 use enfilade_import::{
     PortalFile, ReadOptions, leafs_of_clusters, read_portals, visibility_bytes, with_visibility,
 };
-use differ::Other;
 use report::{Checked, Found, Seconds, Visibility};
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -107,6 +107,11 @@ impl Grid {
     }
 }
 
+/// Where in a map its rows of what is visible begin.
+pub(crate) fn lump_of_rows(map: &[u8]) -> usize {
+    i32::from_le_bytes(map[4 + 4 * 8..][..4].try_into().expect("four")) as usize
+}
+
 /// What a map says is seen from a leaf, as engines read it; leafs are counted as in the map.
 pub(crate) fn seen_from(map: &[u8], leaf: usize) -> Vec<usize> {
     let word = |at: usize| i32::from_le_bytes(map[at..at + 4].try_into().expect("four")) as usize;

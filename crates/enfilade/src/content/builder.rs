@@ -1,7 +1,7 @@
 //! Puts a content together, and refuses one that cannot be.
 
 use super::names::Names;
-use super::{Content, Item, ItemId, Material, MeshId, Opening, OpeningId, Texture};
+use super::{BakedCells, Content, Item, ItemId, Material, MeshId, Opening, OpeningId, Texture};
 use crate::geom::{Aabb, ConvexPolygon, Octree, Transform};
 use crate::mesh::Mesh;
 use std::sync::{Arc, Mutex, OnceLock, Weak};
@@ -16,6 +16,7 @@ pub struct ContentBuilder {
     items: Vec<(MeshId, Transform, bool)>,
     names: Names,
     openings: Vec<Opening>,
+    cells: Option<Arc<BakedCells>>,
 }
 
 impl ContentBuilder {
@@ -62,6 +63,13 @@ impl ContentBuilder {
         OpeningId(self.openings.len().min(usize::from(u16::MAX)) as u16 - 1)
     }
 
+    /// Gives it cells that were computed ahead, for [`Method::Pvs`](crate::Method::Pvs). Items need not be told which cells
+    /// they stand in: that is found out from their faces. An item is seen whole or not at all, so that walls are best cut
+    /// into items of a cell or a few.
+    pub fn cells(&mut self, cells: impl Into<Arc<BakedCells>>) {
+        self.cells = Some(cells.into());
+    }
+
     /// Checks everything.
     ///
     /// # Errors
@@ -74,6 +82,7 @@ impl ContentBuilder {
             items: placed,
             names,
             openings,
+            cells,
         } = self;
         for (mesh, built) in meshes.iter().enumerate() {
             if let Some(cluster) = built
@@ -149,6 +158,7 @@ impl ContentBuilder {
             names,
             slots: None,
             openings,
+            cells,
             item_tree: OnceLock::new(),
             opening_tree: Octree::build(&holes, FEW_OPENINGS),
             outline_corners,

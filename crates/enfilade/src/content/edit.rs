@@ -352,6 +352,7 @@ impl Clone for Content {
             names: self.names.clone(),
             slots: self.slots.clone(),
             openings: self.openings.clone(),
+            cells: self.cells.clone(),
             item_tree: self.item_tree.clone(),
             opening_tree: self.opening_tree.clone(),
             outline_corners: self.outline_corners.clone(),

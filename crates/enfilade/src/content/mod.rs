@@ -1,5 +1,6 @@
 //! What a fragment is made of: items, materials, openings. Methods share it, whatever they build over it.
 
+mod baked_cells;
 mod builder;
 mod edit;
 mod material;
@@ -7,6 +8,8 @@ mod names;
 mod slots;
 mod texture;
 
+pub use baked_cells::{BakedCells, BakedCellsError, CellId, CellNode, CellSide, CellTree};
+pub(crate) use baked_cells::{Leaf, Room};
 pub use builder::{ContentBuilder, ContentError};
 pub use edit::Moved;
 pub(crate) use edit::{Changes, Exchanged, FARTHEST, Placing, Unfit};
@@ -72,6 +75,7 @@ pub struct Content {
     /// What is free and what is used, once items were edited.
     slots: Option<Slots>,
     openings: Vec<Opening>,
+    cells: Option<Arc<BakedCells>>,
     /// Over the boxes of items, once it was asked for.
     item_tree: OnceLock<Octree>,
     /// Over the boxes of openings.
@@ -138,6 +142,11 @@ impl Content {
         &self.openings
     }
 
+    /// The cells that were computed ahead, if there are any.
+    pub fn cells(&self) -> Option<&Arc<BakedCells>> {
+        self.cells.as_ref()
+    }
+
     /// The tree over the boxes of items, each in one node; built when it is first asked for.
     pub(crate) fn item_tree(&self) -> &Octree {
         self.item_tree.get_or_init(|| {
@@ -183,11 +192,12 @@ impl Content {
         &self.materials[cluster.material.0 as usize]
     }
 
-    /// Memory in bytes, without textures; meshes that other fragments share are counted in each.
+    /// Memory in bytes, without textures; meshes and cells that other contents share are counted in each.
     pub fn bytes(&self) -> u64 {
         self.meshes.iter().map(|mesh| mesh.bytes()).sum::<u64>()
             + self.item_tree.get().map_or(0, Octree::bytes)
             + self.opening_tree.bytes()
+            + self.cells.as_ref().map_or(0, |cells| cells.bytes())
             + (size_of_val(&*self.items) + size_of_val(&*self.first_faces) + self.names.bytes()) as u64
     }
 

@@ -24,5 +24,6 @@ pub use kd_tree::KdTree;
 pub use octree::{Enter, Octree, Step};
 pub(crate) use pierce::{Pierced, nearest_in, pierced};
 pub use polygon::{ConvexPolygon, PolygonError};
+pub(crate) use runs::{Run, Runs};
 pub(crate) use slabs::Line;
 pub use transform::Transform;

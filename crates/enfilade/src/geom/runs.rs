@@ -4,39 +4,39 @@
 
 /// Lists of numbers, in stretches of one array.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Runs {
+pub(crate) struct Runs {
     all: Vec<u32>,
     spare: Spare,
 }
 
 /// One list of [`Runs`].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Run {
+pub(crate) struct Run {
     start: u32,
     len: u32,
     room: u32,
 }
 
 impl Run {
-    pub(super) const EMPTY: Run = Run {
+    pub(crate) const EMPTY: Run = Run {
         start: 0,
         len: 0,
         room: 0,
     };
 
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.len as usize
     }
 }
 
 impl Runs {
     /// The numbers of a list.
-    pub(super) fn get(&self, run: Run) -> &[u32] {
+    pub(crate) fn get(&self, run: Run) -> &[u32] {
         &self.all[run.start as usize..(run.start + run.len) as usize]
     }
 
     /// A new list. It has no more room than it needs where it goes to the end: most lists never grow.
-    pub(super) fn put(&mut self, numbers: &[u32]) -> Run {
+    pub(crate) fn put(&mut self, numbers: &[u32]) -> Run {
         let len = numbers.len() as u32;
         if len == 0 {
             return Run::EMPTY;
@@ -52,7 +52,7 @@ impl Runs {
     }
 
     /// Adds a number at the end of a list.
-    pub(super) fn push(&mut self, run: &mut Run, number: u32) {
+    pub(crate) fn push(&mut self, run: &mut Run, number: u32) {
         if run.len == run.room {
             let room = (run.len + 1).next_power_of_two();
             let start = self.spare.take(room).unwrap_or_else(|| {
@@ -69,7 +69,7 @@ impl Runs {
     }
 
     /// Takes a number out of a list, whose last then stands in its place; says whether it was there.
-    pub(super) fn remove(&mut self, run: &mut Run, number: u32) -> bool {
+    pub(crate) fn remove(&mut self, run: &mut Run, number: u32) -> bool {
         let Some(place) = self.get(*run).iter().position(|&other| other == number) else {
             return false;
         };
@@ -82,13 +82,13 @@ impl Runs {
     }
 
     /// Empties a list, and gives its room to others.
-    pub(super) fn clear(&mut self, run: &mut Run) {
+    pub(crate) fn clear(&mut self, run: &mut Run) {
         self.spare.give(run.start, run.room);
         *run = Run::EMPTY;
     }
 
     /// Memory in bytes.
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.all.len() * size_of::<u32>() + self.spare.bytes()
     }
 }

@@ -6,10 +6,12 @@ mod enlarged;
 mod found;
 mod gathered;
 mod in_cells;
+mod ordered;
 mod ours;
 mod paired;
 
 pub use culled::Culled;
+pub use ordered::Ordered;
 pub use ours::Edited;
 pub(crate) use ours::Ours;
 pub use paired::Paired;
@@ -22,7 +24,8 @@ use crate::cover::{
 };
 use crate::fragment::{Contract, Fragment};
 use crate::order::{
-    Bsp, BvhOrder, DepthSort, FarToNear, KdTreeOrder, Mean, Min, NearToFar, OctreeOrder, Unordered,
+    BakedCellsOrder, Bsp, BvhOrder, DepthSort, FarToNear, KdTreeOrder, Mean, Min, NearToFar, OctreeOrder,
+    Unordered,
 };
 use crate::view::View;
 use in_cells::InCells;
@@ -77,6 +80,11 @@ pub type Svbsp = Culled<KdTreeOrder, OcclusionTree<ByFaces>>;
 /// in modern computer games.
 pub type Mobsp = Culled<KdTreeOrder, OcclusionTree<ByBox>>;
 
+/// Potentially visible sets: a content's cells say what may be seen from where sight begins, drawn by a z-buffer. Only for
+/// contents that have cells ([`ContentBuilder::cells`](crate::ContentBuilder::cells)). Teller, Séquin, SIGGRAPH 1991;
+/// Boreskov, Using portals.
+pub type Pvs = Ordered<BakedCellsOrder>;
+
 /// How a fragment is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -103,6 +111,33 @@ pub enum Method {
     Svbsp,
     /// See [`Mobsp`](crate::Mobsp).
     Mobsp,
+    /// See [`Pvs`](crate::Pvs).
+    Pvs,
+}
+
+/// Why a method cannot see a content.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Unsuited {
+    /// It would need too much memory.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
+    /// It goes by what was computed ahead, and nothing was.
+    #[error(transparent)]
+    NotBaked(#[from] NotBaked),
+}
+
+/// A method goes by cells that were computed ahead, but a content has none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error(
+    "not baked: {method} goes by cells that were computed ahead, and there are none; {instead} needs none"
+)]
+#[non_exhaustive]
+pub struct NotBaked {
+    /// The method that was asked for.
+    pub method: Method,
+    /// A method that needs no cells.
+    pub instead: Method,
 }
 
 /// A method would need too much memory; told by an estimate, before anything is built.
@@ -139,7 +174,7 @@ impl TooLarge {
 
 impl Method {
     /// Every method there is.
-    pub const ALL: [Method; 11] = [
+    pub const ALL: [Method; 12] = [
         Method::PainterMin,
         Method::PainterMean,
         Method::Bsp,
@@ -151,6 +186,7 @@ impl Method {
         Method::Masked,
         Method::Svbsp,
         Method::Mobsp,
+        Method::Pvs,
     ];
 
     /// What one fragment's method may build unless told otherwise, in bytes: 1 GB.
@@ -170,6 +206,7 @@ impl Method {
             Method::Masked => "masked",
             Method::Svbsp => "svbsp",
             Method::Mobsp => "mobsp",
+            Method::Pvs => "pvs",
         }
     }
 
@@ -189,7 +226,7 @@ impl Method {
             | Method::HierarchicalZ
             | Method::HierarchicalS => Contract::Exact,
             Method::Masked => Contract::Conservative,
-            Method::Svbsp | Method::Mobsp => Contract::Strict,
+            Method::Svbsp | Method::Mobsp | Method::Pvs => Contract::Strict,
         }
     }
 
@@ -211,11 +248,22 @@ impl Method {
         }
     }
 
+    /// Does it go by cells that were computed ahead? Then it suits only contents that have some.
+    pub fn goes_by_cells(self) -> bool {
+        self == Method::Pvs
+    }
+
+    /// Has a content what the method goes by?
+    pub fn suits(self, content: &Content) -> bool {
+        !self.goes_by_cells() || content.cells().is_some()
+    }
+
     /// Prepares a content to be seen.
     ///
     /// # Errors
-    /// [`TooLarge`] where more than `limit_bytes` would be needed.
-    pub fn build(self, content: Arc<Content>, limit_bytes: u64) -> Result<Arc<dyn Fragment>, TooLarge> {
+    /// [`Unsuited::TooLarge`] where more than `limit_bytes` would be needed, [`Unsuited::NotBaked`] where the content has not
+    /// what the method goes by.
+    pub fn build(self, content: Arc<Content>, limit_bytes: u64) -> Result<Arc<dyn Fragment>, Unsuited> {
         Ok(self.build_ours(content, limit_bytes)?)
     }
 
@@ -223,7 +271,15 @@ impl Method {
         self,
         content: Arc<Content>,
         limit_bytes: u64,
-    ) -> Result<Arc<dyn Ours>, TooLarge> {
+    ) -> Result<Arc<dyn Ours>, Unsuited> {
+        if !self.suits(&content) {
+            let instead = Method::HierarchicalZ;
+            return Err(NotBaked {
+                method: self,
+                instead,
+            }
+            .into());
+        }
         Ok(match self {
             Method::PainterMin => Arc::new(PainterMin::build(self, content, limit_bytes)?),
             Method::PainterMean => Arc::new(PainterMean::build(self, content, limit_bytes)?),
@@ -236,6 +292,7 @@ impl Method {
             Method::Masked => Arc::new(InCells(Masked::build(self, content, limit_bytes)?)),
             Method::Svbsp => Arc::new(Svbsp::build(self, content, limit_bytes)?),
             Method::Mobsp => Arc::new(Mobsp::build(self, content, limit_bytes)?),
+            Method::Pvs => Arc::new(Pvs::build(self, content, limit_bytes)?),
         })
     }
 
@@ -255,7 +312,7 @@ impl Method {
         match self {
             Method::BspFront => Mask::needs_bytes(size),
             Method::PainterMin | Method::PainterMean | Method::Bsp => Nothing::needs_bytes(size),
-            Method::ZBuffer => DepthBuffer::needs_bytes(size),
+            Method::ZBuffer | Method::Pvs => DepthBuffer::needs_bytes(size),
             Method::SBuffer | Method::HierarchicalS => SpanBuffer::needs_bytes(size),
             Method::HierarchicalZ => DepthPyramid::needs_bytes(size),
             Method::Masked => MaskedDepth::needs_bytes(size),
@@ -271,7 +328,7 @@ impl Method {
         match self {
             Method::BspFront => Mask::SHAPE,
             Method::PainterMin | Method::PainterMean | Method::Bsp => Nothing::SHAPE,
-            Method::ZBuffer => DepthBuffer::SHAPE,
+            Method::ZBuffer | Method::Pvs => DepthBuffer::SHAPE,
             Method::SBuffer | Method::HierarchicalS => SpanBuffer::SHAPE,
             Method::HierarchicalZ => DepthPyramid::SHAPE,
             Method::Masked => MaskedDepth::SHAPE,

@@ -1,5 +1,6 @@
 //! Orders: what comes next. An order knows nothing of covers; `method` joins the two.
 
+mod baked_cells;
 mod bsp;
 mod bvh;
 mod depth_sort;
@@ -9,6 +10,7 @@ mod octree;
 mod queue;
 mod unordered;
 
+pub use baked_cells::BakedCellsOrder;
 pub use bsp::{Bsp, Direction};
 pub use bvh::BvhOrder;
 pub use depth_sort::{DepthSort, Mean, Min, SortKey};

@@ -203,10 +203,7 @@ fn place(waiting: Waiting, limit: u64) -> Result<Placed, SceneError> {
         },
         Waiting::Ours(name, content, method) => {
             let built = method.build_ours(content, limit);
-            let fragment = built.map_err(|why| SceneError::TooLarge {
-                fragment: name.clone(),
-                why,
-            })?;
+            let fragment = built.map_err(|why| SceneError::unsuited(&name, why))?;
             Placed {
                 name,
                 body: Body::Ours { method, fragment },

@@ -7,7 +7,7 @@ use super::{Body, FragmentId, Scene, SceneError};
 use crate::content::{Changes, FARTHEST, ItemId, Placing, Unfit};
 use crate::geom::Transform;
 use crate::mesh::Mesh;
-use crate::method::{Edited, TooLarge};
+use crate::method::{Edited, Unsuited};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use thiserror::Error;
@@ -197,10 +197,7 @@ impl Edit<'_> {
             // What was there before needs no more than it did then.
             let _ = scene.exchange(done, changes, u64::MAX);
         }
-        Err(SceneError::TooLarge {
-            fragment: scene.fragment_name(fragment).to_owned(),
-            why,
-        })
+        Err(SceneError::unsuited(scene.fragment_name(fragment), why))
     }
 
     fn change(
@@ -239,7 +236,7 @@ impl Edit<'_> {
 }
 
 impl Scene {
-    fn exchange(&mut self, id: FragmentId, changes: &mut Changes, limit: u64) -> Result<Edited, TooLarge> {
+    fn exchange(&mut self, id: FragmentId, changes: &mut Changes, limit: u64) -> Result<Edited, Unsuited> {
         let placed = &mut self.fragments[id.0 as usize];
         let Body::Ours { method, fragment } = &mut placed.body else {
             return Ok(Edited::default());

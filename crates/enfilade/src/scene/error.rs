@@ -1,6 +1,6 @@
 //! Why fragments and portals do not make a scene.
 
-use crate::method::TooLarge;
+use crate::method::{NotBaked, TooLarge, Unsuited};
 use std::fmt;
 use thiserror::Error;
 
@@ -87,6 +87,14 @@ pub enum SceneError {
         /// What it needs.
         why: TooLarge,
     },
+    /// A fragment has not what its method goes by.
+    #[error("fragment `{fragment}`: {why}")]
+    NotBaked {
+        /// The fragment's name.
+        fragment: String,
+        /// What it lacks.
+        why: NotBaked,
+    },
 }
 
 /// What a broken rule is about.
@@ -111,6 +119,15 @@ impl fmt::Display for Way {
 }
 
 impl SceneError {
+    /// Why a fragment's method cannot see its content.
+    pub(super) fn unsuited(fragment: &str, why: Unsuited) -> SceneError {
+        let fragment = fragment.to_owned();
+        match why {
+            Unsuited::TooLarge(why) => SceneError::TooLarge { fragment, why },
+            Unsuited::NotBaked(why) => SceneError::NotBaked { fragment, why },
+        }
+    }
+
     /// The exits that there are.
     fn exits_in_words(&self) -> String {
         match self {

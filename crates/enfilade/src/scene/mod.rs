@@ -20,7 +20,7 @@ pub use portal::{FragmentId, Portal, PortalId};
 use crate::content::{Content, OpeningId};
 use crate::fragment::{Built, Fragment};
 use crate::geom::{Aabb, Transform};
-use crate::method::{Method, Ours, TooLarge};
+use crate::method::{Method, Ours, Unsuited};
 use crate::view::View;
 use locate::Boxes;
 #[cfg(feature = "rayon")]
@@ -133,7 +133,8 @@ impl Scene {
     /// Cost: that of building the method, which is next to nothing for [`Method::ZBuffer`] and [`Method::SBuffer`].
     ///
     /// # Errors
-    /// [`SceneError::NotOurs`], [`SceneError::Openings`] or [`SceneError::TooLarge`], and then it stays as it was.
+    /// [`SceneError::NotOurs`], [`SceneError::Openings`], [`SceneError::TooLarge`] or [`SceneError::NotBaked`], and then it
+    /// stays as it was.
     pub fn set_content(
         &mut self,
         id: FragmentId,
@@ -154,7 +155,7 @@ impl Scene {
     /// Has a fragment seen by another method; no other is touched.
     ///
     /// # Errors
-    /// [`SceneError::NotOurs`] or [`SceneError::TooLarge`], and then it stays as it was.
+    /// [`SceneError::NotOurs`], [`SceneError::TooLarge`] or [`SceneError::NotBaked`], and then it stays as it was.
     pub fn set_method(&mut self, id: FragmentId, method: Method) -> Result<(), SceneError> {
         let (content, _) = self.ours(id)?;
         self.rebuild(id, Arc::clone(content), method)
@@ -170,10 +171,7 @@ impl Scene {
     fn rebuild(&mut self, id: FragmentId, content: Arc<Content>, method: Method) -> Result<(), SceneError> {
         let placed = &mut self.fragments[id.0 as usize];
         let built = placed.rebuild(content, method, self.limit_bytes);
-        built.map_err(|why| SceneError::TooLarge {
-            fragment: placed.name.clone(),
-            why,
-        })
+        built.map_err(|why| SceneError::unsuited(&placed.name, why))
     }
 
     /// How often a fragment's method was built since the fragment was added; 0 of one of the user's own.
@@ -196,8 +194,9 @@ impl Scene {
     /// The same scene with every fragment of ours seen by `method`. Contents are shared, not copied.
     ///
     /// # Errors
-    /// [`TooLarge`] where a fragment would need more than `limit_bytes` for what the method builds.
-    pub fn with_method(&self, method: Method, limit_bytes: u64) -> Result<Scene, TooLarge> {
+    /// [`Unsuited::TooLarge`] where a fragment would need more than `limit_bytes` for what the method builds,
+    /// [`Unsuited::NotBaked`] where one has not what the method goes by.
+    pub fn with_method(&self, method: Method, limit_bytes: u64) -> Result<Scene, Unsuited> {
         let mut scene = self.clone();
         scene.limit_bytes = limit_bytes;
         #[cfg(feature = "rayon")]
@@ -212,6 +211,11 @@ impl Scene {
         };
         fragments.map(build).collect::<Result<(), _>>()?;
         Ok(scene)
+    }
+
+    /// Has every fragment of ours what a method goes by ([`Method::suits`])?
+    pub fn suits(&self, method: Method) -> bool {
+        self.contents().all(|content| method.suits(content))
     }
 
     /// The same scene with its openings as plain holes: no portal is followed.
@@ -293,7 +297,7 @@ impl Placed {
     }
 
     /// Has this content seen by this method, or stays as it was.
-    fn rebuild(&mut self, content: Arc<Content>, method: Method, limit_bytes: u64) -> Result<(), TooLarge> {
+    fn rebuild(&mut self, content: Arc<Content>, method: Method, limit_bytes: u64) -> Result<(), Unsuited> {
         let fragment = method.build_ours(content, limit_bytes)?;
         self.body = Body::Ours { method, fragment };
         self.builds += 1;

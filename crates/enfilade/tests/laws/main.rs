@@ -261,6 +261,7 @@ fn every_kind_of_trouble_has_a_scene() {
         Extreme,
         Close,
         Large,
+        Baked,
     ] {
         assert!(
             SCENES.iter().any(|named| named.is(group)),

@@ -13,7 +13,7 @@ const AT_LEAST: [Contract; 3] = [Contract::Exact, Contract::Conservative, Contra
 fn mixed(scene: &Scene, at_least: Contract, seed: u64) -> Scene {
     let pool: Vec<Method> = Method::ALL
         .into_iter()
-        .filter(|method| method.contract() >= at_least)
+        .filter(|method| scene.suits(*method) && method.contract() >= at_least)
         .collect();
     let mut scene = scene.clone();
     let mut state = seed;

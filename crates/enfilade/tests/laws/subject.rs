@@ -32,23 +32,25 @@ fn seen_by(method: Method, scene: &Scene) -> Scene {
 pub(crate) struct Subject {
     pub(crate) name: &'static str,
     pub(crate) built: BuiltIn,
-    /// The scene as each method sees it.
+    /// The scene as each method sees it that suits it.
     pub(crate) seen: Vec<(Method, Scene)>,
 }
 
 impl Subject {
     pub(crate) fn new(name: &'static str, built: BuiltIn) -> Subject {
-        let seen = Method::ALL.map(|method| (method, seen_by(method, &built.scene)));
-        Subject {
-            name,
-            built,
-            seen: seen.into(),
-        }
+        let suits = |method: &Method| built.scene.suits(*method);
+        let seen = Method::ALL.into_iter().filter(suits);
+        let seen = seen
+            .map(|method| (method, seen_by(method, &built.scene)))
+            .collect();
+        Subject { name, built, seen }
     }
 
     pub(crate) fn seen_by(&self, wanted: Method) -> &Scene {
         let mut all = self.seen.iter();
-        let (_, scene) = all.find(|(method, _)| *method == wanted).expect("every method");
+        let (_, scene) = all
+            .find(|(method, _)| *method == wanted)
+            .expect("a method that suits it");
         scene
     }
 

@@ -126,6 +126,7 @@ pub(crate) fn import(
         portals,
         cameras,
         lights,
+        map: None,
         warnings: warnings.into_list(),
     })
 }

@@ -15,7 +15,7 @@ mod materials;
 mod mesh;
 mod mtl;
 mod parse;
-mod polygon;
+pub(crate) mod polygon;
 mod ring;
 mod smooth;
 mod survey;
@@ -142,6 +142,7 @@ fn read(
         portals: Vec::new(),
         cameras: Vec::new(),
         lights: Vec::new(),
+        map: None,
         warnings: warnings.into_list(),
     })
 }

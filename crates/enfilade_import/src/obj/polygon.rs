@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 
 /// Cuts polygons. What it holds is used again for the next.
 #[derive(Debug, Default)]
-pub(super) struct Cutter {
+pub(crate) struct Cutter {
     ring: Ring,
     /// Corners that are not in the place of the one before, by their places in the polygon.
     apart: Vec<u32>,
@@ -19,7 +19,7 @@ pub(super) struct Cutter {
 impl Cutter {
     /// Cuts the polygon with these corners, all of them finite, into triangles, which are handed out as places in
     /// `corners`: none where it has no area. Says whether it is sound: one that crosses itself is cut as well as can be.
-    pub(super) fn cut(&mut self, corners: &[[f32; 3]], triangles: &mut Vec<[u32; 3]>) -> bool {
+    pub(crate) fn cut(&mut self, corners: &[[f32; 3]], triangles: &mut Vec<[u32; 3]>) -> bool {
         self.apart.clear();
         for (place, corner) in (0..).zip(corners) {
             let before = self.apart.last();

@@ -5,11 +5,14 @@ mod error;
 mod portals;
 mod prt;
 mod prt_text;
+mod scene;
 
 pub use bsp::{BspError, leafs_of_clusters, visibility_bytes, with_visibility};
 pub use error::PrtError;
 pub use portals::{ClustersFrom, RebuiltPortals, rebuild_portals, rebuild_portals_bytes};
 pub use prt::{PortalFile, PrtKind};
+pub use scene::MapSummary;
+pub(crate) use scene::{begins_like_map, import};
 
 use crate::{BrokenRule, ImportError, ReadOptions, read_file};
 use std::path::Path;

@@ -182,21 +182,24 @@ fn what_is_no_file_is_not_read() {
 
 #[test]
 fn other_formats_are_told_what_is_read() {
-    let only =
-        "read from glTF 2.0 (.glb, or .gltf with its .bin files) and from OBJ (.obj with its .mtl files)";
+    let only = "read from glTF 2.0 (.glb, or .gltf with its .bin files), from OBJ (.obj with its .mtl files), and from compiled \
+                maps (.bsp: BSP29, BSP2, IBSP46)";
     for (bytes, begins) in [
-        (&b""[..], "is neither glTF nor OBJ: it begins with nothing at all"),
         (
-            b"# a poem\nby v 0 0 0",
-            "is neither glTF nor OBJ: it begins with `# a poem\\nby `",
+            &b""[..],
+            "is neither glTF nor OBJ, nor a map of Quake: it begins with nothing at all",
         ),
         (
-            b"IBSP\x2e\0\0\0",
-            "is neither glTF nor OBJ: it begins with `IBSP.\\x00\\x00\\x00`",
+            b"# a poem\nby v 0 0 0",
+            "is neither glTF nor OBJ, nor a map of Quake: it begins with `# a poem\\nby `",
+        ),
+        (
+            b"VBSP\x14\0\0\0",
+            "is neither glTF nor OBJ, nor a map of Quake: it begins with `VBSP\\x14\\x00\\x00\\x00`",
         ),
         (
             b"GLTF\x02\0\0\0",
-            "is neither glTF nor OBJ: it begins with `GLTF\\x02\\x00\\x00\\x00`",
+            "is neither glTF nor OBJ, nor a map of Quake: it begins with `GLTF\\x02\\x00\\x00\\x00`",
         ),
     ] {
         let said = refusal(bytes).expect("not glTF");

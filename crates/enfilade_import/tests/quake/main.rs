@@ -1,14 +1,18 @@
-//! Files of portals: what is read, and what is refused.
+//! Files of portals and compiled maps: what is read, and what is refused.
 
 mod broken;
 mod carved;
 mod formats;
+mod little;
 mod located;
 mod lumps;
 mod maps;
 mod outline;
 mod rebuilt;
 mod rebuilt_maps;
+mod rooms;
+mod sight;
+mod spoilt;
 
 use enfilade_import::{PortalFile, PrtError};
 

@@ -1,6 +1,7 @@
 //! Small worlds that the laws hold every method against. Each tells a story that a picture of it can be checked by.
 
 mod bottles;
+mod house;
 mod impossible;
 mod neighbours;
 mod openings;
@@ -11,6 +12,8 @@ mod surfaces;
 mod teleports;
 
 pub(crate) use bottles::bottles;
+pub(crate) use house::house;
+pub use house::random_house;
 pub(crate) use impossible::impossible;
 pub(crate) use neighbours::{seams, wings};
 pub(crate) use openings::{free_doorway, mirror, mirrors, nested};

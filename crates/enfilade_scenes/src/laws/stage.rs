@@ -4,8 +4,8 @@ use crate::envelope::{Ceiling, Finish, Hole, Plan, Side, envelope};
 use crate::shape::Shape;
 use crate::{BuiltIn, Camera};
 use enfilade::{
-    Alpha, Content, ContentBuilder, ConvexPolygon, End, FragmentId, Light, Material, MaterialId, Mesh,
-    Method, OpeningId, SceneBuilder, Transform,
+    Alpha, BakedCells, Content, ContentBuilder, ConvexPolygon, End, FragmentId, Light, Material, MaterialId,
+    Mesh, Method, OpeningId, SceneBuilder, Transform,
 };
 use glam::{Vec3, vec2, vec3};
 use std::sync::Arc;
@@ -138,6 +138,11 @@ impl Stage {
             .iter()
             .map(|door| self.opening(door.name, &door.outline()))
             .collect()
+    }
+
+    /// Gives it cells that were computed ahead.
+    pub(crate) fn cells(&mut self, cells: BakedCells) {
+        self.content.cells(cells);
     }
 
     pub(crate) fn build(self) -> Content {

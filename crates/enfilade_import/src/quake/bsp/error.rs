@@ -72,6 +72,49 @@ pub enum BspError {
     /// Planes that no portal between them can be made of.
     #[error("is damaged: no portals can be made of its planes ({0}); compile the map again")]
     NoPortals(#[from] CellsError),
+    /// Entities that are no `{ "key" "value" … }`.
+    #[error(
+        "is damaged: its entities have {found} where {wanted} is wanted, in line {line}; compile the map again"
+    )]
+    BadEntities {
+        /// Which line of their text, from 1.
+        line: usize,
+        /// What stands there.
+        found: String,
+        /// What should.
+        wanted: &'static str,
+    },
+    /// A number that is NaN or infinite.
+    #[error("is damaged: {what} {at} is not at a finite place; compile the map again")]
+    NotFinite {
+        /// What it is of.
+        what: &'static str,
+        /// Which of those, from 0.
+        at: usize,
+    },
+    /// A patch that is no grid of patches with three corners a side.
+    #[error(
+        "is damaged: face {face} is a patch of {} by {} corners, which must be odd numbers from 3; compile the map again",
+        size[0], size[1]
+    )]
+    BadPatch {
+        /// Which face, from 0.
+        face: usize,
+        /// Corners in a row, and in a column.
+        size: [i32; 2],
+    },
+    /// A row of what is visible that ends after the lump.
+    #[error(
+        "is damaged: what is visible from {from} {at} ends after its lump, which has {has} bytes; run vis again"
+    )]
+    RowCutShort {
+        /// A leaf or a cluster.
+        from: &'static str,
+        /// Which of those, from 0.
+        at: usize,
+        /// Bytes of the lump.
+        has: usize,
+    },
     /// The portals are of another map, or of another run of the compiler.
     #[error("has {map} {what}, its portals are of {portals}: they are of another map; compile the map again")]
     OtherMap {

@@ -64,6 +64,17 @@ const IBSP46: Format = Format {
     is_quake3: true,
 };
 
+impl Format {
+    /// How people call it.
+    pub(crate) fn name(&self) -> &'static str {
+        match (self.is_quake3, self.is_short) {
+            (true, _) => "IBSP46",
+            (_, true) => "BSP29",
+            (_, false) => "BSP2",
+        }
+    }
+}
+
 /// Where in a model of Quake is the number of leafs that the world has.
 const WORLD_LEAFS: usize = 52;
 

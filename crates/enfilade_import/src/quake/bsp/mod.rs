@@ -12,6 +12,6 @@ mod visibility;
 
 pub use belongs::leafs_of_clusters;
 pub use error::BspError;
+pub(super) use lumps::{Map, word};
+pub(super) use tree::{Child, Node, SplitPlane, Tree, in_range, int, number, short};
 pub use visibility::{visibility_bytes, with_visibility};
-pub(crate) use lumps::Map;
-pub(crate) use tree::{Child, SplitPlane, Tree, in_range, int};

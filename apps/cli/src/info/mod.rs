@@ -1,5 +1,8 @@
 //! `info`: what is in a file.
 
+mod map;
+mod occluders;
+
 use crate::Outcome;
 use crate::args::InfoArgs;
 use crate::open::{For, Opened, allow_threads, open};
@@ -8,12 +11,13 @@ use crate::report::{Sink, rounded};
 use crate::text::{bytes, count, ms, plural, point};
 use crate::values::Choice;
 use anyhow::Result;
-use enfilade::{Aabb, Alpha, Content, LightShape, Material, OccluderSet, Portal, Scene, Transform};
+use enfilade::{Aabb, Alpha, Content, LightShape, Material, Portal, Scene, Transform};
+use map::MapEntry;
+use occluders::Occluders;
 use serde::Serialize;
 use std::collections::HashSet;
 use std::fmt::Write;
 use std::sync::Arc;
-use std::time::Instant;
 
 /// What is in a scene.
 #[derive(Debug, Serialize)]
@@ -32,6 +36,8 @@ struct Inventory {
     bounds: Option<Bounds>,
     cameras: Vec<CameraEntry>,
     lights: Lights,
+    /// Of a compiled map; none of other files.
+    map: Option<MapEntry>,
     fragments: Vec<FragmentEntry>,
     portals: usize,
     /// The portals one by one; a door is two.
@@ -49,21 +55,6 @@ struct Materials {
     mask: usize,
     blend: usize,
     double_sided: usize,
-}
-
-/// Large convex polygons made of coplanar faces, to hide what is behind them.
-#[derive(Debug, Default, Serialize)]
-struct Occluders {
-    /// Of each mesh once.
-    polygons: u64,
-    /// Of all items.
-    polygons_placed: u64,
-    /// Triangles merged into them, of each mesh once.
-    triangles_merged: u64,
-    /// Of all opaque faces of all items, the part that they cover, 0 to 1.
-    area_share: f64,
-    bytes: u64,
-    build_ms: f64,
 }
 
 /// Lights by where they shine to.
@@ -170,6 +161,7 @@ impl Inventory {
             bounds: boxes
                 .reduce(|a, b| a.union(&b))
                 .map(|Aabb { min, max, .. }| Bounds { min, max }),
+            map: opened.map.as_ref().map(|map| MapEntry::of(map, &contents)),
             fragments: fragments(scene),
             portals: scene.portals().len(),
             ways: ways(scene),
@@ -242,6 +234,10 @@ impl Inventory {
             _ => [plural(points, "lamp"), plural(spots, "spot"), plural(suns, "sun")].join(", "),
         };
         say("lights", lights);
+        if let Some(map) = &self.map {
+            say("map", map.for_people());
+            say("visible", map.visible_for_people());
+        }
         for fragment in &self.fragments {
             let FragmentEntry {
                 name,
@@ -319,37 +315,6 @@ impl Lights {
             } += 1;
         }
         lights
-    }
-}
-
-impl Occluders {
-    fn of(contents: &[&Content]) -> Occluders {
-        let start = Instant::now();
-        let sets: Vec<OccluderSet> = contents
-            .iter()
-            .map(|content| OccluderSet::build(content))
-            .collect();
-        let build_ms = rounded(1e3 * start.elapsed().as_secs_f64());
-        let mut occluders = Occluders {
-            build_ms,
-            ..Occluders::default()
-        };
-        let (mut area, mut opaque_area) = (0.0, 0.0);
-        for (set, content) in sets.iter().zip(contents) {
-            let summary = set.summary(content);
-            occluders.polygons += summary.polygons;
-            occluders.polygons_placed += summary.placed;
-            occluders.triangles_merged += summary.triangles;
-            occluders.bytes += summary.bytes;
-            area += summary.area;
-            opaque_area += summary.opaque_area;
-        }
-        occluders.area_share = rounded(if opaque_area > 0.0 {
-            area / opaque_area
-        } else {
-            0.0
-        });
-        occluders
     }
 }
 

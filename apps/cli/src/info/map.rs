@@ -1,0 +1,84 @@
+//! What only a compiled map has.
+
+use crate::report::rounded;
+use crate::text::{bytes, count, plural};
+use enfilade::{CellId, Content};
+use enfilade_import::MapSummary;
+use serde::Serialize;
+
+/// What only a compiled map has.
+#[derive(Debug, Serialize)]
+pub(super) struct MapEntry {
+    format: &'static str,
+    leafs: usize,
+    /// In Quake 3 only.
+    clusters: Option<usize>,
+    faces: usize,
+    models: usize,
+    entities: usize,
+    /// 0 where nobody has computed yet what is visible.
+    visibility_bytes: usize,
+    /// Of all cells, the part that is visible from one on average, 0 to 1; none where that is not known.
+    visible_share: Option<f64>,
+}
+
+impl MapEntry {
+    pub(super) fn of(map: &MapSummary, contents: &[&Content]) -> MapEntry {
+        let cells = contents.iter().find_map(|content| content.cells());
+        let visible_share = cells.filter(|cells| cells.cell_count() > 0).map(|cells| {
+            let ids = || (0..cells.cell_count() as u32).map(CellId);
+            let seen: usize = ids()
+                .map(|from| ids().filter(|&to| cells.sees(from, to)).count())
+                .sum();
+            rounded(seen as f64 / (cells.cell_count() as f64).powi(2))
+        });
+        let MapSummary {
+            format,
+            leafs,
+            clusters,
+            faces,
+            models,
+            entities,
+            visibility_bytes,
+            ..
+        } = *map;
+        MapEntry {
+            format,
+            leafs,
+            clusters,
+            faces,
+            models,
+            entities,
+            visibility_bytes,
+            visible_share,
+        }
+    }
+
+    pub(super) fn for_people(&self) -> String {
+        let clusters = self.clusters.map(|clusters| plural(clusters, "cluster"));
+        let parts = [
+            Some(plural(self.leafs, "leaf")),
+            clusters,
+            Some(plural(self.faces, "face")),
+        ];
+        let parts = parts.into_iter().flatten();
+        let more = [
+            plural(self.models, "model"),
+            format!("{} entities", count(self.entities as u64)),
+        ];
+        parts.chain(more).collect::<Vec<_>>().join(", ")
+    }
+
+    pub(super) fn visible_for_people(&self) -> String {
+        match self.visible_share {
+            Some(share) => {
+                let percent = 100.0 * share;
+                format!(
+                    "{percent:.1} % of the map from a leaf, in {}",
+                    bytes(self.visibility_bytes as u64)
+                )
+            }
+            None => "not computed: --method pvs has nothing to go by".to_owned(),
+        }
+    }
+}

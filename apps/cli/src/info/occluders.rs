@@ -1,0 +1,52 @@
+//! The occluders that would be found in a scene.
+
+use crate::report::rounded;
+use enfilade::{Content, OccluderSet};
+use serde::Serialize;
+use std::time::Instant;
+
+/// Large convex polygons made of coplanar faces, to hide what is behind them.
+#[derive(Debug, Default, Serialize)]
+pub(super) struct Occluders {
+    /// Of each mesh once.
+    pub(super) polygons: u64,
+    /// Of all items.
+    pub(super) polygons_placed: u64,
+    /// Triangles merged into them, of each mesh once.
+    pub(super) triangles_merged: u64,
+    /// Of all opaque faces of all items, the part that they cover, 0 to 1.
+    pub(super) area_share: f64,
+    pub(super) bytes: u64,
+    pub(super) build_ms: f64,
+}
+
+impl Occluders {
+    pub(super) fn of(contents: &[&Content]) -> Occluders {
+        let start = Instant::now();
+        let sets: Vec<OccluderSet> = contents
+            .iter()
+            .map(|content| OccluderSet::build(content))
+            .collect();
+        let build_ms = rounded(1e3 * start.elapsed().as_secs_f64());
+        let mut occluders = Occluders {
+            build_ms,
+            ..Occluders::default()
+        };
+        let (mut area, mut opaque_area) = (0.0, 0.0);
+        for (set, content) in sets.iter().zip(contents) {
+            let summary = set.summary(content);
+            occluders.polygons += summary.polygons;
+            occluders.polygons_placed += summary.placed;
+            occluders.triangles_merged += summary.triangles;
+            occluders.bytes += summary.bytes;
+            area += summary.area;
+            opaque_area += summary.opaque_area;
+        }
+        occluders.area_share = rounded(if opaque_area > 0.0 {
+            area / opaque_area
+        } else {
+            0.0
+        });
+        occluders
+    }
+}

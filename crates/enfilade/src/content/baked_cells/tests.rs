@@ -1,0 +1,152 @@
+//! What touches which leaves, against points of it one by one.
+
+use super::tree::{Leaf, Room};
+use super::{BakedCells, CellId, CellNode, CellSide, CellTree};
+use crate::geom::Aabb;
+use glam::DVec3;
+use std::collections::BTreeSet;
+
+/// Random bits; the same every time.
+struct Dice(u64);
+
+impl Dice {
+    /// From −1 to 1; often a round number, so that things lie in planes.
+    fn unit(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        let value = (self.0 >> 33) as f64 / (1_u64 << 30) as f64 - 1.0;
+        if self.0 >> 32 & 1 == 0 {
+            value
+        } else {
+            (value * 4.0).round() / 4.0
+        }
+    }
+
+    fn point(&mut self) -> DVec3 {
+        DVec3::new(self.unit(), self.unit(), self.unit())
+    }
+}
+
+/// Planes anyhow, every leaf a cell of its own.
+fn random_cells(dice: &mut Dice, size: f64) -> BakedCells {
+    const NODES: u32 = 63;
+    let mut next_cell = 0;
+    let mut side = |child: u32| {
+        if child < NODES {
+            return CellSide::Node(child);
+        }
+        next_cell += 1;
+        CellSide::Cell(CellId(next_cell - 1))
+    };
+    let nodes = (0..NODES).map(|number| {
+        let mut normal = dice.point();
+        if normal.length() < 0.1 {
+            normal = DVec3::X;
+        }
+        CellNode {
+            normal: normal.to_array(),
+            distance: size * normal.dot(dice.point()),
+            front: side(2 * number + 1),
+            back: side(2 * number + 2),
+        }
+    });
+    let nodes: Vec<CellNode> = nodes.collect();
+    let tree = CellTree {
+        root: CellSide::Node(0),
+        nodes,
+        tolerance: 0.0,
+    };
+    BakedCells::new(tree, &[None; NODES as usize + 1], [[]; 0]).expect("a full tree")
+}
+
+#[test]
+fn every_cell_that_a_point_of_a_triangle_is_in_is_touched_and_few_others() {
+    let mut dice = Dice(1);
+    let [mut in_cells, mut touched, mut in_hulls] = [0; 3];
+    for round in 0..400 {
+        let size = [1.0, 1e-3, 1e6, 1e30][round % 4];
+        let cells = random_cells(&mut dice, size);
+        let mut room = Room::default();
+        for _ in 0..20 {
+            let corners = [dice.point(), dice.point(), dice.point()].map(|corner| corner * size);
+            let mut found: [BTreeSet<CellId>; 2] = Default::default();
+            for (is_hull, found) in found.iter_mut().enumerate() {
+                if is_hull == 1 {
+                    room.hull(corners);
+                } else {
+                    room.outline(corners);
+                }
+                let all = cells.touched(cells.tree().root, &mut room, |leaf| {
+                    found.extend(match leaf {
+                        Leaf::Cell(cell) => Some(cell),
+                        Leaf::Solid { .. } => None,
+                    });
+                    true
+                });
+                assert!(all);
+            }
+            let mut really = BTreeSet::new();
+            for _ in 0..200 {
+                let [a, b] = [dice.unit().abs(), dice.unit().abs()];
+                let [a, b] = if a + b > 1.0 { [1.0 - a, 1.0 - b] } else { [a, b] };
+                let point = corners[0] + (corners[1] - corners[0]) * a + (corners[2] - corners[0]) * b;
+                really.extend(cells.cell_at(point.to_array()));
+            }
+            assert!(
+                really.is_subset(&found[0]),
+                "{corners:?}: {really:?}, but {:?}",
+                found[0]
+            );
+            assert!(found[0].is_subset(&found[1]));
+            in_cells += really.len();
+            touched += found[0].len();
+            in_hulls += found[1].len();
+        }
+    }
+    assert!(
+        in_cells > 8000 && 2 * touched < 3 * in_cells,
+        "{in_cells}, {touched}, {in_hulls}"
+    );
+    assert!(touched < in_hulls, "{touched}, {in_hulls}");
+}
+
+#[test]
+fn all_that_a_box_reaches_into_is_below_what_is_around_it() {
+    let mut dice = Dice(2);
+    let mut below = 0;
+    for _ in 0..200 {
+        let cells = random_cells(&mut dice, 1.0);
+        for _ in 0..20 {
+            let corner = dice.point().as_vec3();
+            let bounds = Aabb::of([corner, corner + dice.point().as_vec3() * 0.1].map(Into::into));
+            let top = cells.around(&bounds);
+            below += usize::from(top != cells.tree().root);
+            let mut room = Room::default();
+            let mut all: [BTreeSet<CellId>; 2] = Default::default();
+            for (top, all) in [cells.tree().root, top].into_iter().zip(&mut all) {
+                room.hull(bounds.corners().map(|corner| DVec3::from(corner.map(f64::from))));
+                cells.touched(top, &mut room, |leaf| {
+                    all.extend(match leaf {
+                        Leaf::Cell(cell) => Some(cell),
+                        Leaf::Solid { .. } => None,
+                    });
+                    true
+                });
+            }
+            assert_eq!(all[0], all[1]);
+        }
+    }
+    assert!(below > 3000, "{below}");
+}
+
+#[test]
+fn what_is_no_number_is_everywhere() {
+    let cells = random_cells(&mut Dice(3), 1.0);
+    let mut room = Room::default();
+    for bad in [f64::NAN, f64::INFINITY] {
+        room.outline([DVec3::ZERO, DVec3::X, DVec3::new(bad, 0.0, 0.0)]);
+        assert!(!cells.touched(cells.tree().root, &mut room, |_| true));
+    }
+}

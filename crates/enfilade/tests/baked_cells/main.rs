@@ -1,0 +1,331 @@
+//! What goes by cells computed ahead: nothing that is seen is left out, from wherever and whatever moves.
+
+mod bad;
+mod deep;
+
+use enfilade::laws::{OwnerPicture, Reference};
+use enfilade::{
+    BakedCells, Content, ContentBuilder, FragmentId, ItemId, Limits, Method, Scene, SceneBuilder, Transform,
+    View, Viewer,
+};
+use enfilade_scenes::{BuiltIn, Random, built_in, random_house};
+use std::sync::Arc;
+
+const SIZE: [u32; 2] = [64, 48];
+const HOUSE: FragmentId = FragmentId(0);
+
+fn limits() -> Limits {
+    let mut limits = Limits::default();
+    limits.max_crossings = 3;
+    limits
+}
+
+fn by_cells(scene: &Scene) -> Scene {
+    scene
+        .with_method(Method::Pvs, Method::DEFAULT_LIMIT)
+        .expect("it has cells")
+}
+
+/// Looks and draws, and holds both against the reference, `places` by chance in each pixel; gives the numbers of items that
+/// are seen for certain, and in the set.
+fn holds(scene: &Scene, reference: &Reference, view: &View, places: u32, place: &str) -> [usize; 2] {
+    let mut viewer = Viewer::new();
+    viewer.set_limits(limits());
+    let anywhere = reference.see_anywhere(scene, view, &limits(), places, 7);
+    assert_eq!(
+        anywhere.check(viewer.look(scene, view), None).missed,
+        [],
+        "{place}"
+    );
+    let counts = [anywhere.visible().len(), viewer.visible().items().len()];
+    let truth = reference.see(scene, view, &limits());
+    let mut picture = OwnerPicture::new(view.size);
+    viewer.draw(scene, view, &mut picture);
+    let verdict = truth.check(viewer.visible(), Some(&picture));
+    assert_eq!((verdict.missed, verdict.pixels_different), (vec![], 0), "{place}");
+    counts
+}
+
+/// The names of what is in the set, in order.
+fn names(scene: &Scene, view: &View) -> Vec<String> {
+    let content = scene.content(HOUSE).expect("ours");
+    let mut viewer = Viewer::new();
+    let items = viewer.look(scene, view).items().iter();
+    items
+        .map(|seen| format!("{} {}", seen.item.0, content.name(seen.item)))
+        .collect()
+}
+
+/// The same content with other cells.
+fn with_cells(content: &Content, cells: Option<Arc<BakedCells>>) -> Content {
+    let mut builder = ContentBuilder::new(content.materials());
+    for (number, item) in content.items().iter().enumerate() {
+        let mesh = builder.mesh(Arc::clone(&content.meshes()[item.mesh.0 as usize]));
+        builder.item(content.name(ItemId(number as u32)), mesh, item.transform());
+    }
+    for opening in content.openings() {
+        builder.opening(&opening.name, opening.outline.clone());
+    }
+    cells.into_iter().for_each(|cells| builder.cells(cells));
+    builder.build().expect("as sound as it was")
+}
+
+/// The same cells, from all of which everything is seen.
+fn blind(cells: &BakedCells) -> Arc<BakedCells> {
+    let rows: [[enfilade::CellId; 0]; 0] = [];
+    let row_of = vec![None; cells.cell_count()];
+    Arc::new(BakedCells::new(cells.tree().clone(), &row_of, rows).expect("as sound as they were"))
+}
+
+#[test]
+fn nothing_is_missed_anywhere_in_a_pixel_in_houses_made_by_chance_and_much_is_left_out() {
+    let [mut seen, mut in_set, mut in_view] = [0; 3];
+    for seed in 0..24 {
+        let BuiltIn { scene, cameras } = random_house(seed);
+        let reference = Reference::new(&scene);
+        let content = scene.content(HOUSE).expect("ours");
+        let cells = content.cells().expect("it is baked");
+        let mut all = by_cells(&scene);
+        all.set_content(HOUSE, with_cells(content, Some(blind(cells))))
+            .expect("it fits");
+        let scene = by_cells(&scene);
+        for camera in &cameras {
+            let view = camera.view(SIZE);
+            let place = format!("house {seed}, {camera:?}");
+            let counts = holds(&scene, &reference, &view, 4, &place);
+            seen += counts[0];
+            in_set += counts[1];
+            in_view += names(&all, &view).len();
+        }
+    }
+    assert!(seen > 1500, "hardly anything is seen: {seen}");
+    assert!(
+        2 * in_set < 5 * seen && 4 * in_set < 3 * in_view,
+        "{seen} seen, {in_set} in sets, {in_view} in view"
+    );
+}
+
+#[test]
+fn eyes_on_walls_in_doorways_in_rock_and_outside_miss_nothing() {
+    let mut seen = 0;
+    for seed in 100..108 {
+        let BuiltIn { scene, .. } = random_house(seed);
+        let reference = Reference::new(&scene);
+        let bounds = scene.bounds(HOUSE);
+        let scene = by_cells(&scene);
+        let mut random = Random::new(seed);
+        for number in 0..24 {
+            let mut anywhere = |out: f32| -> [f32; 3] {
+                [0, 1, 2].map(|axis| {
+                    let size = bounds.max[axis] - bounds.min[axis];
+                    bounds.min[axis] + size * ((1.0 + 2.0 * out) * random.unit() - out)
+                })
+            };
+            let [mut eye, toward] = [anywhere(0.1), anywhere(0.0)];
+            // All planes of the house stand at whole numbers.
+            match number % 4 {
+                0 => eye[0] = eye[0].round(),
+                1 => eye[2] = eye[2].round().next_up(),
+                2 => eye = [eye[0].round(), eye[1].round(), eye[2].round()],
+                _ => {}
+            }
+            let mut view = View::new(eye, toward, SIZE);
+            if number % 3 == 0 {
+                // So far away that walls lie before it.
+                view.near = 0.75;
+            }
+            seen += holds(&scene, &reference, &view, 3, &format!("house {seed}, {view:?}"))[0];
+        }
+    }
+    assert!(seen > 1000, "{seen}");
+}
+
+#[test]
+fn what_is_seen_through_doors_mirrors_and_gates_begins_at_their_openings() {
+    let BuiltIn { scene, cameras } = built_in("house").expect("a scene");
+    let reference = Reference::new(&scene);
+    for scene in [by_cells(&scene), by_cells(&scene).without_portals()] {
+        let reference = if scene.portals().is_empty() {
+            &reference
+        } else {
+            &Reference::new(&scene)
+        };
+        let mut passages = 0;
+        for camera in &cameras {
+            let view = camera.view(SIZE);
+            holds(&scene, reference, &view, 8, &format!("{camera:?}"));
+            let mut viewer = Viewer::new();
+            passages += viewer.look(&scene, &view).passages().len();
+        }
+        assert!(passages >= cameras.len(), "{passages}");
+    }
+}
+
+#[test]
+fn a_room_behind_a_door_shows_what_is_seen_through_it_and_not_what_its_eye_would() {
+    let BuiltIn { scene, cameras } = built_in("house").expect("a scene");
+    let scene = by_cells(&scene);
+    let camera = cameras.iter().find(|camera| camera.name == "before the gate");
+    let view = camera.expect("a camera").view(SIZE);
+    let mut viewer = Viewer::new();
+    let set = viewer.look(&scene, &view);
+    let behind = set
+        .passages()
+        .iter()
+        .position(|passage| passage.fragment == HOUSE);
+    let behind = behind.expect("the gate leads there");
+    let content = scene.content(HOUSE).expect("ours");
+    let items = set
+        .items()
+        .iter()
+        .filter(|seen| seen.passage.0 as usize == behind);
+    let names: Vec<&str> = items.map(|seen| content.name(seen.item)).collect();
+    assert!(names.iter().any(|name| name.starts_with("d ")), "{names:?}");
+    assert!(!names.iter().any(|name| name.starts_with("f ")), "{names:?}");
+}
+
+/// Moves, adds and removes what stands free, also into walls and out of the house.
+fn edit_what_stands_free(scene: &mut Scene, count: usize, random: &mut Random) -> u64 {
+    let content = Arc::clone(scene.content(HOUSE).expect("ours"));
+    let is_free = |item: &ItemId| {
+        let name = content.name(*item);
+        content.holds(*item) && ["box", "ball", "pillar"].iter().any(|free| name.ends_with(free))
+    };
+    let free: Vec<ItemId> = (0..content.items().len() as u32)
+        .map(ItemId)
+        .filter(is_free)
+        .collect();
+    let bounds = content.bounds();
+    let mut edit = scene.edit();
+    for _ in 0..count {
+        let item = random.pick(&free);
+        let there = [0, 1, 2].map(|axis| {
+            let size = bounds.max[axis] - bounds.min[axis];
+            bounds.min[axis] + size * (1.2 * random.unit() - 0.1)
+        });
+        let middle = content.item(item).bounds.center().map(|value| -value);
+        let stretch = [0, 1, 2].map(|_| if random.below(8) == 0 { 8.0 } else { 1.0 });
+        let place = Transform::translation(there)
+            * Transform::scaling(stretch)
+            * Transform::rotation([1.0, 2.0, 3.0], f64::from(random.unit()))
+            * Transform::translation(middle)
+            * content.item(item).transform();
+        let mesh = &content.meshes()[content.item(item).mesh.0 as usize];
+        let _ = match random.below(6) {
+            0 => edit
+                .add(HOUSE, content.name(item), Arc::clone(mesh), place)
+                .map(|_| ()),
+            1 if free.len() > 12 => edit.remove(HOUSE, item),
+            _ => edit.place(HOUSE, item, place),
+        };
+    }
+    let done = edit.finish().expect("little");
+    assert_eq!(done.rebuilt, 0, "cells are followed in place");
+    done.nodes
+}
+
+#[test]
+fn what_moves_is_seen_where_it_is_and_the_set_is_that_of_the_scene_built_afresh() {
+    for seed in 200..206 {
+        let BuiltIn { scene, cameras } = random_house(seed);
+        let mut scene = by_cells(&scene);
+        let mut random = Random::new(seed);
+        for round in 0..4 {
+            let nodes = edit_what_stands_free(&mut scene, 12, &mut random);
+            assert!(nodes > 0 && nodes < 12 * 200, "{nodes}");
+            let reference = Reference::new(&scene);
+            let fresh = by_cells(&scene);
+            for camera in cameras.iter().skip(round % 2).step_by(2) {
+                let view = camera.view(SIZE);
+                let place = format!("house {seed}, round {round}, {camera:?}");
+                holds(&scene, &reference, &view, 2, &place);
+                assert_eq!(names(&scene, &view), names(&fresh, &view), "{place}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_thing_that_stands_nowhere_is_always_looked_at_and_one_that_is_gone_never() {
+    let BuiltIn { scene, .. } = random_house(1);
+    let mut scene = by_cells(&scene);
+    let content = Arc::clone(scene.content(HOUSE).expect("ours"));
+    let ball = (0..content.items().len() as u32).map(ItemId);
+    let ball = ball
+        .into_iter()
+        .find(|&item| content.name(item) == "room 0 ball")
+        .expect("it has one");
+    let middle = content.item(ball).bounds.center();
+    let above = Transform::translation([0.0, 8.0, 0.0]) * content.item(ball).transform();
+    let mut edit = scene.edit();
+    edit.place(HOUSE, ball, above).expect("it is there");
+    edit.finish().expect("little");
+    let eye = [middle[0] + 1.0, 9.0, middle[2]];
+    // From within the house too, as far as boxes tell: no row says anything of what is in no cell.
+    for eye in [eye, [middle[0], 1.5, middle[2]]] {
+        let mut view = View::new(eye, [middle[0] + 0.001, middle[1] + 8.0, middle[2]], SIZE);
+        view.up = [0.0, 0.0, 1.0];
+        let name = format!("{} room 0 ball", ball.0);
+        assert!(names(&scene, &view).contains(&name), "from {eye:?}");
+    }
+    let mut edit = scene.edit();
+    edit.remove(HOUSE, ball).expect("it is there");
+    edit.finish().expect("little");
+    let view = View::new(eye, middle, SIZE);
+    assert!(
+        !names(&scene, &view)
+            .iter()
+            .any(|name| name.ends_with("room 0 ball"))
+    );
+}
+
+#[test]
+fn what_has_no_cells_is_told_to_be_not_baked() {
+    let scene = built_in("two-rooms").expect("a scene").scene;
+    assert!(!scene.suits(Method::Pvs) && scene.suits(Method::Masked));
+    let why = scene
+        .with_method(Method::Pvs, u64::MAX)
+        .err()
+        .expect("it has no cells")
+        .to_string();
+    assert_eq!(
+        why,
+        "not baked: pvs goes by cells that were computed ahead, and there are none; hierarchical-z needs none"
+    );
+    let mut builder = SceneBuilder::new();
+    let content = Arc::clone(scene.content(HOUSE).expect("ours"));
+    builder.add("hall", content, Method::Pvs);
+    let why = builder.build().err().expect("it has no cells").to_string();
+    assert!(why.starts_with("fragment `hall`: not baked: pvs"), "{why}");
+    let mut house = by_cells(&random_house(3).scene);
+    let without = with_cells(house.content(HOUSE).expect("ours"), None);
+    let why = house
+        .set_content(HOUSE, without)
+        .expect_err("it has no cells")
+        .to_string();
+    assert!(why.contains("not baked"), "{why}");
+    assert!(
+        house.content(HOUSE).expect("ours").cells().is_some(),
+        "it stays as it was"
+    );
+}
+
+#[test]
+fn what_takes_more_memory_than_allowed_is_refused() {
+    let scene = random_house(4).scene;
+    let content = scene.content(HOUSE).expect("ours");
+    let taken = by_cells(&scene).bytes() - content.bytes();
+    assert!(content.cells().expect("it is baked").bytes() < content.bytes());
+    for limit in [0, 100, taken / 4] {
+        let why = scene
+            .with_method(Method::Pvs, limit)
+            .err()
+            .expect("it is too little")
+            .to_string();
+        assert!(
+            why.starts_with("pvs needs about") && why.ends_with("z-buffer needs fewer"),
+            "{why}"
+        );
+    }
+    assert!(scene.with_method(Method::Pvs, 4 * taken).is_ok(), "{taken} bytes");
+}

@@ -1,0 +1,201 @@
+//! Entities: what stands in a map besides its walls, as text: `{ "key" "value" … }` one after another.
+//!
+//! Source: what the engines read. They know neither comments nor escapes there, and of two values of one key take the last.
+//! Hostile: what does not fit is refused by line; nothing is nested.
+
+use crate::quake::BspError;
+
+/// Something in a map: the world itself, a light, a door, a place to start.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Entity<'t> {
+    /// Its place in the map's list, from 0: the world.
+    pub(super) number: usize,
+    pairs: Vec<(&'t str, &'t str)>,
+}
+
+/// Bytes that an entity takes for each byte of its text, at most: a pair for each four quotes.
+pub(super) const TIMES_ITS_LENGTH: u64 = 24;
+
+/// Reads the text of a map's entities.
+pub(super) fn parse(text: &str) -> Result<Vec<Entity<'_>>, BspError> {
+    let mut words = Words { rest: text, line: 1 };
+    let mut entities = Vec::new();
+    while let Some(word) = words.next()? {
+        if word != Word::Open {
+            return Err(words.refusal(&word, "`{`"));
+        }
+        let mut pairs = Vec::new();
+        loop {
+            let key = match words.next()? {
+                Some(Word::Close) => break,
+                Some(Word::Text(key)) => key,
+                other => return Err(words.refusal(&other.unwrap_or(Word::End), "a key or `}`")),
+            };
+            match words.next()? {
+                Some(Word::Text(value)) => pairs.push((key, value)),
+                other => return Err(words.refusal(&other.unwrap_or(Word::End), "a value")),
+            }
+        }
+        entities.push(Entity {
+            number: entities.len(),
+            pairs,
+        });
+    }
+    Ok(entities)
+}
+
+impl<'t> Entity<'t> {
+    /// What stands behind a key; empty where nothing does.
+    pub(super) fn get(&self, key: &str) -> &'t str {
+        let named = self.pairs.iter().rev().find(|pair| pair.0 == key);
+        named.map_or("", |pair| pair.1)
+    }
+
+    /// What it is, as `func_door`.
+    pub(super) fn class(&self) -> &'t str {
+        self.get("classname")
+    }
+
+    /// A finite number behind a key.
+    pub(super) fn number(&self, key: &str) -> Option<f32> {
+        finite(self.get(key))
+    }
+
+    /// The first of some keys that has a finite number.
+    pub(super) fn number_of_any(&self, keys: &[&str]) -> Option<f32> {
+        keys.iter().find_map(|key| self.number(key))
+    }
+
+    /// Three finite numbers behind a key.
+    pub(super) fn three(&self, key: &str) -> Option<[f32; 3]> {
+        let mut words = self.get(key).split_whitespace().map(finite);
+        let mut next = || words.next().flatten();
+        let three = [next()?, next()?, next()?];
+        words.next().is_none().then_some(three)
+    }
+
+    /// How it is called: what it is, what others call it, and its number.
+    pub(super) fn name(&self) -> String {
+        let called = ["targetname", "target"].map(|key| self.get(key));
+        let called = called.into_iter().find(|name| !name.is_empty());
+        let class = match self.class() {
+            "" => "entity",
+            class => class,
+        };
+        match called {
+            Some(called) => format!("{class} {called}#{}", self.number),
+            None => format!("{class}#{}", self.number),
+        }
+    }
+}
+
+fn finite(word: &str) -> Option<f32> {
+    word.trim().parse().ok().filter(|number: &f32| number.is_finite())
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Word<'t> {
+    Open,
+    Close,
+    Text(&'t str),
+    Odd(char),
+    End,
+}
+
+struct Words<'t> {
+    rest: &'t str,
+    line: usize,
+}
+
+impl<'t> Words<'t> {
+    fn next(&mut self) -> Result<Option<Word<'t>>, BspError> {
+        // The text ends with a byte 0; what some compilers leave behind it is none of it.
+        let begin = self
+            .rest
+            .find(|letter: char| letter == '\0' || !letter.is_whitespace());
+        let begin = begin.unwrap_or(self.rest.len());
+        self.skip(begin);
+        let Some(first) = self.rest.chars().next().filter(|&letter| letter != '\0') else {
+            return Ok(None);
+        };
+        let word = match first {
+            '{' => Word::Open,
+            '}' => Word::Close,
+            '"' => {
+                let text = &self.rest[1..];
+                let Some(end) = text.find(['"', '\0']).filter(|&end| text[end..].starts_with('"')) else {
+                    return Err(self.refusal(&Word::End, "the `\"` that ends a text"));
+                };
+                self.skip(end + 2);
+                return Ok(Some(Word::Text(&text[..end])));
+            }
+            other => Word::Odd(other),
+        };
+        self.rest = &self.rest[first.len_utf8()..];
+        Ok(Some(word))
+    }
+
+    fn skip(&mut self, bytes: usize) {
+        let (skipped, rest) = self.rest.split_at(bytes);
+        self.line += skipped.bytes().filter(|&byte| byte == b'\n').count();
+        self.rest = rest;
+    }
+
+    fn refusal(&self, found: &Word, wanted: &'static str) -> BspError {
+        let found = match found {
+            Word::Open => "`{`".to_owned(),
+            Word::Close => "`}`".to_owned(),
+            Word::Text(text) => format!("`{}`", text.chars().take(30).collect::<String>().escape_debug()),
+            Word::Odd(letter) => format!("`{}`", letter.escape_debug()),
+            Word::End => "the end".to_owned(),
+        };
+        BspError::BadEntities {
+            line: self.line,
+            found,
+            wanted,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(text: &str) -> String {
+        parse(text).expect_err("a refusal").to_string()
+    }
+
+    #[test]
+    fn a_door_has_its_keys_and_a_name_that_no_other_has() {
+        let text = "{\n\"classname\" \"worldspawn\"\n}\n{ \"classname\" \"func_door\" \"targetname\" \"gate\"\n\
+                    \"origin\" \" 8 -16 0.5 \" \"angle\" \"1\" \"angle\" \"nan\" \"wait\" \"x\" }\0{";
+        let entities = parse(text).expect("two");
+        assert_eq!(entities.len(), 2);
+        assert_eq!(entities[0].name(), "worldspawn#0");
+        let door = &entities[1];
+        assert_eq!(door.name(), "func_door gate#1");
+        assert_eq!(door.three("origin"), Some([8.0, -16.0, 0.5]));
+        assert_eq!(door.three("angle"), None);
+        assert_eq!(door.number("angle"), None, "the last one counts");
+        assert_eq!(door.get("speed"), "");
+    }
+
+    #[test]
+    fn what_does_not_fit_is_named_by_its_line() {
+        for (text, said) in [
+            ("\n\nworld", "line 3: `w` where `{` is wanted"),
+            ("{ \"a\" }", "line 1: `}` where a value is wanted"),
+            ("{\n\"a\n\" {", "line 3: `{` where a value is wanted"),
+            ("{ \"a\" \"b\"", "line 1: the end where a key or `}` is wanted"),
+            (
+                "{ \"a",
+                "line 1: the end where the `\"` that ends a text is wanted",
+            ),
+            ("{ { }", "line 1: `{` where a key or `}` is wanted"),
+            ("\u{e4}", "line 1: `\u{e4}` where `{` is wanted"),
+        ] {
+            let refused = refused(text);
+            assert!(refused.contains(said), "{refused}");
+        }
+    }
+}

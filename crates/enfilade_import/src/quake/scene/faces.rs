@@ -1,0 +1,279 @@
+//! Faces of Quake: polygons over edges, each with its place in a texture.
+//!
+//! Corners go clockwise seen from the front, and may be in line, where the next face has a corner in the middle of an edge.
+//! Liquids have two faces, one for each side. What a nameless texture is of is told by what is behind the face.
+
+use super::axes::turned;
+use super::looks::{Kind, Looks};
+use super::surfaces::{Face, Surfaces};
+use crate::BrokenRule;
+use crate::budget::Budget;
+use crate::obj::polygon::Cutter;
+use crate::quake::BspError;
+use crate::quake::bsp::{Child, Map, Tree, in_range, int, number, short};
+use enfilade::MaterialId;
+use glam::{DVec3, Vec3};
+
+/// Lumps that faces are made of, and how many bytes a thing in them takes.
+const TEXTURES: usize = 2;
+const VERTICES: (usize, usize) = (3, 12);
+const PLACINGS: (usize, usize) = (6, 40);
+const FACES: usize = 7;
+const EDGES: usize = 12;
+const WALKS: (usize, usize) = (13, 4);
+/// Bytes of a face and of an edge, with numbers of 16 bits and of 32.
+const SHORT: [usize; 2] = [20, 4];
+const LONG: [usize; 2] = [28, 8];
+
+/// What a texture is called, and its size in texels; 64 by 64, as most are, where the map does not say.
+struct Image {
+    name: String,
+    size: [f32; 2],
+}
+
+/// How a texture lies on a face: texels for a place are `axis · place + offset`, across and down.
+struct Placing {
+    axes: [[f32; 4]; 2],
+    image: u32,
+}
+
+/// Reads all faces.
+pub(super) fn read(
+    map: &Map,
+    tree: &Tree,
+    looks: &mut Looks,
+    budget: &mut Budget,
+) -> Result<Surfaces, BrokenRule> {
+    let images = images(map)?;
+    let [face_bytes, edge_bytes] = if map.format.is_short { SHORT } else { LONG };
+    let edges = map.things(EDGES, edge_bytes)?;
+    let vertices = map.things(VERTICES.0, VERTICES.1)?;
+    let walks = map.things(WALKS.0, WALKS.1)?;
+    let faces = map.things(FACES, face_bytes)?;
+    let whole = |at: usize, face: &[u8]| {
+        let [first, count] = match map.format.is_short {
+            true => [int(face, 4).into(), i64::from(short(face, 8))],
+            false => [8, 12].map(|place| i64::from(int(face, place))),
+        };
+        let end = first.checked_add(count).filter(|_| first >= 0 && count >= 0);
+        let end = end.filter(|&end| end <= walks.len() as i64);
+        match end {
+            Some(end) => Ok(first as usize..end as usize),
+            None => Err(BspError::NoSuch {
+                what: "face",
+                at,
+                names: "edges up to",
+                number: first.saturating_add(count),
+                count: walks.len(),
+            }),
+        }
+    };
+    let mut corners = 0;
+    for (at, face) in faces.clone().enumerate() {
+        corners += whole(at, face)?.len() as u64;
+    }
+    Surfaces::afford(budget, faces.len() as u64, corners, corners)?;
+
+    let placings = placings(map, images.len())?;
+    let vertex = |face: usize, walk: usize| {
+        let edge = i64::from(int(map.lump(WALKS.0), 4 * walk));
+        let at = in_range("face", face, "edge", edge.abs(), edges.len())? as usize;
+        let edge_at = &map.lump(EDGES)[at * edge_bytes..];
+        let end = usize::from(edge < 0);
+        let vertex = match map.format.is_short {
+            true => short(edge_at, 2 * end).into(),
+            false => i64::from(int(edge_at, 4 * end) as u32),
+        };
+        let vertex = in_range("edge", at, "vertex", vertex, vertices.len())? as usize;
+        let place = &map.lump(VERTICES.0)[vertex * 12..];
+        let place = [0, 4, 8].map(|axis| number(place, axis));
+        match place.iter().all(|value| value.is_finite()) {
+            true => Ok(place),
+            false => Err(BspError::NotFinite {
+                what: "vertex",
+                at: vertex,
+            }),
+        }
+    };
+    let mut surfaces = Surfaces::default();
+    let mut cutter = Cutter::default();
+    let (mut outline, mut triangles) = (Vec::new(), Vec::new());
+    for (at, face) in faces.enumerate() {
+        let [plane, side, placing] = match map.format.is_short {
+            true => [0, 2, 10].map(|place| i64::from(short(face, place))),
+            false => [0, 4, 16].map(|place| i64::from(int(face, place))),
+        };
+        let plane = in_range("face", at, "plane", plane, tree.planes.len())?;
+        let placing = &placings[in_range("face", at, "texture placing", placing, placings.len())? as usize];
+        outline.clear();
+        for walk in whole(at, face)?.rev() {
+            outline.push(vertex(at, walk)?);
+        }
+        let plane = tree.planes[plane as usize];
+        let front = DVec3::from(plane.normal) * if side == 0 { 1.0 } else { -1.0 };
+        let Some(material) = material(placing, &images, looks, || behind(tree, &outline, front)) else {
+            surfaces.faces.push(None);
+            continue;
+        };
+        let size = images
+            .get(placing.image as usize)
+            .map_or([64.0; 2], |image| image.size);
+        let first = surfaces.positions.len() as u32;
+        surfaces
+            .positions
+            .extend(outline.iter().map(|&place| turned(place)));
+        surfaces
+            .texture
+            .extend(outline.iter().map(|&place| placing.at(place, size)));
+        triangles.clear();
+        cutter.cut(&surfaces.positions[first as usize..], &mut triangles);
+        let start = surfaces.triangles.len();
+        surfaces.triangles.extend(
+            triangles
+                .iter()
+                .map(|corners| corners.map(|corner| first + corner)),
+        );
+        surfaces.faces.push(Some(Face {
+            triangles: start..surfaces.triangles.len(),
+            material,
+        }));
+    }
+    Ok(surfaces)
+}
+
+impl Placing {
+    /// A place on a face as one in an image of a size in texels.
+    fn at(&self, place: [f32; 3], size: [f32; 2]) -> [f32; 2] {
+        let [u, v] = [0, 1].map(|way| {
+            let [x, y, z, offset] = self.axes[way];
+            (Vec3::new(x, y, z).dot(Vec3::from(place)) + offset) / size[way]
+        });
+        if u.is_finite() && v.is_finite() {
+            [u, v]
+        } else {
+            [0.0; 2]
+        }
+    }
+}
+
+fn placings(map: &Map, images: usize) -> Result<Vec<Placing>, BspError> {
+    let read = |(at, placing): (usize, &[u8])| {
+        let image = i64::from(int(placing, 32));
+        // Compilers that find no image file write a map without one.
+        let image = if images == 0 { 0 } else { image };
+        Ok(Placing {
+            axes: [0, 16].map(|way| [0, 4, 8, 12].map(|part| number(placing, way + part))),
+            image: in_range("texture placing", at, "texture", image, images.max(1))?,
+        })
+    };
+    map.things(PLACINGS.0, PLACINGS.1)?
+        .enumerate()
+        .map(read)
+        .collect()
+}
+
+/// The names of the textures: how many there are, where each begins, and each with its name first.
+fn images(map: &Map) -> Result<Vec<Image>, BspError> {
+    let lump = map.lump(TEXTURES);
+    if lump.is_empty() {
+        return Ok(Vec::new());
+    }
+    let cut_short = |at: usize| BspError::CutShort {
+        part: format!("texture {at}"),
+        has: lump.len(),
+    };
+    let count = lump.first_chunk().map_or(-1, |four| i32::from_le_bytes(*four));
+    let starts = usize::try_from(count).ok().and_then(|count| {
+        let bytes = count.checked_mul(4)?.checked_add(4)?;
+        lump.get(4..bytes)
+    });
+    let starts = starts.ok_or_else(|| cut_short(0))?;
+    let read = |(at, start): (usize, &[u8])| {
+        let start = int(start, 0);
+        if start == -1 {
+            return Ok(Image {
+                name: String::new(),
+                size: [64.0; 2],
+            });
+        }
+        let image = usize::try_from(start)
+            .ok()
+            .and_then(|start| lump.get(start..)?.get(..24));
+        let image = image.ok_or_else(|| cut_short(at))?;
+        let name = image[..16].split(|&byte| byte == 0).next().unwrap_or(&[]);
+        let side = |place: usize| match int(image, place) {
+            side @ 1..=0x1_0000 => side as f32,
+            _ => 64.0,
+        };
+        Ok(Image {
+            name: String::from_utf8_lossy(name).to_lowercase(),
+            size: [side(16), side(20)],
+        })
+    };
+    starts.chunks_exact(4).enumerate().map(read).collect()
+}
+
+/// What a face is made of; `None` where engines do not draw it.
+fn material(
+    placing: &Placing,
+    images: &[Image],
+    looks: &mut Looks,
+    behind: impl FnOnce() -> Kind,
+) -> Option<MaterialId> {
+    const UNSEEN: [&str; 6] = ["trigger", "clip", "skip", "hint", "hintskip", "origin"];
+    let name = images.get(placing.image as usize).map_or("", |image| &image.name);
+    if UNSEEN.contains(&name) {
+        return None;
+    }
+    let kind = match name.as_bytes() {
+        [] => behind(),
+        [b's', b'k', b'y', ..] => Kind::Sky,
+        [b'*' | b'!', ..] => [("lava", Kind::Lava), ("slime", Kind::Slime), ("tele", Kind::Gate)]
+            .into_iter()
+            .find_map(|(word, kind)| name.contains(word).then_some(kind))
+            .unwrap_or(Kind::Water),
+        _ => Kind::Wall,
+    };
+    Some(looks.material(placing.image, name, kind, false))
+}
+
+/// What the border is of that a face of the world stands on, by what is before it and behind: a wall, unless one of them is
+/// sky or a liquid and the other is not.
+fn behind(tree: &Tree, outline: &[[f32; 3]], front: DVec3) -> Kind {
+    let sum: DVec3 = outline
+        .iter()
+        .map(|place| DVec3::from(place.map(f64::from)))
+        .sum();
+    let middle = sum / outline.len().max(1) as f64;
+    let [before, behind] = [1.0, -1.0].map(|way| tree.kind_at(middle + way * front));
+    let kind = |kind: i32| match kind {
+        -3 => Some(Kind::Water),
+        -4 => Some(Kind::Slime),
+        -5 => Some(Kind::Lava),
+        -6 => Some(Kind::Sky),
+        _ => None,
+    };
+    const SOLID: i32 = -2;
+    if before == behind || behind == SOLID {
+        return Kind::Wall;
+    }
+    kind(behind).or(kind(before)).unwrap_or(Kind::Wall)
+}
+
+impl Tree {
+    /// What fills the leaf of the world that a point is in.
+    fn kind_at(&self, point: DVec3) -> i32 {
+        let mut child = self.root;
+        loop {
+            match child {
+                Child::Leaf(leaf) => return self.leafs[leaf as usize].kind,
+                Child::Node(node) => {
+                    let node = &self.nodes[node as usize];
+                    let plane = &self.planes[node.plane as usize];
+                    let is_behind = DVec3::from(plane.normal).dot(point) < plane.offset;
+                    child = node.children[usize::from(is_behind)];
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,252 @@
+//! Faces of Quake 3: triangles, and patches that are bent; their corners have normals, colors and places in a texture.
+//!
+//! Corners of triangles go clockwise seen from the front. A flare is no face but a light that dazzles, and is not drawn.
+
+use super::axes::turned;
+use super::looks::{Kind, Looks};
+use super::patch::{STEPS, tessellate};
+use super::surfaces::{Face, Surfaces};
+use crate::BrokenRule;
+use crate::budget::Budget;
+use crate::quake::BspError;
+use crate::quake::bsp::{Map, in_range, int, number};
+use crate::warning::{WarningKind, Warnings};
+use enfilade::MaterialId;
+use std::ops::Range;
+
+/// Lumps that faces are made of, and how many bytes a thing in them takes.
+const TEXTURES: (usize, usize) = (1, 72);
+const CORNERS: (usize, usize) = (10, 44);
+const TRIANGLES: (usize, usize) = (11, 4);
+const FACES: (usize, usize) = (13, 104);
+
+/// What engines make of a surface, as bits beside its texture.
+const SKY: i32 = 0x4;
+const UNSEEN: i32 = 0x80 | 0x100 | 0x200;
+/// What a surface is the border of.
+const LAVA: i32 = 0x8;
+const SLIME: i32 = 0x10;
+const WATER: i32 = 0x20;
+const SEEN_THROUGH: i32 = 0x2000_0000;
+
+/// A corner, as it stands in the map but for its axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Corner {
+    pub(super) position: [f32; 3],
+    pub(super) texture: [f32; 2],
+    pub(super) normal: [f32; 3],
+    pub(super) color: [f32; 4],
+}
+
+/// What the numbers of a face name.
+struct Shape {
+    kind: i32,
+    corners: Range<usize>,
+    triangles: Range<usize>,
+    size: [usize; 2],
+}
+
+/// Reads all faces.
+pub(super) fn read(
+    map: &Map,
+    looks: &mut Looks,
+    budget: &mut Budget,
+    warnings: &mut Warnings,
+) -> Result<Surfaces, BrokenRule> {
+    let corners = map.things(CORNERS.0, CORNERS.1)?.len();
+    let indices = map.things(TRIANGLES.0, TRIANGLES.1)?;
+    let faces = map.things(FACES.0, FACES.1)?;
+    let texture_count = map.things(TEXTURES.0, TEXTURES.1)?.len();
+    let shape = |at: usize, face: &[u8]| shape(at, face, corners, indices.len());
+    let (mut all_corners, mut all_triangles) = (0, 0);
+    for (at, face) in faces.clone().enumerate() {
+        let shape = shape(at, face)?;
+        let (corners, triangles) = match shape.kind {
+            PATCH => {
+                let [columns, rows] = shape.size.map(|size| (size as u64 - 1) / 2 * STEPS as u64);
+                ((columns + 1) * (rows + 1), 2 * columns * rows)
+            }
+            _ => (shape.corners.len() as u64, shape.triangles.len() as u64 / 3),
+        };
+        all_corners += corners;
+        all_triangles += triangles;
+    }
+    Surfaces::afford(budget, faces.len() as u64, all_corners, all_triangles)?;
+
+    let mut surfaces = Surfaces::default();
+    let mut patch = Vec::new();
+    for (at, face) in faces.enumerate() {
+        let texture = in_range("face", at, "texture", int(face, 0).into(), texture_count)?;
+        let shape = shape(at, face)?;
+        let flat_or_mesh = matches!(shape.kind, POLYGON | MESH);
+        if !flat_or_mesh && shape.kind != PATCH {
+            warnings.name(WarningKind::Flares, || format!("face {at}"));
+        }
+        let drawn = (flat_or_mesh || shape.kind == PATCH)
+            .then(|| material(map, texture, looks))
+            .flatten();
+        let Some(material) = drawn else {
+            surfaces.faces.push(None);
+            continue;
+        };
+        let first = surfaces.positions.len() as u32;
+        let start = surfaces.triangles.len();
+        if shape.kind == PATCH {
+            patch.clear();
+            for number in shape.corners.clone() {
+                patch.push(corner(map, number)?);
+            }
+            let grid = tessellate(&patch, shape.size);
+            grid.corners.iter().for_each(|corner| surfaces.push(corner));
+            let triangles = grid.triangles.iter();
+            surfaces
+                .triangles
+                .extend(triangles.map(|corners| corners.map(|corner| first + corner)));
+        } else {
+            for number in shape.corners.clone() {
+                surfaces.push(&corner(map, number)?);
+            }
+            for place in shape.triangles.clone().step_by(3) {
+                // From clockwise to counter-clockwise.
+                let mut triangle = [0; 3];
+                for (end, back) in triangle.iter_mut().zip([0, 2, 1]) {
+                    let number = int(map.lump(TRIANGLES.0), 4 * (place + back));
+                    let number = in_range("face", at, "corner", number.into(), shape.corners.len())?;
+                    *end = first + number;
+                }
+                surfaces.triangles.push(triangle);
+            }
+        }
+        surfaces.faces.push(Some(Face {
+            triangles: start..surfaces.triangles.len(),
+            material,
+        }));
+    }
+    surfaces.even_out_colors();
+    Ok(surfaces)
+}
+
+const POLYGON: i32 = 1;
+const PATCH: i32 = 2;
+const MESH: i32 = 3;
+
+fn shape(at: usize, face: &[u8], corners: usize, triangles: usize) -> Result<Shape, BspError> {
+    let range = |place: usize, names: &'static str, of: usize| {
+        let [first, count] = [place, place + 4].map(|place| i64::from(int(face, place)));
+        if first >= 0 && count >= 0 && first + count <= of as i64 {
+            return Ok(first as usize..(first + count) as usize);
+        }
+        Err(BspError::NoSuch {
+            what: "face",
+            at,
+            names,
+            number: first + count,
+            count: of,
+        })
+    };
+    let kind = int(face, 8);
+    let mut shape = Shape {
+        kind,
+        corners: range(12, "corners up to", corners)?,
+        triangles: 0..0,
+        size: [0; 2],
+    };
+    if kind == PATCH {
+        let size = [96, 100].map(|place| int(face, place));
+        let are_odd = size.iter().all(|&side| side >= 3 && side % 2 == 1);
+        let count = i64::from(size[0]) * i64::from(size[1]);
+        if !are_odd || count != shape.corners.len() as i64 {
+            return Err(BspError::BadPatch { face: at, size });
+        }
+        shape.size = size.map(|side| side as usize);
+    } else {
+        let range = range(20, "corners of triangles up to", triangles)?;
+        shape.triangles = range.start..range.end - range.len() % 3;
+    }
+    Ok(shape)
+}
+
+fn corner(map: &Map, at: usize) -> Result<Corner, BspError> {
+    let bytes = &map.lump(CORNERS.0)[at * CORNERS.1..][..CORNERS.1];
+    let position = [0, 4, 8].map(|place| number(bytes, place));
+    if position.iter().any(|value| !value.is_finite()) {
+        return Err(BspError::NotFinite { what: "corner", at });
+    }
+    let or_zero = |place| {
+        Some(number(bytes, place))
+            .filter(|value| value.is_finite())
+            .unwrap_or(0.0)
+    };
+    // What is written is how bright a corner is to be shown.
+    let color = [40, 41, 42].map(|place: usize| (f32::from(bytes[place]) / 255.0).powi(2));
+    Ok(Corner {
+        position,
+        texture: [12, 16].map(or_zero),
+        normal: [28, 32, 36].map(or_zero),
+        color: [color[0], color[1], color[2], 1.0],
+    })
+}
+
+/// What a face is made of; `None` where engines do not draw it.
+fn material(map: &Map, texture: u32, looks: &mut Looks) -> Option<MaterialId> {
+    const TOOLS: [&str; 12] = [
+        "caulk",
+        "clip",
+        "hint",
+        "hintskip",
+        "skip",
+        "trigger",
+        "nodraw",
+        "areaportal",
+        "weapclip",
+        "origin",
+        "lightgrid",
+        "antiportal",
+    ];
+    let bytes = &map.lump(TEXTURES.0)[texture as usize * TEXTURES.1..][..TEXTURES.1];
+    let name = bytes[..64].split(|&byte| byte == 0).next().unwrap_or(&[]);
+    let name = String::from_utf8_lossy(name).to_lowercase();
+    let [surface, content] = [64, 68].map(|place| int(bytes, place));
+    let mut path = name.rsplit('/');
+    let end = path.next().unwrap_or("");
+    // Where the game's scripts were not at hand, its tools are walls by their bits.
+    let is_tool = path.next() == Some("common") && TOOLS.contains(&end);
+    if surface & UNSEEN != 0 || is_tool {
+        return None;
+    }
+    let kind = [(LAVA, Kind::Lava), (SLIME, Kind::Slime), (WATER, Kind::Water)]
+        .into_iter()
+        .find_map(|(bit, kind)| (content & bit != 0).then_some(kind));
+    let kind = match kind {
+        _ if surface & SKY != 0 => Kind::Sky,
+        Some(kind) => kind,
+        None if end.contains("tele") && end.contains('#') => Kind::Gate,
+        None if content & SEEN_THROUGH != 0 && end.contains("glass") => Kind::Glass,
+        None => Kind::Wall,
+    };
+    // Liquids have one face, that is seen from below, too.
+    let double_sided = matches!(kind, Kind::Water | Kind::Slime | Kind::Lava | Kind::Glass);
+    Some(looks.material(texture, &name, kind, double_sided))
+}
+
+impl Surfaces {
+    fn push(&mut self, corner: &Corner) {
+        self.positions.push(turned(corner.position));
+        self.texture.push(corner.texture);
+        self.normals.push(turned(corner.normal));
+        self.colors.push(corner.color);
+    }
+
+    /// Colors of corners are the light that falls there, where light was computed: else all are alike, and say nothing. The
+    /// game shows half of it as white. So that no corner is black, a part of them is light that is everywhere.
+    fn even_out_colors(&mut self) {
+        const EVERYWHERE: f32 = 0.4;
+        if self.colors.iter().all(|color| *color == self.colors[0]) {
+            self.colors.clear();
+        }
+        for color in &mut self.colors {
+            let [r, g, b, _] = color.map(|part| EVERYWHERE + (1.0 - EVERYWHERE) * (2.0 * part).min(1.0));
+            *color = [r, g, b, 1.0];
+        }
+    }
+}

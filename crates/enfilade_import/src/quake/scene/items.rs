@@ -1,0 +1,204 @@
+//! Which faces make which item: those of the world that are seen from the same leafs, and those of a door or a lift.
+//!
+//! A method that knows what each leaf sees takes or leaves whole items. So an item of the world is as small as can be, and
+//! no face in it is seen from fewer leafs than another.
+
+use super::axes::placed;
+use super::entities::Entity;
+use super::surfaces::Surfaces;
+use crate::BrokenRule;
+use crate::budget::Budget;
+use crate::quake::bsp::{BspError, Map, Tree, in_range, int, word};
+use crate::warning::{WarningKind, Warnings};
+use enfilade::{ContentBuilder, MeshId, Transform};
+use std::collections::{HashMap, HashSet};
+use std::ops::Range;
+
+/// The lumps of leafs' faces.
+const MARKS: usize = 11;
+const MARKS_OF_QUAKE_3: usize = 5;
+/// Where in a model its first face and how many it has are written.
+const FACES_OF_A_MODEL: usize = 56;
+const FACES_OF_A_MODEL_OF_QUAKE_3: usize = 24;
+
+/// The faces of each model; the first is the world.
+pub(super) fn models(map: &Map, faces: usize) -> Result<Vec<Range<u32>>, BspError> {
+    let place = match map.format.is_quake3 {
+        true => FACES_OF_A_MODEL_OF_QUAKE_3,
+        false => FACES_OF_A_MODEL,
+    };
+    let models = map.things(map.format.models, map.format.model_bytes)?;
+    let read = |(at, model): (usize, &[u8])| {
+        let [first, count] = [place, place + 4].map(|place| i64::from(int(model, place)));
+        if first >= 0 && count >= 0 && first + count <= faces as i64 {
+            return Ok(first as u32..(first + count) as u32);
+        }
+        Err(BspError::NoSuch {
+            what: "model",
+            at,
+            names: "faces up to",
+            number: first + count,
+            count: faces,
+        })
+    };
+    models.enumerate().map(read).collect()
+}
+
+/// Adds an item for each set of leafs that some faces of the world are seen from: `leaf 12`, of the first of the set, or
+/// `cluster 12` in Quake 3, where leafs of a cluster see the same; `leaf 12.2` where that is taken.
+pub(super) fn of_the_world(
+    map: &Map,
+    tree: &Tree,
+    surfaces: &Surfaces,
+    world: Range<u32>,
+    content: &mut ContentBuilder,
+    budget: &mut Budget,
+    warnings: &mut Warnings,
+) -> Result<(), BrokenRule> {
+    let what = if map.format.is_quake3 { "cluster" } else { "leaf" };
+    let marks = marks(map, tree, surfaces.faces.len(), budget)?;
+    let mut of_faces: Vec<(&[[u32; 2]], u32)> = marks
+        .chunk_by(|a, b| a[0] == b[0])
+        .map(|of_one| (of_one, of_one[0][0]))
+        .collect();
+    let mut is_marked = vec![false; surfaces.faces.len()];
+    of_faces
+        .iter()
+        .for_each(|(_, face)| is_marked[*face as usize] = true);
+    for face in world {
+        if !is_marked[face as usize] && surfaces.faces[face as usize].is_some() {
+            warnings.name(WarningKind::UnmarkedFaces, || format!("face {face}"));
+        }
+    }
+    let places = |marks: &[[u32; 2]]| marks.iter().map(|mark| mark[1]).collect::<Vec<_>>();
+    of_faces.sort_by_cached_key(|(marks, face)| (places(marks), *face));
+    let mut last = None;
+    let mut number = 0;
+    let same = |a: &[[u32; 2]], b: &[[u32; 2]]| a.iter().map(|m| m[1]).eq(b.iter().map(|m| m[1]));
+    for of_one in of_faces.chunk_by(|a, b| same(a.0, b.0)) {
+        let faces: Vec<u32> = of_one.iter().map(|&(_, face)| face).collect();
+        if surfaces.triangle_count(&faces) == 0 {
+            continue;
+        }
+        let first = of_one[0].0[0][1];
+        number = if last == Some(first) { number + 1 } else { 1 };
+        last = Some(first);
+        let name = match number {
+            1 => format!("{what} {first}"),
+            _ => format!("{what} {first}.{number}"),
+        };
+        let mesh = surfaces.mesh(&faces).map_err(|why| BrokenRule::Mesh {
+            place: name.clone(),
+            why,
+        })?;
+        let mesh = content.mesh(mesh);
+        content.item(&name, mesh, Transform::IDENTITY);
+    }
+    Ok(())
+}
+
+/// Which faces are seen from which leafs of the world, or clusters: pairs of a face and one of those, by rising numbers.
+fn marks(map: &Map, tree: &Tree, faces: usize, budget: &mut Budget) -> Result<Vec<[u32; 2]>, BrokenRule> {
+    let is_quake3 = map.format.is_quake3;
+    let (lump, bytes) = match (is_quake3, map.format.is_short) {
+        (true, _) => (MARKS_OF_QUAKE_3, 4),
+        (false, is_short) => (MARKS, if is_short { 2 } else { 4 }),
+    };
+    let listed = map.things(lump, bytes)?.len();
+    let leafs = if is_quake3 {
+        0..tree.leafs.len()
+    } else {
+        1..(map.world_leafs()?.max(0) as usize + 1).min(tree.leafs.len())
+    };
+    let mut total = 0;
+    for at in leafs.clone() {
+        let [first, count] = tree.leafs[at].faces.map(u64::from);
+        if first + count > listed as u64 {
+            return Err(BrokenRule::from(BspError::NoSuch {
+                what: "leaf",
+                at,
+                names: "marks of faces up to",
+                number: (first + count) as i64,
+                count: listed,
+            }));
+        }
+        total += count;
+    }
+    // A pair, and its share of a set of leafs to compare.
+    budget.take(total.saturating_mul(8 + 32), || "its leafs' faces".to_owned())?;
+    let mut marks = Vec::with_capacity(total as usize);
+    for at in leafs {
+        let leaf = &tree.leafs[at];
+        let place = match is_quake3 {
+            false => at as u32,
+            // No eye is outside all clusters, so nothing is seen from there.
+            true if leaf.kind < 0 => continue,
+            true => leaf.kind as u32,
+        };
+        let [first, count] = leaf.faces.map(|number| number as usize);
+        for mark in map.lump(lump)[first * bytes..][..count * bytes].chunks_exact(bytes) {
+            let face = match bytes {
+                2 => i64::from(u16::from_le_bytes([mark[0], mark[1]])),
+                _ => word(mark, 0).unwrap_or(-1).into(),
+            };
+            marks.push([in_range("leaf", at, "face", face, faces)?, place]);
+        }
+    }
+    marks.sort_unstable();
+    marks.dedup();
+    Ok(marks)
+}
+
+/// Adds an item for each entity that has a model of the map: `func_door gate#12`. What only starts something when it is
+/// touched is not seen.
+pub(super) fn of_entities(
+    entities: &[Entity],
+    models: &[Range<u32>],
+    surfaces: &Surfaces,
+    content: &mut ContentBuilder,
+    budget: &mut Budget,
+    warnings: &mut Warnings,
+) -> Result<(), BrokenRule> {
+    let mut meshes: HashMap<u32, Option<MeshId>> = HashMap::new();
+    let mut files = HashSet::new();
+    for entity in &entities[entities.len().min(1)..] {
+        let named = entity.get("model");
+        let Some(number) = named.strip_prefix('*') else {
+            if !named.is_empty() && files.insert(named) {
+                warnings.name(WarningKind::ModelFiles, || named.to_owned());
+            }
+            continue;
+        };
+        let number = number.parse().unwrap_or(-1);
+        let model = in_range("entity", entity.number, "model", number, models.len())?;
+        if model == 0 || entity.class().starts_with("trigger_") {
+            continue;
+        }
+        let mesh = match meshes.get(&model) {
+            Some(mesh) => *mesh,
+            None => {
+                // Models of a sound map have faces of their own, so no others than those set aside for all; these may not.
+                let range = models[model as usize].clone();
+                budget.take(8 * range.len() as u64, || entity.name())?;
+                let faces: Vec<u32> = range.collect();
+                let triangles = surfaces.triangle_count(&faces);
+                budget.take(300 * triangles as u64, || entity.name())?;
+                let mesh = (triangles > 0)
+                    .then(|| surfaces.mesh(&faces))
+                    .transpose()
+                    .map_err(|why| BrokenRule::Mesh {
+                        place: entity.name(),
+                        why,
+                    })?
+                    .map(|mesh| content.mesh(mesh));
+                meshes.insert(model, mesh);
+                mesh
+            }
+        };
+        if let Some(mesh) = mesh {
+            let origin = entity.three("origin").unwrap_or_default();
+            content.item(&entity.name(), mesh, placed(origin));
+        }
+    }
+    Ok(())
+}

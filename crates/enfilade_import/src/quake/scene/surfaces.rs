@@ -1,0 +1,136 @@
+//! What is drawn of a map: its faces as triangles, in the axes of the scene.
+
+use crate::BrokenRule;
+use crate::budget::Budget;
+use enfilade::{Attributes, MaterialId, Mesh, MeshError, Part};
+use std::ops::Range;
+
+/// The faces of a map, those of the world and those of doors and lifts alike.
+#[derive(Debug, Default)]
+pub(super) struct Surfaces {
+    /// By the face's number in the map; `None` for what engines do not draw.
+    pub(super) faces: Vec<Option<Face>>,
+    /// Corners of all faces; no two faces share one.
+    pub(super) positions: Vec<[f32; 3]>,
+    /// One for each position.
+    pub(super) texture: Vec<[f32; 2]>,
+    /// One for each position, or none at all.
+    pub(super) normals: Vec<[f32; 3]>,
+    /// One for each position, or none at all.
+    pub(super) colors: Vec<[f32; 4]>,
+    /// Counter-clockwise seen from their front.
+    pub(super) triangles: Vec<[u32; 3]>,
+}
+
+/// A face that is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Face {
+    pub(super) triangles: Range<usize>,
+    pub(super) material: MaterialId,
+}
+
+/// What a corner takes while the map is read: here, in the mesh of its item, and while that is built.
+const BYTES_OF_A_CORNER: u64 = 48 + 48 + 40;
+/// The same of a triangle.
+const BYTES_OF_A_TRIANGLE: u64 = 12 + 16 + 120;
+/// What a face takes besides: that it may stand alone in an item.
+const BYTES_OF_A_FACE: u64 = 400;
+
+impl Surfaces {
+    /// Sets memory aside for as many faces, corners and triangles.
+    pub(super) fn afford(
+        budget: &mut Budget,
+        faces: u64,
+        corners: u64,
+        triangles: u64,
+    ) -> Result<(), BrokenRule> {
+        let bytes = [
+            (corners, BYTES_OF_A_CORNER),
+            (triangles, BYTES_OF_A_TRIANGLE),
+            (faces, BYTES_OF_A_FACE),
+        ];
+        let bytes = bytes
+            .iter()
+            .map(|(count, of)| count.saturating_mul(*of))
+            .fold(0, u64::saturating_add);
+        budget.take(bytes, || "its faces".to_owned())
+    }
+
+    /// How many of some faces' triangles there are.
+    pub(super) fn triangle_count(&self, faces: &[u32]) -> usize {
+        let drawn = faces
+            .iter()
+            .filter_map(|&face| self.faces[face as usize].as_ref());
+        drawn.map(|face| face.triangles.len()).sum()
+    }
+
+    /// A mesh of some faces, in the order of their materials; without a triangle where none of them is drawn.
+    pub(super) fn mesh(&self, faces: &[u32]) -> Result<Mesh, MeshError> {
+        let mut drawn: Vec<&Face> = faces
+            .iter()
+            .filter_map(|&face| self.faces[face as usize].as_ref())
+            .collect();
+        drawn.sort_by_key(|face| face.material);
+        let mut own = Own::default();
+        let mut parts = Vec::new();
+        for of_one in drawn.chunk_by(|a, b| a.material == b.material) {
+            let first = [own.taken.len(), own.corners.len()];
+            for face in of_one {
+                own.take(&self.triangles[face.triangles.clone()], first[0]);
+            }
+            parts.push((
+                of_one[0].material,
+                first[0]..own.taken.len(),
+                first[1]..own.corners.len(),
+            ));
+        }
+        let positions = own.of(&self.positions);
+        let texture = own.of(&self.texture);
+        let normals = own.of(&self.normals);
+        let colors = own.of(&self.colors);
+        let parts: Vec<Part> = parts
+            .into_iter()
+            .map(|(material, taken, corners)| Part {
+                positions: &positions[taken.clone()],
+                corners: &own.corners[corners],
+                sides: None,
+                material,
+                attributes: Attributes {
+                    texture: texture.get(taken.clone()).unwrap_or_default(),
+                    normals: normals.get(taken.clone()).unwrap_or_default(),
+                    colors: colors.get(taken.clone()).unwrap_or_default(),
+                },
+            })
+            .collect();
+        Mesh::new(&parts)
+    }
+}
+
+/// The corners of one mesh, which are numbered within their part.
+#[derive(Default)]
+struct Own {
+    /// Which corner of all.
+    taken: Vec<u32>,
+    corners: Vec<u32>,
+}
+
+impl Own {
+    /// Takes the corners of a face, which share none with those of other faces, into the part that begins at `first`.
+    fn take(&mut self, triangles: &[[u32; 3]], first: usize) {
+        let start = self.taken.len();
+        let mut all: Vec<u32> = triangles.concat();
+        all.sort_unstable();
+        all.dedup();
+        self.taken.extend(&all);
+        let place = |corner: &u32| all.binary_search(corner).unwrap_or(0) + start - first;
+        self.corners
+            .extend(triangles.as_flattened().iter().map(|corner| place(corner) as u32));
+    }
+
+    fn of<T: Copy>(&self, list: &[T]) -> Vec<T> {
+        let taken = self.taken.iter();
+        taken
+            .filter_map(|&corner| list.get(corner as usize).copied())
+            .collect()
+    }
+}

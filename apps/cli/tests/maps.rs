@@ -23,7 +23,7 @@ fn info_says_what_is_in_a_map_and_how_much_a_leaf_sees() {
     }
     let said = folder.run("info plain.bsp").stdout;
     assert!(said.contains("visible    not computed"), "{said}");
-    let info = folder.json("info plain.bsp --json -");
+    let info = folder.json("info plain.bsp");
     assert_eq!(info["map"]["format"], "BSP2");
     assert_eq!(info["map"]["leafs"], 1);
     assert!(info["map"]["visible_share"].is_null());
@@ -35,7 +35,7 @@ fn a_map_is_looked_at_from_its_start_and_through_its_cells() {
     folder.add("baked.bsp", map(true));
     folder.add("plain.bsp", map(false));
     for method in ["z-buffer", "pvs"] {
-        let look = folder.json(&format!("look baked.bsp --method {method} --size 64x48 --json -"));
+        let look = folder.json(&format!("look baked.bsp --method {method} --size 64x48"));
         assert_eq!(look["views"][0]["visible"][0], "leaf 1", "{method}");
     }
     let refused = folder.run("draw plain.bsp -o plain.png --method pvs");

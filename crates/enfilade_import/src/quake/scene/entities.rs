@@ -183,16 +183,16 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_named_by_its_line() {
         for (text, said) in [
-            ("\n\nworld", "line 3: `w` where `{` is wanted"),
-            ("{ \"a\" }", "line 1: `}` where a value is wanted"),
-            ("{\n\"a\n\" {", "line 3: `{` where a value is wanted"),
-            ("{ \"a\" \"b\"", "line 1: the end where a key or `}` is wanted"),
+            ("\n\nworld", "`w` where `{` is wanted, in line 3"),
+            ("{ \"a\" }", "`}` where a value is wanted, in line 1"),
+            ("{\n\"a\n\" {", "`{` where a value is wanted, in line 3"),
+            ("{ \"a\" \"b\"", "the end where a key or `}` is wanted, in line 1"),
             (
                 "{ \"a",
-                "line 1: the end where the `\"` that ends a text is wanted",
+                "the end where the `\"` that ends a text is wanted, in line 1",
             ),
-            ("{ { }", "line 1: `{` where a key or `}` is wanted"),
-            ("\u{e4}", "line 1: `\u{e4}` where `{` is wanted"),
+            ("{ { }", "`{` where a key or `}` is wanted, in line 1"),
+            ("\u{e4}", "`\u{e4}` where `{` is wanted, in line 1"),
         ] {
             let refused = refused(text);
             assert!(refused.contains(said), "{refused}");

@@ -83,6 +83,9 @@ pub type Mobsp = Culled<KdTreeOrder, OcclusionTree<ByBox>>;
 /// Potentially visible sets: a content's cells say what may be seen from where sight begins, drawn by a z-buffer. Only for
 /// contents that have cells ([`ContentBuilder::cells`](crate::ContentBuilder::cells)). Teller, Séquin, SIGGRAPH 1991;
 /// Boreskov, Using portals.
+///
+/// What moves is followed, at the cost of sorting its faces into cells. What hides must stay: rows that were computed from a
+/// wall go on hiding what is behind it when it has gone.
 pub type Pvs = Ordered<BakedCellsOrder>;
 
 /// How a fragment is seen.

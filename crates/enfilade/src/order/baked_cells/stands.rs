@@ -5,7 +5,7 @@ use crate::geom::{ConvexPolygon, Run, Runs};
 use glam::DVec3;
 
 /// Of items with more faces, the boxes of clusters are sorted instead.
-const MANY_FACES: u32 = 4096;
+const MANY_FACES: u32 = 512;
 
 /// An item in more cells than this is taken for one that is everywhere.
 const MOST_CELLS: usize = 1024;
@@ -15,13 +15,14 @@ const MOST_PLANES: [u64; 2] = [64, 1 << 18];
 
 /// Which items stand in which cells, both ways. The cell after the last is that of items which are everywhere, or in none:
 /// those are always looked at.
-#[derive(Clone, Debug)]
 pub(super) struct Stands {
     lists: Runs,
     /// By cell: the items in it.
     items: Vec<Run>,
     /// By item: the cells that it stands in.
     cells: Vec<Run>,
+    /// Kept, for it has a number for each cell: an edit touches a few.
+    finding: Finding,
 }
 
 /// Where it is found out which cells something stands in.
@@ -41,11 +42,11 @@ impl Stands {
             lists: Runs::default(),
             items: vec![Run::EMPTY; cells.cell_count() + 1],
             cells: vec![Run::EMPTY; content.items().len()],
+            finding: Finding::default(),
         };
-        let mut finding = Finding::default();
         for item in (0..content.items().len() as u32).map(ItemId) {
-            finding.of_item(cells, content, item);
-            stands.put(item, &finding.found);
+            stands.finding.of_item(cells, content, item);
+            stands.put(item);
             if stands.bytes() > limit_bytes {
                 return None;
             }
@@ -62,12 +63,11 @@ impl Stands {
         touched: &mut Vec<u32>,
     ) {
         self.cells.resize(content.items().len(), Run::EMPTY);
-        let mut finding = Finding::default();
         for &Moved { item, .. } in moved {
-            finding.of_item(cells, content, item);
+            self.finding.of_item(cells, content, item);
             let run = &mut self.cells[item.0 as usize];
             let before = self.lists.get(*run);
-            if before == finding.found {
+            if before == self.finding.found {
                 continue;
             }
             let before = before.to_vec();
@@ -75,14 +75,15 @@ impl Stands {
             for &cell in &before {
                 self.lists.remove(&mut self.items[cell as usize], item.0);
             }
-            self.put(item, &finding.found);
-            touched.extend(before.iter().chain(&finding.found));
+            self.put(item);
+            touched.extend(before.iter().chain(&self.finding.found));
         }
     }
 
-    fn put(&mut self, item: ItemId, cells: &[u32]) {
-        self.cells[item.0 as usize] = self.lists.put(cells);
-        for &cell in cells {
+    /// Has an item stand in the cells that were found.
+    fn put(&mut self, item: ItemId) {
+        self.cells[item.0 as usize] = self.lists.put(&self.finding.found);
+        for &cell in &self.finding.found {
             self.lists.push(&mut self.items[cell as usize], item.0);
         }
     }
@@ -98,7 +99,8 @@ impl Stands {
     }
 
     pub(super) fn bytes(&self) -> u64 {
-        (self.lists.bytes() + size_of_val(&*self.items) + size_of_val(&*self.cells)) as u64
+        let by_cell = size_of_val(&*self.items) + size_of_val(&*self.finding.last);
+        (self.lists.bytes() + by_cell + size_of_val(&*self.cells)) as u64
     }
 }
 

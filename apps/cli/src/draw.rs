@@ -10,7 +10,7 @@ use crate::open::{For, allow_threads, open};
 use crate::out;
 use crate::prepare::{Prepared, prepare};
 use crate::progress::Progress;
-use crate::report::{Report, Reports, Sink, Skipped};
+use crate::report::{Report, Reports, Sink, Skipped, left_out};
 use crate::save::Destination;
 use crate::text::{count, ms, plural};
 use crate::values::Choice;
@@ -61,9 +61,6 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
     let (mut prepared, mut skipped) = prepare(&opened, choice, &args.methods.how, views.first())?;
     if args.show == Show::Cover {
         prepared = with_shapes(prepared, choice, &mut skipped)?;
-    }
-    for Skipped { method, why } in &skipped {
-        out::warn(format_args!("{method} is skipped: {why}"));
     }
     let mut settings = settings(args.show);
     settings.exposure = Exposure::Eye(args.exposure);
@@ -124,7 +121,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
     }
     drop(progress);
     if !args.json.takes_stdout() {
-        out::print(&said)?;
+        out::print(&(said + &left_out(&skipped)))?;
     }
     sink.write(&Reports::new(choice == Choice::All, reports, skipped))?;
     Ok(Outcome::Done)

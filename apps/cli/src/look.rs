@@ -9,7 +9,7 @@ use crate::open::{For, allow_threads, open};
 use crate::out;
 use crate::prepare::prepare;
 use crate::progress::Progress;
-use crate::report::{Report, Reports, SceneReport, Sink, Skipped, Summary, WayReport};
+use crate::report::{Report, Reports, SceneReport, Sink, Summary, WayReport, left_out};
 use crate::text::{bytes, count, ms, plural, point, table};
 use crate::values::Choice;
 use anyhow::Result;
@@ -30,9 +30,6 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
     )?;
     let views = cameras::views(&args.cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, choice, &args.methods.how, views.first())?;
-    for Skipped { method, why } in &skipped {
-        out::warn(format_args!("{method} is skipped: {why}"));
-    }
     let mut viewers: Vec<Viewer> = prepared.iter().map(|prepared| prepared.viewer()).collect();
     let mut reports = Vec::new();
     let progress = Progress::steps("looking", prepared.len() * views.len() * (1 + PASSES));
@@ -47,9 +44,10 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
             report.add_checks(found, &prepared.scene);
         }
     }
+    let left_out = left_out(&skipped);
     let reports = Reports::new(choice == Choice::All, reports, skipped);
     if !args.json.takes_stdout() {
-        out::print(&for_people(&SceneReport::new(&opened), reports.each()))?;
+        out::print(&(for_people(&SceneReport::new(&opened), reports.each()) + &left_out))?;
     }
     sink.write(&reports)?;
     reports.each().iter().for_each(tell_what_is_wrong);

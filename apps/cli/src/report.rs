@@ -116,6 +116,12 @@ pub(crate) struct Skipped {
     pub(crate) why: String,
 }
 
+/// What is said of methods that do not fit, a line each.
+pub(crate) fn left_out(skipped: &[Skipped]) -> String {
+    let line = |Skipped { method, why }: &Skipped| format!("  {method} is skipped: {why}\n");
+    skipped.iter().map(line).collect()
+}
+
 /// What was asked for: one method, or all.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]

@@ -9,7 +9,7 @@ use crate::open::{For, open};
 use crate::out;
 use crate::prepare::prepare;
 use crate::progress::Progress;
-use crate::report::{SceneReport, Skipped};
+use crate::report::{SceneReport, left_out};
 use crate::save::Destination;
 use crate::text::{count, ms, plural, table};
 use crate::values::Choice;
@@ -104,9 +104,7 @@ pub(crate) fn run() -> Result<Outcome> {
         ],
         &rows,
     );
-    for Skipped { method, why } in &skipped {
-        text += &format!("  {method} is skipped: {why}\n");
-    }
+    text += &left_out(&skipped);
     text += &format!("\nThe picture is in {PICTURE}. {NEXT}");
     out::print(&text)?;
     Ok(Outcome::Done)

@@ -21,7 +21,7 @@ use crate::open::{For, allow_threads, open};
 use crate::out;
 use crate::prepare::{Prepared, prepare};
 use crate::progress::Progress;
-use crate::report::{Report, Reports, SceneReport, Sink, Skipped};
+use crate::report::{Report, Reports, SceneReport, Sink, Skipped, left_out};
 use crate::save::Destination;
 use crate::text::plural;
 use anyhow::{Result, bail};
@@ -60,9 +60,6 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
     )?;
     let views = cameras::views(&args.cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, args.method, &args.how, views.first())?;
-    for Skipped { method, why } in &skipped {
-        out::warn(format_args!("{method} is skipped: {why}"));
-    }
     let mut viewers: Vec<Viewer> = prepared.iter().map(Prepared::viewer).collect();
     let mut reports = Vec::new();
     // The first pictures of a run are slow, whoever draws them.
@@ -97,7 +94,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
     let text = page::page(&comparison)?;
     page.write(|path| fs::write(path, &text))?;
     if !args.json.takes_stdout() {
-        out::print(&for_people(&comparison))?;
+        out::print(&(for_people(&comparison) + &left_out(&skipped)))?;
     }
     // What is allowed to be wrong is on the page.
     let broken = reports.iter().filter(|report| report.breaks_its_contract());

@@ -62,9 +62,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
     if args.show == Show::Cover {
         prepared = with_shapes(prepared, choice, &mut skipped)?;
     }
-    for Skipped { method, why } in &skipped {
-        out::warn(format_args!("{method} is skipped: {why}"));
-    }
+    Skipped::warn(&skipped);
     let mut settings = settings(args.show);
     settings.exposure = Exposure::Eye(args.exposure);
     if args.samples == 4 {
@@ -143,6 +141,7 @@ fn with_shapes(prepared: Vec<Prepared>, choice: Choice, skipped: &mut Vec<Skippe
             Some(method) if choice == Choice::All => skipped.push(Skipped {
                 method: method.name(),
                 why: "its cover has no shape to show".to_owned(),
+                is_trouble: true,
             }),
             Some(method) => {
                 let all = Method::ALL.into_iter();

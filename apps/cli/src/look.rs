@@ -30,9 +30,7 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
     )?;
     let views = cameras::views(&args.cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, choice, &args.methods.how, views.first())?;
-    for Skipped { method, why } in &skipped {
-        out::warn(format_args!("{method} is skipped: {why}"));
-    }
+    Skipped::warn(&skipped);
     let mut viewers: Vec<Viewer> = prepared.iter().map(|prepared| prepared.viewer()).collect();
     let mut reports = Vec::new();
     let progress = Progress::steps("looking", prepared.len() * views.len() * (1 + PASSES));

@@ -104,6 +104,7 @@ pub(crate) fn prepare(
             Ok(built) => prepared.push(built),
             Err(why) => skipped.push(Skipped {
                 method: method.name(),
+                is_trouble: !matches!(why, Unsuited::NotBaked(_)),
                 why: why.to_string(),
             }),
         }

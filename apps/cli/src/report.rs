@@ -114,6 +114,18 @@ pub(crate) struct Summary {
 pub(crate) struct Skipped {
     pub(crate) method: &'static str,
     pub(crate) why: String,
+    /// Could it be had by other arguments? What a scene has nothing for is no trouble.
+    #[serde(skip)]
+    pub(crate) is_trouble: bool,
+}
+
+impl Skipped {
+    /// Warns of those that other arguments would help.
+    pub(crate) fn warn(all: &[Skipped]) {
+        for Skipped { method, why, .. } in all.iter().filter(|skipped| skipped.is_trouble) {
+            out::warn(format_args!("{method} is skipped: {why}"));
+        }
+    }
 }
 
 /// What was asked for: one method, or all.

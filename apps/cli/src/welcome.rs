@@ -104,7 +104,7 @@ pub(crate) fn run() -> Result<Outcome> {
         ],
         &rows,
     );
-    for Skipped { method, why } in &skipped {
+    for Skipped { method, why, .. } in &skipped {
         text += &format!("  {method} is skipped: {why}\n");
     }
     text += &format!("\nThe picture is in {PICTURE}. {NEXT}");

@@ -60,9 +60,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
     )?;
     let views = cameras::views(&args.cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, args.method, &args.how, views.first())?;
-    for Skipped { method, why } in &skipped {
-        out::warn(format_args!("{method} is skipped: {why}"));
-    }
+    Skipped::warn(&skipped);
     let mut viewers: Vec<Viewer> = prepared.iter().map(Prepared::viewer).collect();
     let mut reports = Vec::new();
     // The first pictures of a run are slow, whoever draws them.

@@ -1,6 +1,7 @@
 //! Every help ends with examples, and every example runs.
 
 #[path = "../../../crates/enfilade_import/tests/quake/carved.rs"]
+#[allow(dead_code, reason = "one map of one format is enough here")]
 mod carved;
 mod support;
 

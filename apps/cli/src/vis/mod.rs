@@ -52,7 +52,10 @@ pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
     seconds.read = start.elapsed().as_secs_f64();
 
     let unfinished = Unfinished::beside(target.unwrap_or(&args.map));
-    let work = work(args, &portals, &prt, &unfinished, &mut seconds)?;
+    let saved = if args.resume { unfinished.read()? } else { None };
+    let goes_on = saved.is_some();
+    let begun = begin(args, &portals, &prt, &unfinished, saved)?;
+    let work = work(args, begun, &unfinished, &mut seconds)?;
     let pairs = work.pairs();
     let checked = args
         .check
@@ -85,6 +88,8 @@ pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
         pairs: &pairs,
         is_fast: args.fast,
         is_complete,
+        asked_to_go_on: args.resume,
+        goes_on,
         stopped_in: work.stage(),
         threads,
         seconds,
@@ -186,13 +191,11 @@ fn leafs_by_portals(portals: &PortalFile) -> Vec<u32> {
 /// Finds out what is visible, until it is known or time is up; saves now and then how far it is.
 fn work(
     args: &VisArgs,
-    portals: &PortalFile,
-    prt: &Path,
+    mut work: PairsWork,
     unfinished: &Unfinished,
     seconds: &mut Seconds,
 ) -> Result<PairsWork> {
     let start = Instant::now();
-    let mut work = begin(args, portals, prt, unfinished)?;
     let end = if args.fast { Stage::Sampling } else { Stage::Done };
     let mut saved = start;
     while work.stage() < end {
@@ -221,17 +224,16 @@ fn work(
     Ok(work)
 }
 
-/// New work, or that which was not finished.
-fn begin(args: &VisArgs, portals: &PortalFile, prt: &Path, unfinished: &Unfinished) -> Result<PairsWork> {
+/// New work, or that which was saved.
+fn begin(
+    args: &VisArgs,
+    portals: &PortalFile,
+    prt: &Path,
+    unfinished: &Unfinished,
+    saved: Option<Vec<u8>>,
+) -> Result<PairsWork> {
     let limit = args.limits.memory();
-    let saved = if args.resume { unfinished.read()? } else { None };
     let Some(saved) = saved else {
-        if args.resume {
-            out::note(format_args!(
-                "nothing to go on from: there is no {}; starting anew",
-                unfinished.path().display()
-            ));
-        }
         return PairsWork::begin(&portals.cells, limit)
             .map_err(|why| anyhow!("{}: {why}; raise --memory", prt.display()));
     };

@@ -23,6 +23,10 @@ pub(super) struct Visibility {
     /// `full`, `fast`, or where time was up.
     bound: &'static str,
     complete: bool,
+    /// Did it go on where another run was?
+    resumed: bool,
+    #[serde(skip)]
+    is_anew: bool,
     /// Pairs of clusters that may see each other, counted both ways, those of a cluster with itself left out.
     pairs: usize,
     /// Of all that there could be.
@@ -126,6 +130,8 @@ pub(super) struct Found<'a> {
     pub(super) lump_bytes: Option<u64>,
     pub(super) is_fast: bool,
     pub(super) is_complete: bool,
+    pub(super) asked_to_go_on: bool,
+    pub(super) goes_on: bool,
     pub(super) stopped_in: Stage,
     pub(super) threads: usize,
     pub(super) seconds: Seconds,
@@ -166,6 +172,8 @@ impl Visibility {
                 (false, _) => "between fast and full",
             },
             complete: found.is_complete,
+            resumed: found.goes_on,
+            is_anew: found.asked_to_go_on && !found.goes_on,
             pairs: pairs.count(),
             share: pairs.count() as f64 / all.max(1.0),
             pairs_proven: pairs.proven(),
@@ -211,6 +219,9 @@ impl Visibility {
             "from a leaf {:.1} are seen on average",
             self.average_leafs
         ));
+        if self.is_anew {
+            line("no unfinished run was there to go on with: started anew".to_owned());
+        }
         if !self.complete {
             line(format!("time was up: this is an upper bound, {}", self.bound));
         } else if self.bound == "fast" {

@@ -98,7 +98,7 @@ pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
     });
     if !args.json.takes_stdout() {
         out::print(&visibility.text())?;
-        if !is_complete {
+        if !is_complete && unfinished.path().exists() {
             out::print(&format!(
                 "  --resume goes on from {}\n",
                 unfinished.path().display()

@@ -196,15 +196,13 @@ impl Visibility {
             plural(self.clusters as usize, "cluster"),
             plural(self.portals, "portal")
         );
-        let proven = match self.pairs {
-            0 => String::new(),
-            pairs if self.pairs_proven > 0 => {
-                format!(
-                    ", {:.1} % of them shown by a line",
-                    100.0 * self.pairs_proven as f64 / pairs as f64
-                )
-            }
-            _ => String::new(),
+        let proven = if self.bound == "full" && self.pairs > 0 {
+            format!(
+                ", {:.1} % of them shown by a line",
+                100.0 * self.pairs_proven as f64 / self.pairs as f64
+            )
+        } else {
+            String::new()
         };
         let mut line = |shown: String| {
             // Writing to a String cannot fail.

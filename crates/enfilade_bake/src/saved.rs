@@ -94,18 +94,15 @@ impl PairsWork {
         let head = [MARK, self.mark(), stage as u64, next as u64];
         let counts = [self.ways.count() as u64, self.ways.cells() as u64];
         let rows = [bound, &known.ways, &known.cells];
-        let words: Vec<u64> = head
-            .into_iter()
-            .chain(counts)
-            .chain(rows.into_iter().flat_map(BitRows::words).copied())
-            .chain(order.iter().map(|&way| way.into()))
-            .collect();
-        let sum = sum_of(words.iter().copied());
-        words
-            .into_iter()
-            .chain([sum])
-            .flat_map(u64::to_le_bytes)
-            .collect()
+        let words = || {
+            let rows = rows.into_iter().flat_map(BitRows::words).copied();
+            let order = order.iter().map(|&way| u64::from(way));
+            head.into_iter().chain(counts).chain(rows).chain(order)
+        };
+        let sum = sum_of(words());
+        let mut bytes = Vec::with_capacity(8 * (words().count() + 1));
+        bytes.extend(words().chain([sum]).flat_map(u64::to_le_bytes));
+        bytes
     }
 
     /// Tells one set of cells and portals from others.

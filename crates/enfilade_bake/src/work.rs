@@ -242,13 +242,18 @@ impl PairsWork {
         is_over
     }
 
-    /// Estimates what each flow costs: about as much as it has to ask for, on all maps that were tried.
+    /// Estimates what each flow costs: about as much as it may see, on all maps that were tried; on the way back, as much as
+    /// it still asks for.
     fn foresee(&mut self) {
         let mut sum = 0.0;
         self.cost_before.clear();
         self.cost_before.push(0.0);
         for &way in &self.order {
-            sum += count(self.bound.row(way as usize)) as f64;
+            let mut asked = self.bound.row(way as usize).to_vec();
+            if self.stage == Stage::Backflow {
+                self.known.take_known(&self.ways, way as usize, &mut asked);
+            }
+            sum += 1.0 + count(&asked) as f64;
             self.cost_before.push(sum);
         }
     }

@@ -95,8 +95,8 @@ pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};
 pub use levels::{Levels, details_of};
 pub use obj::ObjError;
 pub use quake::{
-    BspError, ClustersFrom, MapSummary, PortalFile, PrtError, PrtKind, RebuiltPortals, leafs_of_clusters,
-    read_portals, rebuild_portals, rebuild_portals_bytes, visibility_bytes, with_visibility,
+    BspError, ClustersFrom, MapSummary, PlacedPortals, PortalFile, PrtError, PrtKind, RebuiltPortals,
+    place_portals, read_portals, rebuild_portals, rebuild_portals_bytes, visibility_bytes, with_visibility,
 };
 pub use warning::{Warning, WarningKind};
 

@@ -1,13 +1,13 @@
 //! Where another vis of the same map says otherwise, and who is right.
 
 use super::report::Line;
-use crate::args::VisArgs;
 use crate::text::{count, plural};
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use enfilade::{BakedCells, CellId};
 use enfilade_bake::{PairsWork, Stage, VisiblePairs};
-use enfilade_import::{PortalFile, PrtKind, ReadOptions};
+use enfilade_import::{PlacedPortals, PortalFile, ReadOptions, place_portals};
 use serde::Serialize;
+use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -20,6 +20,8 @@ pub(super) struct Other {
     cells: Arc<BakedCells>,
     /// By cluster one of its cells: in Quake those are leafs, which share the rows of their clusters.
     cell_of: Vec<CellId>,
+    /// By cluster, whether it is not where the portals are.
+    is_elsewhere: Vec<bool>,
 }
 
 /// The pairs that differ.
@@ -27,6 +29,8 @@ pub(super) struct Other {
 pub(super) struct Differs {
     other: String,
     other_pairs: u64,
+    /// Clusters of which nothing can be said, for the other map has them elsewhere.
+    clusters_elsewhere: usize,
     /// Pairs that the other does not have.
     missing_there: Vec<Missing>,
     /// Pairs that the other has beyond ours.
@@ -50,29 +54,46 @@ struct More {
 }
 
 impl Other {
-    /// Reads what the map that is named says is visible.
-    pub(super) fn read(args: &VisArgs, portals: &PortalFile) -> Result<Option<Other>> {
-        let Some(path) = &args.compare else {
-            return Ok(None);
-        };
-        let mut options = ReadOptions {
-            textures: false,
-            ..ReadOptions::default()
-        };
-        options.limit_bytes = args.limits.memory.unwrap_or(options.limit_bytes);
-        let import = enfilade_import::read(path, &options)?;
+    /// Reads what another map says is visible; `placed` is how the portals stand in the map itself.
+    pub(super) fn read(
+        path: &Path,
+        portals: &PortalFile,
+        placed: Option<&PlacedPortals>,
+        options: &ReadOptions,
+    ) -> Result<Other> {
+        let import = enfilade_import::read(
+            path,
+            &ReadOptions {
+                textures: false,
+                ..options.clone()
+            },
+        )?;
         let Some(cells) = import.rooms.first().and_then(|room| room.content.cells()) else {
             bail!(
                 "{}: nothing in it says what is visible; name a map that vis has run on",
                 path.display()
             );
         };
-        let cell_of = cells_of_clusters(path, portals, cells)?;
-        Ok(Some(Other {
-            file: path.display().to_string(),
+        let name = || path.display().to_string();
+        let bytes = fs::read(path).with_context(name)?;
+        let there = place_portals(&bytes, portals).with_context(name)?;
+        // Compiled again a map may have a few clusters elsewhere: nothing can be said of those.
+        let mut is_elsewhere = vec![false; portals.cells.count() as usize];
+        for (number, portal) in portals.cells.portals().iter().enumerate() {
+            let here = placed.is_none_or(|placed| placed.in_place[number]);
+            if here && !there.in_place[number] {
+                portal
+                    .cells
+                    .iter()
+                    .for_each(|&cell| is_elsewhere[cell as usize] = true);
+            }
+        }
+        Ok(Other {
+            file: name(),
+            cell_of: cells_of_clusters(portals),
             cells: cells.clone(),
-            cell_of,
-        }))
+            is_elsewhere,
+        })
     }
 
     fn sees(&self, from: u32, to: u32) -> bool {
@@ -84,6 +105,7 @@ impl Other {
     pub(super) fn compare(self, portals: &PortalFile, work: &PairsWork, pairs: &VisiblePairs) -> Differs {
         let mut differs = Differs {
             other_pairs: 0,
+            clusters_elsewhere: self.is_elsewhere.iter().filter(|&&elsewhere| elsewhere).count(),
             missing_there: Vec::new(),
             more_there: Vec::new(),
             other: String::new(),
@@ -96,6 +118,9 @@ impl Other {
             }
             let there = self.sees(from, to);
             differs.other_pairs += u64::from(there);
+            if self.is_elsewhere[from as usize] || self.is_elsewhere[to as usize] {
+                continue;
+            }
             match (pairs.sees(from, to), there) {
                 (true, false) => differs.missing_there.push(Missing {
                     from,
@@ -121,28 +146,12 @@ impl Other {
     }
 }
 
-/// Which cells stand for clusters, where the other map is this one.
-fn cells_of_clusters(path: &Path, portals: &PortalFile, cells: &BakedCells) -> Result<Vec<CellId>> {
-    let clusters = portals.cells.count() as usize;
-    let by_leafs = portals.kind != PrtKind::Quake3 && portals.cluster_of_leaf.is_some();
-    let leafs = portals.cluster_of_leaf.as_deref().filter(|_| by_leafs);
-    let wanted = leafs.map_or(clusters, <[u32]>::len);
-    if cells.cell_count() != wanted {
-        bail!(
-            "{}: has rows for {}, the portals are of {}: it is another map; name one that was compiled with this one",
-            path.display(),
-            count(cells.cell_count() as u64),
-            count(wanted as u64)
-        );
-    }
-    let Some(leafs) = leafs else {
-        return Ok((0..clusters as u32).map(CellId).collect());
-    };
-    let mut cell_of = vec![CellId(0); clusters];
-    for (leaf, &cluster) in leafs.iter().enumerate().rev() {
-        cell_of[cluster as usize] = CellId(leaf as u32);
-    }
-    Ok(cell_of)
+/// Which cells stand for clusters.
+fn cells_of_clusters(portals: &PortalFile) -> Vec<CellId> {
+    let mut cell_of: Vec<CellId> = (0..portals.cells.count()).map(CellId).collect();
+    let leafs = portals.cluster_of_leaf.iter().flatten().enumerate();
+    leafs.for_each(|(leaf, &cluster)| cell_of[cluster as usize] = CellId(leaf as u32));
+    cell_of
 }
 
 /// What may be seen by the first bound, and by the fast one.
@@ -161,6 +170,12 @@ impl Differs {
     /// As lines of text.
     pub(super) fn lines(&self) -> Vec<String> {
         let mut lines = vec![format!("{}: {} pairs", self.other, count(self.other_pairs))];
+        if self.clusters_elsewhere > 0 {
+            lines.push(format!(
+                "  {} of it elsewhere: nothing is said of pairs with those",
+                plural(self.clusters_elsewhere, "cluster")
+            ));
+        }
         let shown = self
             .missing_there
             .iter()

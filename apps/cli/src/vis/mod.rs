@@ -15,7 +15,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use differ::Other;
 use enfilade_bake::{PairsWork, Stage, VisiblePairs, find_missing};
 use enfilade_import::{
-    PortalFile, ReadOptions, leafs_of_clusters, read_portals, visibility_bytes, with_visibility,
+    PortalFile, ReadOptions, place_portals, read_portals, visibility_bytes, with_visibility,
 };
 use report::{Checked, Found, Seconds, Visibility};
 use std::fs;
@@ -44,11 +44,14 @@ pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
     let mut options = ReadOptions::default();
     options.limit_bytes = args.limits.memory.unwrap_or(options.limit_bytes);
     let portals = read_portals(&prt, &options)?;
-    let leafs = match &map {
-        Some(map) => Some(leafs_of_clusters(map, &portals).with_context(|| belongs(&args.map, &prt))?),
+    let placed = match &map {
+        Some(map) => Some(place_portals(map, &portals).with_context(|| belongs(&args.map, &prt))?),
         None => None,
     };
-    let other = Other::read(args, &portals)?;
+    let other = match &args.compare {
+        Some(path) => Some(Other::read(path, &portals, placed.as_ref(), &options)?),
+        None => None,
+    };
     seconds.read = start.elapsed().as_secs_f64();
 
     let unfinished = Unfinished::beside(target.unwrap_or(&args.map));
@@ -84,7 +87,7 @@ pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
         lump_bytes: written,
         prt: &prt,
         portals: &portals,
-        leafs: &leafs.unwrap_or_else(|| leafs_by_portals(&portals)),
+        leafs: &placed.map_or_else(|| leafs_by_portals(&portals), |placed| placed.leafs),
         pairs: &pairs,
         is_fast: args.fast,
         is_complete,

@@ -89,14 +89,11 @@ pub(super) struct Line {
     pub(super) origin: [f64; 3],
     pub(super) direction: [f64; 3],
     pub(super) clusters: Vec<u32>,
-    #[serde(skip)]
-    text: String,
 }
 
 impl From<Witness> for Line {
     fn from(witness: Witness) -> Line {
         Line {
-            text: witness.to_string(),
             origin: witness.origin,
             direction: witness.direction,
             clusters: witness.cells,
@@ -106,7 +103,15 @@ impl From<Witness> for Line {
 
 impl Display for Line {
     fn fmt(&self, out: &mut Formatter<'_>) -> fmt::Result {
-        out.write_str(&self.text)
+        let ([x, y, z], [a, b, c]) = (self.origin, self.direction);
+        let [from, to] = [self.clusters.first(), self.clusters.last()].map(|end| end.copied().unwrap_or(0));
+        write!(
+            out,
+            "cluster {from} sees {to}: the line from ({x} {y} {z}) along ({a} {b} {c}) goes through the clusters"
+        )?;
+        self.clusters
+            .iter()
+            .try_for_each(|cluster| write!(out, " {cluster}"))
     }
 }
 

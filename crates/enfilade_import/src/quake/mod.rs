@@ -7,7 +7,7 @@ mod prt;
 mod prt_text;
 mod scene;
 
-pub use bsp::{BspError, leafs_of_clusters, visibility_bytes, with_visibility};
+pub use bsp::{BspError, PlacedPortals, place_portals, visibility_bytes, with_visibility};
 pub use error::PrtError;
 pub use portals::{ClustersFrom, RebuiltPortals, rebuild_portals, rebuild_portals_bytes};
 pub use prt::{PortalFile, PrtKind};

@@ -4,16 +4,28 @@ use super::BspError;
 use super::lumps::Map;
 use super::tree::{Child, Tree, int};
 use crate::quake::PortalFile;
+use enfilade_bake::Portal;
 use glam::DVec3;
 
 /// How far before and behind a portal its two clusters are looked for, in units of the map: thin leafs are few.
 const ASIDE: f64 = 0.5;
 
-/// For each cluster of the portals, how many leafs of the map it is.
+/// Portals as they stand in a map.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PlacedPortals {
+    /// By cluster, how many leafs of the map it is.
+    pub leafs: Vec<u32>,
+    /// By portal, whether the map has its two clusters right before and behind it. Where leafs are thinner than half a unit
+    /// it has others there.
+    pub in_place: Vec<bool>,
+}
+
+/// Finds out where portals stand in the map that they are of.
 ///
 /// # Errors
-/// Where the map is of no kind that is known, damaged, or not the one that the portals are of.
-pub fn leafs_of_clusters(map: &[u8], portals: &PortalFile) -> Result<Vec<u32>, BspError> {
+/// Where the map is of no kind that is known, damaged, or not the one that the portals are of: it has another number of
+/// leafs or clusters, or less than half of the portals are in place.
+pub fn place_portals(map: &[u8], portals: &PortalFile) -> Result<PlacedPortals, BspError> {
     let map = Map::read(map)?;
     let tree = Tree::read(&map)?;
     let clusters = clusters_of_leafs(&map, portals)?;
@@ -22,7 +34,7 @@ pub fn leafs_of_clusters(map: &[u8], portals: &PortalFile) -> Result<Vec<u32>, B
         leafs[cluster as usize] += 1;
     }
     let all = portals.cells.portals();
-    let stands = |portal: &&enfilade_bake::Portal| {
+    let stands = |portal: &Portal| {
         let corners = portal.corners.iter().map(|&corner| DVec3::from(corner));
         let centre = corners.sum::<DVec3>() / portal.corners.len() as f64;
         let corner = |at: usize| DVec3::from(portal.corners[at]) - centre;
@@ -34,14 +46,15 @@ pub fn leafs_of_clusters(map: &[u8], portals: &PortalFile) -> Result<Vec<u32>, B
         [cluster(centre - aside), cluster(centre + aside)] == portal.cells.map(Some)
     };
     // Those of another map stand anywhere; of this one all but those at leafs that are thinner than what is tried.
-    let fit = all.iter().filter(stands).count();
+    let in_place: Vec<bool> = all.iter().map(stands).collect();
+    let fit = in_place.iter().filter(|&&is_in_place| is_in_place).count();
     if fit * 2 < all.len() {
         return Err(BspError::OtherPlaces {
             fit,
             portals: all.len(),
         });
     }
-    Ok(leafs)
+    Ok(PlacedPortals { leafs, in_place })
 }
 
 /// For each leaf of the map its cluster, as numbered by the portals.

@@ -10,7 +10,7 @@ mod lumps;
 mod tree;
 mod visibility;
 
-pub use belongs::leafs_of_clusters;
+pub use belongs::{PlacedPortals, place_portals};
 pub use error::BspError;
 pub(super) use lumps::{Map, word};
 pub(super) use tree::{Child, Node, SplitPlane, Tree, in_range, int, number, short};

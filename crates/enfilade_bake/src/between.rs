@@ -16,6 +16,23 @@ impl PairsWork {
         if self.stage() < Stage::Fixpoint {
             return None;
         }
+        // Sight has no direction, but chains are followed from one end.
+        self.line_from(from, to).or_else(|| {
+            let Witness {
+                origin,
+                direction,
+                mut cells,
+            } = self.line_from(to, from)?;
+            cells.reverse();
+            Some(Witness {
+                origin,
+                direction: direction.map(|along| -along),
+                cells,
+            })
+        })
+    }
+
+    fn line_from(&self, from: u32, to: u32) -> Option<Witness> {
         let ways = &self.ways;
         let mut flow = Flow::default();
         let mut chains = 0;

@@ -133,6 +133,7 @@ fn nearly_every_pair_that_is_kept_has_a_line_to_show() {
                 pairs_kept += usize::from(pairs.sees(from, to));
                 let Some(line) = line else { continue };
                 shown += 1;
+                assert!(work.line_between(to, from).is_some(), "sight has no direction");
                 assert_eq!((line.cells.first(), line.cells.last()), (Some(&from), Some(&to)));
                 worlds::follow(&cells, &line);
             }

@@ -247,6 +247,15 @@ fn saved_work_that_is_of_no_use_is_said_so() {
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     assert!(run.stdout.contains("started anew"), "{}", run.stdout);
     folder.add("map.bsp.vis-unfinished", "something else");
+    let run = folder.run("vis map.bsp --fast -o copy.bsp");
+    assert_eq!(
+        (run.code, run.stderr.as_str()),
+        (Some(0), ""),
+        "that of another map is its own"
+    );
+    let run = folder.run("vis map.bsp --seconds 0");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(run.stderr.contains("--resume goes on with it"), "{}", run.stderr);
     let run = folder.run("vis map.bsp --resume");
     assert_eq!(run.code, Some(2));
     assert!(

@@ -7,7 +7,7 @@ use crate::work::{PairsWork, Stage};
 /// How [`VisiblePairs::compute`] works.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PairsOptions {
-    /// Stops at the bound that passages give: two to nine times as fast, and up to two thirds more pairs.
+    /// Stops at the bound that passages give: two to eight times as fast, and a tenth more pairs to twice as many.
     pub fast: bool,
 }
 

@@ -28,7 +28,7 @@ pub(crate) struct VisArgs {
     /// The portals of the map [default: NAME.prt beside NAME.bsp, also beside NAME.novis.bsp]
     #[arg(long, value_name = "FILE.prt")]
     pub(crate) prt: Option<PathBuf>,
-    /// Stop at the first bound: several times as fast, and up to two thirds more pairs
+    /// Stop at the first bound: two to eight times as fast, and up to twice as many pairs
     #[arg(long)]
     pub(crate) fast: bool,
     /// Stop after so many seconds; what is known by then hides nothing that can be seen, and --resume goes on

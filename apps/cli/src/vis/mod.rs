@@ -56,6 +56,12 @@ pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
 
     let unfinished = Unfinished::beside(target.unwrap_or(&args.map));
     let saved = if args.resume { unfinished.read()? } else { None };
+    if !args.resume && unfinished.path().exists() {
+        out::warn(format_args!(
+            "{} is of a run that was not finished: --resume goes on with it, while this one starts anew and will replace it",
+            unfinished.path().display()
+        ));
+    }
     let goes_on = saved.is_some();
     let begun = begin(args, &portals, &prt, &unfinished, saved)?;
     let work = work(args, begun, &unfinished, &mut seconds)?;

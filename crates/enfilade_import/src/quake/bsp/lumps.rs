@@ -9,7 +9,6 @@ pub(crate) struct Format {
     /// Where the table of lumps begins, in bytes.
     table: usize,
     lumps: usize,
-    #[allow(dead_code, reason = "read once maps are drawn")]
     pub(crate) entities: usize,
     pub(crate) planes: usize,
     pub(crate) plane_bytes: usize,

@@ -45,7 +45,6 @@ pub(crate) struct Leaf {
     /// Quake: where its row begins in the lump of what is visible, −1 for a leaf that sees all. Quake 3: its area.
     pub(crate) row: i32,
     /// Its first face in the lump of leafs' faces, and how many.
-    #[allow(dead_code, reason = "read once maps are drawn")]
     pub(crate) faces: [u32; 2],
 }
 

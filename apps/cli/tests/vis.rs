@@ -7,7 +7,8 @@ use std::fs;
 use std::process::Stdio;
 use std::time::Duration;
 use support::Folder;
-use support::quake::{Grid, lump_of_rows, seen_from};
+use support::quake::Grid;
+use support::quake::rows::{lump, seen_in_quake};
 
 /// A folder with `map.bsp` and `map.prt`, and nothing else.
 fn folder_of(grid: &Grid) -> Folder {
@@ -45,14 +46,14 @@ fn a_map_gets_what_is_visible_and_nothing_is_left_behind() {
     }
     let map = map(&folder, "map.bsp");
     assert!(
-        seen_from(&map, 1).starts_with(&[1, 2, 3]),
+        seen_in_quake(&map, 1).starts_with(&[1, 2, 3]),
         "through two doors in line"
     );
     for from in 1..=9 {
-        let seen = seen_from(&map, from);
+        let seen = seen_in_quake(&map, from);
         assert!(seen.contains(&from));
         assert!(
-            seen.iter().all(|&to| seen_from(&map, to).contains(&from)),
+            seen.iter().all(|&to| seen_in_quake(&map, to).contains(&from)),
             "sight has no direction"
         );
     }
@@ -78,7 +79,7 @@ fn a_copy_leaves_the_map_as_it_is() {
         assert_eq!(report[key], value, "{key}");
     }
     let pairs: usize = (1..=16)
-        .map(|leaf| seen_from(&map(&folder, "copy.bsp"), leaf).len() - 1)
+        .map(|leaf| seen_in_quake(&map(&folder, "copy.bsp"), leaf).len() - 1)
         .sum();
     assert_eq!(report["pairs"], pairs);
     assert!(report["pairs_proven"].as_u64().expect("a number") as usize <= pairs);
@@ -111,8 +112,8 @@ fn the_fast_bound_sees_no_less() {
     assert!(fast["pairs"].as_u64() > full["pairs"].as_u64(), "{fast}");
     let [full, fast] = ["full.bsp", "fast.bsp"].map(|name| map(&folder, name));
     for leaf in 1..=49 {
-        let fast = seen_from(&fast, leaf);
-        assert!(seen_from(&full, leaf).iter().all(|to| fast.contains(to)));
+        let fast = seen_in_quake(&fast, leaf);
+        assert!(seen_in_quake(&full, leaf).iter().all(|to| fast.contains(to)));
     }
 }
 
@@ -144,7 +145,7 @@ fn pairs_in_which_another_vis_differs_are_listed_with_what_speaks_for_them() {
 
     // One that sees nothing but its own leaf: the first row of bits is the second leaf's.
     let mut blind = map(&folder, "right.bsp");
-    let row = lump_of_rows(&blind);
+    let row = lump(&blind, 4).start;
     blind[row] = 1;
     folder.add("blind.bsp", &blind);
     let run = folder.run("vis map.bsp -o copy.bsp --compare blind.bsp --json blind.json");
@@ -199,8 +200,8 @@ fn when_time_is_up_what_is_written_hides_nothing() {
     assert_eq!(report["complete"], false);
     let [whole, part] = ["whole.bsp", "part.bsp"].map(|name| map(&folder, name));
     for leaf in 1..=64 {
-        let part = seen_from(&part, leaf);
-        assert!(seen_from(&whole, leaf).iter().all(|to| part.contains(to)));
+        let part = seen_in_quake(&part, leaf);
+        assert!(seen_in_quake(&whole, leaf).iter().all(|to| part.contains(to)));
     }
 }
 

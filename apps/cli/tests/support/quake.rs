@@ -1,5 +1,8 @@
 //! Small maps of Quake, made by code: square rooms on a grid, a door between each two neighbours.
 
+#[path = "../../../../crates/enfilade_import/tests/quake/rows.rs"]
+pub(crate) mod rows;
+
 /// A grid of rooms, 100 units wide each; doors are 20 wide, and stand where a number per wall puts them.
 pub(crate) struct Grid {
     pub(crate) rooms: usize,
@@ -105,34 +108,4 @@ impl Grid {
         }
         map
     }
-}
-
-/// Where in a map its rows of what is visible begin.
-pub(crate) fn lump_of_rows(map: &[u8]) -> usize {
-    i32::from_le_bytes(map[4 + 4 * 8..][..4].try_into().expect("four")) as usize
-}
-
-/// What a map says is seen from a leaf, as engines read it; leafs are counted as in the map.
-pub(crate) fn seen_from(map: &[u8], leaf: usize) -> Vec<usize> {
-    let word = |at: usize| i32::from_le_bytes(map[at..at + 4].try_into().expect("four")) as usize;
-    let lump = |number: usize| word(4 + number * 8);
-    let leafs = word(lump(14) + 52);
-    let mut at = lump(4) + word(lump(10) + leaf * 44 + 4);
-    let mut seen = Vec::new();
-    let mut first = 1;
-    while first <= leafs {
-        if map[at] == 0 {
-            first += 8 * usize::from(map[at + 1]);
-            at += 2;
-        } else {
-            seen.extend(
-                (0..8)
-                    .filter(|bit| map[at] >> bit & 1 != 0)
-                    .map(|bit| first + bit),
-            );
-            first += 8;
-            at += 1;
-        }
-    }
-    seen
 }

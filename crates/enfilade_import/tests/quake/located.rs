@@ -1,16 +1,6 @@
 //! In which leaf of a map a point is, by code that knows nothing of the reader's.
 
-use std::ops::Range;
-
-pub(crate) fn word(bytes: &[u8], at: usize) -> usize {
-    i32::from_le_bytes(bytes[at..at + 4].try_into().expect("four")) as usize
-}
-
-pub(crate) fn lump(map: &[u8], number: usize) -> Range<usize> {
-    let table = if map.starts_with(b"IBSP") { 8 } else { 4 };
-    let [start, length] = [0, 4].map(|at| word(map, table + number * 8 + at));
-    start..start + length
-}
+use crate::rows::{lump, word};
 
 /// BSP2 or IBSP46.
 pub(crate) struct Located<'a> {

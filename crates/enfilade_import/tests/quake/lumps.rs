@@ -1,36 +1,10 @@
 //! What is written into maps, read again as engines read it.
 
-use crate::located::{lump, word};
 use crate::maps::{maps, pairs_of, read};
 use crate::reads;
+use crate::rows::{lump, seen_in_quake, word};
 use enfilade_bake::VisiblePairs;
 use enfilade_import::{BspError, PortalFile, with_visibility};
-
-/// What is seen from a leaf of a map of Quake: leafs, counted as in the map.
-fn seen_in_quake(map: &[u8], leaf: usize) -> Vec<usize> {
-    let leaf_bytes = if map.starts_with(b"BSP2") { 44 } else { 28 };
-    let leafs = word(map, lump(map, 14).start + 52);
-    let offset = word(map, lump(map, 10).start + leaf * leaf_bytes + 4);
-    let mut at = lump(map, 4).start + offset;
-    let mut seen = Vec::new();
-    let mut first = 1;
-    while first <= leafs {
-        if map[at] == 0 {
-            first += 8 * usize::from(map[at + 1]);
-            at += 2;
-            continue;
-        }
-        seen.extend(
-            (0..8)
-                .filter(|bit| map[at] >> bit & 1 != 0)
-                .map(|bit| first + bit),
-        );
-        first += 8;
-        at += 1;
-    }
-    assert!(at <= lump(map, 4).end);
-    seen
-}
 
 /// That all lumps but one are as they were, but for words in leafs.
 fn nothing_else_changed(before: &[u8], after: &[u8], lumps: usize, written: usize, leafs: Option<usize>) {

@@ -11,6 +11,7 @@ mod outline;
 mod rebuilt;
 mod rebuilt_maps;
 mod rooms;
+mod rows;
 mod sight;
 mod spoilt;
 

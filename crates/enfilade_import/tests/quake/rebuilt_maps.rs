@@ -102,8 +102,8 @@ fn sides(
 /// The cluster of a leaf of a map, as its rebuilt portals have it.
 fn cluster_of(map: &[u8], rebuilt: &RebuiltPortals) -> impl Fn(usize) -> Option<u32> {
     let of_leaf: Vec<Option<u32>> = if rebuilt.clusters_from == ClustersFrom::Map {
-        let leafs = &map[crate::located::lump(map, 4)];
-        let cluster = |leaf: &[u8]| u32::try_from(crate::located::word(leaf, 0) as i32).ok();
+        let leafs = &map[crate::rows::lump(map, 4)];
+        let cluster = |leaf: &[u8]| u32::try_from(crate::rows::word(leaf, 0) as i32).ok();
         leafs.chunks_exact(48).map(cluster).collect()
     } else {
         let clusters = match &rebuilt.file.cluster_of_leaf {

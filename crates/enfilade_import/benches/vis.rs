@@ -1,0 +1,92 @@
+//! What is visible in real maps: how long it takes to find out on one thread, how many pairs are left, how many of them a
+//! line shows.
+//!
+//! Maps are those of `ENFILADE_MAPS`, each with the best time of other programs that is known, where one is. More pairs than
+//! the table has are an error, as are fewer than 95 of 100 shown by a line. Names of maps as arguments take those alone.
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a bench prints its table"
+)]
+
+use enfilade_bake::{PairsOptions, VisiblePairs};
+use enfilade_import::{ReadOptions, read_portals};
+use rayon::ThreadPoolBuilder;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Runs of a map, of which the one in the middle counts; one alone where that takes long.
+const RUNS: usize = 3;
+const LONG_SECONDS: f64 = 5.0;
+
+/// Maps, the best seconds of others, and the most pairs that there may be.
+const MAPS: [(&str, Option<f64>, usize); 13] = [
+    ("dm1", Some(0.40), 33_756),
+    ("end", Some(0.69), 35_026),
+    ("lq_e0m1", Some(0.39), 36_316),
+    ("lqdm13", Some(30.6), 129_032),
+    ("e1m1", Some(4.4), 155_728),
+    ("start", Some(6.2), 127_638),
+    ("lq_e1m5", Some(8.5), 132_912),
+    ("lq_e4m4", None, 1_021_636),
+    ("q3_darkzone", Some(1.5), 64_390),
+    ("q3_aneurysm", Some(6.4), 138_590),
+    ("q3_stormkeep", Some(4.2), 122_424),
+    ("q3_accident", Some(8.2), 266_240),
+    ("q3_final_rage", Some(58.0), 1_354_468),
+];
+
+fn main() {
+    let Some(folder) = std::env::var_os("ENFILADE_MAPS").map(PathBuf::from) else {
+        eprintln!("skipped: ENFILADE_MAPS names no folder of maps");
+        return;
+    };
+    let wanted: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|name| !name.starts_with("--"))
+        .collect();
+    let one = ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    println!(
+        "{:15}{:>9}{:>9}{:>11}{:>9}",
+        "map", "seconds", "others", "pairs", "shown"
+    );
+    let (mut logs, mut timed) = (0.0, 0);
+    for (name, others, most) in MAPS {
+        if !wanted.is_empty() && !wanted.iter().any(|wanted| wanted == name) {
+            continue;
+        }
+        let path = folder.join(format!("prt1/{name}.prt"));
+        let portals = read_portals(&path, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        let run = || {
+            let start = Instant::now();
+            let pairs = one.install(|| VisiblePairs::compute(&portals.cells, &PairsOptions::default()));
+            (start.elapsed().as_secs_f64(), pairs)
+        };
+        let (first, pairs) = run();
+        let mut times = vec![first];
+        if first < LONG_SECONDS {
+            times.extend((1..RUNS).map(|_| run().0));
+        }
+        times.sort_by(f64::total_cmp);
+        let seconds = times[times.len() / 2];
+        let shown = pairs.proven() as f64 / pairs.count() as f64;
+        println!(
+            "{name:15}{seconds:9.2}{:>9}{:11}{:7.1} %",
+            others.map_or("-".to_owned(), |others| format!("{others:.2}")),
+            pairs.count(),
+            100.0 * shown
+        );
+        assert!(pairs.count() <= most, "{name}: more than {most} pairs");
+        assert!(shown >= 0.95, "{name}: {shown}");
+        if let Some(others) = others {
+            logs += (others / seconds).ln();
+            timed += 1;
+        }
+    }
+    if timed > 0 {
+        println!(
+            "others take {:.2} times as long (geometric mean)",
+            (logs / f64::from(timed)).exp()
+        );
+    }
+}

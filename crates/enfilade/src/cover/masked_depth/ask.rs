@@ -2,7 +2,9 @@
 
 use super::grid::Grid;
 use super::outline::Outline;
-use super::tile::{Across, COLUMNS, ROWS, SUB_TILES, columns_within, masks_of_rect, rows_within, tiles};
+use super::tile::{
+    Across, COLUMNS, ROWS, SUB_TILES_OF_BAND, columns_within, masks_of_rect, rows_within, tiles,
+};
 use crate::aperture::Rect;
 use crate::cover::band::{BAND, Band};
 use crate::region::{Region, Volume};
@@ -45,17 +47,19 @@ impl Grid {
     /// The first row of tiles in which a sample of `rect` may show something as near as `nearest`.
     #[inline(always)]
     pub(super) fn first_seen(&self, rect: &Rect, nearest: f32) -> Option<usize> {
-        let nearness = [nearest; SUB_TILES];
+        let nearness = [nearest; SUB_TILES_OF_BAND];
         for row in tiles(rect.y0, rect.y1, ROWS) {
-            let rows = rows_within(rect.y0, rect.y1, row * ROWS);
             for column in tiles(rect.x0, rect.x1, COLUMNS) {
                 let index = row * self.columns + column;
                 if nearest < self.farthest[index] {
                     continue;
                 }
                 let columns = columns_within(rect.x0, rect.x1, column * COLUMNS);
-                if self.tiles[index].sees(&masks_of_rect(columns, rows), &nearness) {
-                    return Some(row);
+                for band in 0..ROWS / BAND {
+                    let rows = rows_within(rect.y0, rect.y1, row * ROWS + band * BAND);
+                    if self.tiles[index].sees(band, &masks_of_rect(columns, rows), &nearness) {
+                        return Some(row);
+                    }
                 }
             }
         }
@@ -72,21 +76,23 @@ impl Grid {
         nearest: f32,
         outline: &Outline,
     ) -> bool {
-        for row in from..tiles(rect.y0, rect.y1, ROWS).end {
-            let Some((band, _)) = Band::held(simd, (row * BAND) as u16, rect, outline.lines()) else {
-                continue;
-            };
-            let across = Across::new(&band);
-            for column in across.tiles() {
-                let index = row * self.columns + column;
-                if nearest < self.farthest[index] {
-                    continue;
-                }
-                let nearness = outline.over_tile([column * COLUMNS, row * ROWS], rect, nearest);
-                if self.tiles[index].sees(&across.samples(column), &nearness) {
-                    return true;
+        let mut y = from * ROWS;
+        while y < usize::from(rect.y1) {
+            if let Some((band, _)) = Band::held(simd, y as u16, rect, outline.lines()) {
+                let across = Across::new(&band);
+                for column in across.tiles() {
+                    let index = y / ROWS * self.columns + column;
+                    if nearest < self.farthest[index] {
+                        continue;
+                    }
+                    let nearness = outline.over_tile([column * COLUMNS, y], rect, nearest);
+                    let asked = across.samples(column);
+                    if self.tiles[index].sees(y % ROWS / BAND, &asked, &nearness) {
+                        return true;
+                    }
                 }
             }
+            y += BAND;
         }
         false
     }

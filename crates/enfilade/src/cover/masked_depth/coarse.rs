@@ -5,7 +5,7 @@ use super::fill::Slope;
 use super::tile::{Across, COLUMNS, ROWS};
 use crate::aperture::Rect;
 use crate::cover::Coarse;
-use crate::cover::band::Band;
+use crate::cover::band::{BAND, Band};
 use crate::cover::triangle::Triangle;
 use crate::passage::Passage;
 
@@ -23,10 +23,11 @@ impl Coarse for MaskedDepth {
     fn sees_plane(&mut self, cells: &Band, nearness: &Triangle) -> bool {
         let slope = self.slope(nearness);
         let across = Across::new(cells);
-        let row = usize::from(cells.y) / ROWS;
+        let y = usize::from(cells.y);
         across.tiles().any(|column| {
-            let most = slope.most_over_tile([column * COLUMNS, row * ROWS]);
-            self.grid.tiles[row * self.grid.columns + column].sees(&across.samples(column), &most)
+            let most = slope.most_over_band([column * COLUMNS, y]);
+            let tile = &self.grid.tiles[y / ROWS * self.grid.columns + column];
+            tile.sees(y % ROWS / BAND, &across.samples(column), &most)
         })
     }
 

@@ -11,13 +11,13 @@ use super::fill::Slope;
 use super::grid::Grid;
 use super::tile::{Across, COLUMNS, ROWS};
 use crate::aperture::Rect;
-use crate::cover::band::Band;
+use crate::cover::band::{BAND, Band};
 use crate::cover::raster::Sink;
 use crate::cover::triangle::Triangle;
 use glam::DVec3;
 
-/// A batch of faces that is held against the tiles.
-pub(super) struct Batch<'a> {
+/// Faces that are held against the tiles one by one, in f64.
+pub(super) struct OneByOne<'a> {
     grid: &'a mut Grid,
     /// Does it hide what is behind it? Else no more is asked once any of it is seen.
     hides: bool,
@@ -27,9 +27,9 @@ pub(super) struct Batch<'a> {
     slope: Slope,
 }
 
-impl Batch<'_> {
-    pub(super) fn new(grid: &mut Grid, hides: bool) -> Batch<'_> {
-        Batch {
+impl OneByOne<'_> {
+    pub(super) fn new(grid: &mut Grid, hides: bool) -> OneByOne<'_> {
+        OneByOne {
             grid,
             hides,
             seen: false,
@@ -38,7 +38,7 @@ impl Batch<'_> {
     }
 }
 
-impl Sink for Batch<'_> {
+impl Sink for OneByOne<'_> {
     #[inline(always)]
     fn hides(&mut self, rect: &Rect, nearest: f32) -> bool {
         (self.seen && !self.hides) || self.grid.first_seen(rect, nearest).is_none()
@@ -58,21 +58,21 @@ impl Sink for Batch<'_> {
     #[inline(always)]
     fn band(&mut self, band: &Band, _triangle: &Triangle) {
         let across = Across::new(band);
-        let row = usize::from(band.y) / ROWS;
+        let y = usize::from(band.y);
         for column in across.tiles() {
-            let index = row * self.grid.columns + column;
-            let at = [column * COLUMNS, row * ROWS];
+            let index = y / ROWS * self.grid.columns + column;
             if !self.seen {
-                let nearness = self.slope.most_over_tile(at);
+                let nearness = self.slope.most_over_band([column * COLUMNS, y]);
                 let farthest = self.grid.farthest[index];
                 let mut beyond = true;
                 for nearness in nearness {
                     beyond &= nearness < farthest;
                 }
-                self.seen = !beyond && self.grid.tiles[index].sees(&across.samples(column), &nearness);
+                let asked = across.samples(column);
+                self.seen = !beyond && self.grid.tiles[index].sees(y % ROWS / BAND, &asked, &nearness);
             }
             if self.hides {
-                self.grid.cover_tile(&across, [column, row], &self.slope);
+                self.grid.cover_in_tile(&across, [column, y], &self.slope);
             }
         }
     }

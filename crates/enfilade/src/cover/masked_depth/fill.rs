@@ -7,7 +7,9 @@
 //! Conservative: nearness is rounded down, and what is before the near distance or the last portal is left out.
 
 use super::grid::Grid;
-use super::tile::{Across, COLUMNS, Nearness, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES};
+use super::tile::{
+    ACROSS, Across, COLUMNS, Nearness, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND,
+};
 use crate::aperture::Rect;
 use crate::cover::band::{BAND, Band};
 use crate::cover::half_plane::HalfPlane;
@@ -171,17 +173,16 @@ impl Grid {
     #[inline(always)]
     pub(super) fn cover(&mut self, band: &Band, slope: &Slope) {
         let across = Across::new(band);
-        let row = usize::from(band.y) / ROWS;
         for column in across.tiles() {
-            self.cover_tile(&across, [column, row], slope);
+            self.cover_in_tile(&across, [column, usize::from(band.y)], slope);
         }
     }
 
-    /// Something covers the samples of a band in one tile.
+    /// Something covers the samples of a band from row `y` on in a column of tiles.
     #[inline(always)]
-    pub(super) fn cover_tile(&mut self, across: &Across, [column, row]: [usize; 2], slope: &Slope) {
-        let nearness = slope.over_tile([column * COLUMNS, row * ROWS]);
-        let index = row * self.columns + column;
+    pub(super) fn cover_in_tile(&mut self, across: &Across, [column, y]: [usize; 2], slope: &Slope) {
+        let nearness = slope.over_band([column * COLUMNS, y]);
+        let index = y / ROWS * self.columns + column;
         let mut any_nearer = false;
         for nearness in nearness {
             any_nearer |= nearness > self.farthest[index];
@@ -190,7 +191,11 @@ impl Grid {
             return;
         }
         let tile = &mut self.tiles[index];
-        tile.cover(&across.samples(column), &nearness);
+        let first = y % ROWS / BAND * SUB_TILES_OF_BAND;
+        let covered = across.samples(column);
+        for (sub, (covered, nearness)) in (first..).zip(covered.into_iter().zip(nearness)) {
+            tile.cover(sub, covered, nearness.to_bits());
+        }
         self.farthest[index] = tile.farthest();
     }
 }
@@ -208,12 +213,12 @@ impl Slope {
         }
     }
 
-    /// The least nearness over each sub-tile of the tile at column and row `at`, rounded down. Of a plane that is no
-    /// number: what is known without it, as in [`Slope::most_over_tile`].
+    /// The least nearness over each sub-tile of the band of a tile at column and row `at`, rounded down. Of a plane that is no
+    /// number: what is known without it, as in [`Slope::most_over_band`].
     #[inline(always)]
-    fn over_tile(&self, at: [usize; 2]) -> Nearness {
+    pub(super) fn over_band(&self, at: [usize; 2]) -> Nearness {
         let all = self.at_corners(at, [self.at.x < 0.0, self.at.y < 0.0]);
-        let mut rounded = [0.0; SUB_TILES];
+        let mut rounded = [0.0; SUB_TILES_OF_BAND];
         for (least, rounded) in all.iter().zip(&mut rounded) {
             let nearness = smaller(greater(*least - self.rounding, self.least), self.greatest) * ROUND_DOWN;
             // Below the least normal number rounding is coarser: that is as far as can be.
@@ -227,11 +232,11 @@ impl Slope {
         rounded
     }
 
-    /// The greatest nearness over each sub-tile of the tile at column and row `at`, rounded up.
+    /// The greatest nearness over each sub-tile of the band of a tile at column and row `at`, rounded up.
     #[inline(always)]
-    pub(super) fn most_over_tile(&self, at: [usize; 2]) -> Nearness {
+    pub(super) fn most_over_band(&self, at: [usize; 2]) -> Nearness {
         let all = self.at_corners(at, [self.at.x > 0.0, self.at.y > 0.0]);
-        let mut rounded = [0.0; SUB_TILES];
+        let mut rounded = [0.0; SUB_TILES_OF_BAND];
         for (most, rounded) in all.iter().zip(&mut rounded) {
             let nearness = greater(smaller(*most + self.rounding, self.greatest), self.least);
             *rounded = (nearness * ROUND_UP) as f32;
@@ -242,14 +247,14 @@ impl Slope {
     /// Nearness at one corner of each sub-tile: at the last column or row, or the first. Linear, so least and greatest
     /// at a corner.
     #[inline(always)]
-    fn at_corners(&self, at: [usize; 2], [last_column, last_row]: [bool; 2]) -> [f64; SUB_TILES] {
+    fn at_corners(&self, at: [usize; 2], [last_column, last_row]: [bool; 2]) -> [f64; SUB_TILES_OF_BAND] {
         let DVec3 { x, y, z } = self.at;
         let last = [SUB_COLUMNS as f64 - 0.5, SUB_ROWS as f64 - 0.5];
         let column = at[0] as f64 + if last_column { last[0] } else { 0.5 };
         let row = at[1] as f64 + if last_row { last[1] } else { 0.5 };
-        let mut all = [0.0; SUB_TILES];
+        let mut all = [0.0; SUB_TILES_OF_BAND];
         for (sub, nearness) in all.iter_mut().enumerate() {
-            let [across, down] = [sub % 4 * SUB_COLUMNS, sub / 4 * SUB_ROWS];
+            let [across, down] = [sub % ACROSS * SUB_COLUMNS, sub / ACROSS * SUB_ROWS];
             *nearness = (column + across as f64) * x + ((row + down as f64) * y + z);
         }
         all

@@ -31,26 +31,33 @@ impl Grid {
             for column in tiles(x0, x1, COLUMNS) {
                 self.tiles[row * self.columns + column] = Tile::CLOSED;
             }
-            let y = (row * ROWS) as u16;
-            for (y, open) in (y..).zip(&mut self.open) {
-                passage.aperture.open_in_row(y, open);
-                if !(y0..y1).contains(&y) {
-                    open.clear();
-                }
-            }
-            // The first run of each row, then the second of each.
-            let most = self.open.iter().map(Vec::len).max().unwrap_or(0);
-            for number in 0..most {
-                let runs = std::array::from_fn(|row| self.open[row].get(number).copied().unwrap_or([0; 2]));
-                let band = Band { y, runs };
-                let across = Across::new(&band);
-                for column in across.tiles() {
-                    self.tiles[row * self.columns + column].open(&across.samples(column));
-                }
+            for band in 0..ROWS / BAND {
+                self.open_band(passage, row, band);
             }
             for column in tiles(x0, x1, COLUMNS) {
                 let index = row * self.columns + column;
                 self.farthest[index] = self.tiles[index].farthest();
+            }
+        }
+    }
+
+    /// Opens the samples of the aperture in a band of a row of tiles.
+    fn open_band(&mut self, passage: &Passage, row: usize, band: usize) {
+        let y = (row * ROWS + band * BAND) as u16;
+        for (y, open) in (y..).zip(&mut self.open) {
+            open.clear();
+            if (self.rect.y0..self.rect.y1).contains(&y) {
+                passage.aperture.open_in_row(y, open);
+            }
+        }
+        // The first run of each row, then the second of each.
+        let most = self.open.iter().map(Vec::len).max().unwrap_or(0);
+        for number in 0..most {
+            let runs = std::array::from_fn(|row| self.open[row].get(number).copied().unwrap_or([0; 2]));
+            let runs = Band { y, runs };
+            let across = Across::new(&runs);
+            for column in across.tiles() {
+                self.tiles[row * self.columns + column].open(band, &across.samples(column));
             }
         }
     }

@@ -13,11 +13,13 @@
 //!     is equally near is seen.
 
 mod ask;
+mod batch;
 mod coarse;
 mod faces;
 mod fill;
 mod grid;
 mod outline;
+mod rows;
 mod show;
 #[cfg(test)]
 mod tests;
@@ -30,10 +32,11 @@ use crate::canvas::{Canvas, CoverShape};
 use crate::faces::Faces;
 use crate::occluders::{Measure, Occluder};
 use crate::order::Unsorted;
-use crate::passage::Passage;
+use crate::passage::{BEYOND, Passage};
 use crate::region::{Region, Sight};
 use crate::stats::Stats;
-use faces::Batch;
+use batch::{Batch, Block, Frame, LANES};
+use faces::OneByOne;
 use fearless_simd::{Level, dispatch};
 use fill::Fill;
 use grid::Grid;
@@ -49,8 +52,18 @@ pub struct MaskedDepth {
     level: Level,
     fill: Fill,
     raster: Raster,
+    batch: Batch,
+    room: Room,
     grid: Grid,
     near: f64,
+}
+
+/// A batch of faces as a kernel takes it.
+#[derive(Default)]
+struct Room {
+    blocks: Vec<Block>,
+    /// Corners of triangles, of faces that have more.
+    corners: Vec<u32>,
 }
 
 impl Default for MaskedDepth {
@@ -66,6 +79,8 @@ impl MaskedDepth {
             level,
             fill: Fill::at(level),
             raster: Raster::at(level),
+            batch: Batch::default(),
+            room: Room::default(),
             grid: Grid::default(),
             near: 0.0,
         }
@@ -109,21 +124,76 @@ impl Hides for MaskedDepth {
     const TAKES_FACES: bool = true;
 
     fn hide_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool {
-        !is_worth(faces, region) || self.hold(faces, passage, stats, true)
+        if is_worth(faces, region) {
+            self.hide_batch(faces, passage, stats);
+        }
+        true
     }
 
     fn sees_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool {
-        !is_worth(faces, region) || self.hold(faces, passage, stats, false)
+        if std::env::var("ASK").is_err() { return true; }
+        let mut one_by_one = OneByOne::new(&mut self.grid, false);
+        if is_worth(faces, region) {
+            self.raster.run(faces, passage, &mut one_by_one, stats);
+            return one_by_one.seen;
+        }
+        true
     }
 }
 
 impl MaskedDepth {
-    /// May any of the faces be seen? Where `hides` is set, they hide what is behind them.
-    fn hold(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, hides: bool) -> bool {
-        let mut batch = Batch::new(&mut self.grid, hides);
-        self.raster.run(faces, passage, &mut batch, stats);
-        batch.seen
+    /// Lets faces hide what is behind them: most by the kernels, and those of which these are not certain one by one.
+    fn hide_batch(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats) {
+        let MaskedDepth {
+            level,
+            raster,
+            batch,
+            room,
+            grid,
+            near,
+            ..
+        } = self;
+        let entry = passage.entry.map(|(normal, distance)| (normal, distance * BEYOND));
+        let frame = Frame::new(faces.screen_from_local, *near, entry, faces.front(passage), grid);
+        let Room { blocks, corners } = room;
+        blocks.clear();
+        blocks.extend(faces.positions.chunks(LANES).map(block));
+        let corners = if faces.starts.is_none() {
+            faces.corners
+        } else {
+            corners.clear();
+            faces.for_each(|_, face| {
+                for last in 2..face.len() {
+                    corners.extend([face[0], face[last - 1], face[last]]);
+                }
+            });
+            &corners[..]
+        };
+        stats.batches += 1;
+        stats.triangles += corners.len() as u64 / 3;
+        dispatch!(*level, simd => batch.hide(simd, &frame, blocks, corners, faces.first_position, grid));
+        for &number in batch.uncertain() {
+            let at = 3 * number as usize;
+            let one = Faces {
+                corners: &corners[at..at + 3],
+                starts: None,
+                neighbours: &[],
+                ..*faces
+            };
+            raster.run(&one, passage, &mut OneByOne::new(grid, true), stats);
+        }
     }
+}
+
+/// Positions as a kernel takes them. What is no number is odd.
+fn block(positions: &[[f32; 3]]) -> Block {
+    let mut block = [[f32::NAN; LANES]; 3];
+    for (lane, position) in positions.iter().enumerate() {
+        for (axis, &value) in position.iter().enumerate() {
+            block[axis][lane] = value;
+        }
+    }
+    block
 }
 
 /// Are the faces large enough on the screen, on the average, to be looked at one by one?

@@ -8,7 +8,7 @@
 //! Cost: O(1), about as much as setting up four triangles.
 //! Conservative: lines are moved outwards and planes towards the eye by more than rounding may come to.
 
-use super::tile::{COLUMNS, Nearness, SUB_COLUMNS, SUB_ROWS, SUB_TILES};
+use super::tile::{ACROSS, Nearness, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND};
 use crate::aperture::Rect;
 use crate::cover::half_plane::HalfPlane;
 use crate::cover::part::{greater, smaller};
@@ -158,16 +158,15 @@ impl Outline {
         nearness
     }
 
-    /// The nearest that the box may be at samples of `rect` in each sub-tile of the tile at column and row `at`, and no
+    /// The nearest that the box may be at samples of `rect` in each sub-tile of the band of a tile at column and row `at`, and no
     /// nearer than `nearest`.
     #[inline(always)]
     pub(super) fn over_tile(&self, at: [usize; 2], rect: &Rect, nearest: f32) -> Nearness {
-        let across = COLUMNS / SUB_COLUMNS;
-        let mut all = [0.0; SUB_TILES];
+        let mut all = [0.0; SUB_TILES_OF_BAND];
         for (sub, most) in all.iter_mut().enumerate() {
             let [x0, y0] = [
-                at[0] + sub % across * SUB_COLUMNS,
-                at[1] + sub / across * SUB_ROWS,
+                at[0] + sub % ACROSS * SUB_COLUMNS,
+                at[1] + sub / ACROSS * SUB_ROWS,
             ];
             // Linear, so greatest at a corner.
             let columns = [

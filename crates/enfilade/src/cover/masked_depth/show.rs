@@ -1,7 +1,7 @@
 //! Shows the sub-tiles: what the reference hides, and what the working layer does.
 
 use super::grid::Grid;
-use super::tile::{COLUMNS, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES};
+use super::tile::{ACROSS, COLUMNS, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES};
 use crate::canvas::{Canvas, CoverSpan, HiddenBy};
 use crate::cover::show::{push, show_rows};
 use crate::passage::Passage;
@@ -14,7 +14,7 @@ impl Grid {
                 let [column, within] = [usize::from(x) / COLUMNS, usize::from(x) % COLUMNS];
                 let index = row * self.columns + column;
                 let tile = &self.tiles[index];
-                let sub = y / SUB_ROWS * (COLUMNS / SUB_COLUMNS) + within / SUB_COLUMNS;
+                let sub = y / SUB_ROWS * ACROSS + within / SUB_COLUMNS;
                 let nearness = tile.known(within, y);
                 let by = if tile.is_working(within, y) {
                     HiddenBy::Working

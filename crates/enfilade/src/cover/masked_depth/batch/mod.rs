@@ -1,0 +1,184 @@
+//! Batches of triangles, let into the tiles as fast as the machine can.
+//!
+//! Corners are put on the screen in fixed point ([`corners`]), sixteen triangles at a time are looked at ([`queue`]) and
+//! set up ([`lanes`]), and small ones are covered side by side ([`small`]), wide ones row by row ([`wide`]). All of it is
+//! in numbers of 32 bits, which may be off: wherever that could change a sample, the triangle is named in
+//! [`Batch::uncertain`] and left to the rasteriser of the exact covers, of which no bit differs then.
+//! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016; filters as in Shewchuk,
+//!     Adaptive Precision Floating-Point Arithmetic, 1997.
+//! Cost: O(corners + triangles + tiles).
+//! Conservative: covers the very samples that the exact covers do, and is nowhere nearer than they.
+
+mod corners;
+mod lanes;
+mod queue;
+mod records;
+mod small;
+mod wide;
+
+use super::grid::Grid;
+use super::rows::Waiting;
+use super::tile::{COLUMNS, ROWS};
+use crate::aperture::Rect;
+pub(super) use corners::Block;
+use corners::Corner;
+use fearless_simd::prelude::*;
+use glam::{DAffine3, DVec3};
+use queue::Queues;
+use records::Records;
+
+/// Lanes of a kernel, at every level.
+pub(super) const LANES: usize = 16;
+
+/// A pixel in units of fixed point.
+const ONE_SHIFT: u32 = 17;
+const ONE: i32 = 1 << ONE_SHIFT;
+const HALF: i32 = ONE / 2;
+
+/// What holds for a batch.
+pub(super) struct Frame {
+    /// Rows of the map from positions to (X, Y, W).
+    matrix: [[f64; 4]; 3],
+    near: f64,
+    /// What lies surely beyond the last portal.
+    entry: Option<([f64; 3], f64)>,
+    /// −1 or 1: the sign of a triangle's area where it is seen from its front; 0 where both sides are seen.
+    front: f32,
+    /// Where fixed point is counted from, in pixels.
+    middle: [f64; 2],
+    middle_sample: [i32; 2],
+    /// Samples of the rectangle, from the middle.
+    columns: [i32; 2],
+    rows: [i32; 2],
+    tile_columns: u32,
+}
+
+impl Frame {
+    pub(super) fn new(
+        screen_from_local: &DAffine3,
+        near: f64,
+        entry: Option<(DVec3, f64)>,
+        front: f64,
+        grid: &Grid,
+    ) -> Frame {
+        /// What f64 rounds, and ample.
+        const SURELY: f64 = 1.0 + 1.0 / (1_u64 << 30) as f64;
+        let Rect { x0, y0, x1, y1 } = grid.rect;
+        let rows = screen_from_local.matrix3.transpose();
+        let offset = screen_from_local.translation;
+        let row = |row: DVec3, offset| [row.x, row.y, row.z, offset];
+        let middle = |start: u16, end: u16, align: usize| {
+            let middle = (usize::from(start) + usize::from(end)) / 2;
+            (middle - middle % align) as i32
+        };
+        let middle_sample = [middle(x0, x1, COLUMNS), middle(y0, y1, ROWS)];
+        Frame {
+            matrix: [
+                row(rows.x_axis, offset.x),
+                row(rows.y_axis, offset.y),
+                row(rows.z_axis, offset.z),
+            ],
+            near: near * SURELY,
+            entry: entry.map(|(normal, distance)| (normal.into(), distance * SURELY)),
+            front: front as f32,
+            middle: middle_sample.map(f64::from),
+            columns: [i32::from(x0) - middle_sample[0], i32::from(x1) - middle_sample[0]],
+            rows: [i32::from(y0) - middle_sample[1], i32::from(y1) - middle_sample[1]],
+            middle_sample,
+            tile_columns: grid.columns as u32,
+        }
+    }
+}
+
+/// Room to work in.
+#[derive(Default)]
+pub(super) struct Batch {
+    corners: Vec<Corner>,
+    queues: Queues,
+    records: Records,
+    waiting: Waiting,
+}
+
+impl Batch {
+    /// Lets triangles hide what is behind them: `which` names three corners each, as places in `positions` plus
+    /// `first_position`. Gives the number of samples; what is not certain is left in [`Batch::uncertain`].
+    #[inline(always)]
+    pub(super) fn hide<S: Simd>(
+        &mut self,
+        simd: S,
+        frame: &Frame,
+        positions: &[Block],
+        which: &[u32],
+        first_position: u32,
+        grid: &mut Grid,
+    ) {
+        corners::place(simd, frame, positions, &mut self.corners);
+        let Batch {
+            corners,
+            queues,
+            records,
+            waiting,
+        } = self;
+        queues.uncertain.clear();
+        let corners = &corners[..positions.len() * LANES];
+        let mut first = 0;
+        for group in which.chunks(3 * LANES) {
+            let lanes = group.len() / 3;
+            let mut places = [[0; LANES]; 3];
+            if let Some(group) = group.as_array::<{ 3 * LANES }>() {
+                for (lane, face) in group.as_chunks::<3>().0.iter().enumerate() {
+                    places[0][lane] = face[0] - first_position;
+                    places[1][lane] = face[1] - first_position;
+                    places[2][lane] = face[2] - first_position;
+                }
+            } else {
+                for (lane, face) in group.as_chunks::<3>().0.iter().enumerate() {
+                    places[0][lane] = face[0] - first_position;
+                    places[1][lane] = face[1] - first_position;
+                    places[2][lane] = face[2] - first_position;
+                }
+            }
+            queues.let_in(simd, frame, corners, &places, first, lanes);
+            first += lanes as u32;
+            if queues.small.is_full() || queues.wide.is_full() {
+                work_off(simd, frame, queues, records, waiting, grid, LANES);
+            }
+        }
+        work_off(simd, frame, queues, records, waiting, grid, 1);
+    }
+
+    /// Numbers of the triangles that were left out because they are not certain.
+    pub(super) fn uncertain(&self) -> &[u32] {
+        &self.queues.uncertain
+    }
+}
+
+/// Covers what those that wait cover, wide ones first, where there are at least `least` in a group.
+#[inline(always)]
+fn work_off<S: Simd>(
+    simd: S,
+    frame: &Frame,
+    queues: &mut Queues,
+    records: &mut Records,
+    waiting: &mut Waiting,
+    grid: &mut Grid,
+    least: usize,
+) {
+    let Queues { small, wide, uncertain } = queues;
+    let mut from = 0;
+    while wide.count >= from + least {
+        let triangles = wide.sixteen(simd, from);
+        wide::draw(simd, frame, &triangles, grid, waiting, uncertain);
+        from += triangles.lanes;
+    }
+    waiting.cover(simd, grid);
+    wide.forget_before(from);
+    from = 0;
+    while small.count >= from + least {
+        let triangles = small.sixteen(simd, from);
+        small::draw(simd, frame, &triangles, records, uncertain);
+        records.merge(grid);
+        from += triangles.lanes;
+    }
+    small.forget_before(from);
+}

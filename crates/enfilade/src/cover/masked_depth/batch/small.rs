@@ -1,0 +1,119 @@
+//! Small triangles: sixteen side by side, row after row.
+//!
+//! Most triangles of a detailed mesh reach into two or three sub-tiles. Here each lane has a triangle of its own, so that
+//! none waits for a larger one beside it for long; what comes out are records of a sub-tile, its samples and a nearness.
+//! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 3.1, turned: theirs
+//!     has a triangle's rows in the lanes.
+//! Cost: O(rows of the highest) for sixteen.
+//! Exact: a row whose ends are not certain sends its triangle to f64.
+
+use super::lanes::{Edge, Lanes};
+use super::queue::Sixteen;
+use super::records::{Places, Records};
+use super::{Frame, LANES};
+use crate::cover::masked_depth::tile::{SUB_COLUMNS, SUB_ROWS};
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, i32x16, mask32x16, u32x16};
+
+/// Sub-tiles that a small triangle may reach into, down and across.
+const DOWN: usize = 8;
+const ACROSS: usize = 4;
+
+/// Writes records of up to sixteen small triangles; those that are not certain are named in `uncertain`.
+#[inline(always)]
+pub(super) fn draw<S: Simd>(
+    simd: S,
+    frame: &Frame,
+    triangles: &Sixteen<S>,
+    records: &mut Records,
+    uncertain: &mut Vec<u32>,
+) {
+    let lanes = Lanes::new(simd, frame, triangles, [SUB_COLUMNS as i32, SUB_ROWS as i32]);
+    let there: mask32x16<S> = mask32x16::from_bitmask(simd, (1_u64 << triangles.lanes) - 1);
+    let [first, end] = [lanes.columns[0].to_float::<f32x16<S>>() - 0.5, lanes.columns[1].to_float::<f32x16<S>>() - 0.5];
+    let most = f32x16::splat(simd, 30.5);
+    let least = f32x16::splat(simd, -0.5);
+    let none = u32x16::splat(simd, 0);
+    let zero = i32x16::splat(simd, 0);
+    // Lanes of no meaning may hold anything.
+    let down = there.select((lanes.rows[1] + (SUB_ROWS as i32 - 1)) >> 2, zero).reduce_max();
+    let across = there.select((lanes.columns[1] + (SUB_COLUMNS as i32 - 1)) >> 3, zero).reduce_max();
+    let (down, across) = ((down as usize).min(DOWN), (across as usize).min(ACROSS));
+    let all = u32x16::splat(simd, u32::MAX);
+    let last = i32x16::splat(simd, 31);
+    let rows_there = (all << lanes.rows[0].max(zero).min(last).bitcast::<u32x16<S>>())
+        & !(all << lanes.rows[1].max(zero).min(last).bitcast::<u32x16<S>>());
+
+    let start = records.count;
+    let writer = Places::new(simd, frame, &lanes);
+    let mut sure = there;
+    loop {
+        let mut unsure = lanes.unsure;
+        for group in 0..down {
+            let mut rows = [none; SUB_ROWS];
+            for (row, held) in rows.iter_mut().enumerate() {
+                let y = (SUB_ROWS * group + row) as f32 + 0.5;
+                let left = lanes.left.crossing(y);
+                let right = lanes.right.crossing(y);
+                let [third_left, third_right] = [lanes.third[0].crossing(y), lanes.third[1].crossing(y)];
+                let start = [
+                    left[0].max(third_left[0]).max(first).min(most).ceil(),
+                    left[1].max(third_left[1]).max(first).min(most).ceil(),
+                ];
+                let stop = [
+                    right[0].min(third_right[0]).min(end).max(least).ceil(),
+                    right[1].min(third_right[1]).min(end).max(least).ceil(),
+                ];
+                unsure = unsure | !(start[0].simd_eq(start[1]) & stop[0].simd_eq(stop[1]));
+                let start = start[0].to_int::<i32x16<S>>().bitcast::<u32x16<S>>();
+                let stop = stop[0].to_int::<i32x16<S>>().bitcast::<u32x16<S>>();
+                *held = (all << start) & !(all << stop);
+            }
+            let open = (rows_there >> (SUB_ROWS * group) as u32) & 0xF;
+            // Four bits, each made a byte: a row of a sub-tile.
+            let open = ((open * 0x0020_4081) & 0x0101_0101) * 0xFF;
+            let masks = by_sub_tile(simd, &rows);
+            for (right, mask) in masks[..across].iter().enumerate() {
+                writer.write(simd, [right, group], *mask & open, sure, records);
+            }
+        }
+        let mut left = (sure & unsure).to_bitmask();
+        if left == 0 {
+            return;
+        }
+        // Once more without these, and what was written is forgotten.
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize % LANES;
+            uncertain.push(triangles.number[lane]);
+            left &= left - 1;
+        }
+        sure = sure & !unsure;
+        records.count = start;
+    }
+}
+
+impl<S: Simd> Edge<S> {
+    /// The least and the greatest that the crossing of a row may be.
+    #[inline(always)]
+    pub(super) fn crossing(&self, y: f32) -> [f32x16<S>; 2] {
+        let way = self.slope * y;
+        [self.least + way, self.greatest + way]
+    }
+}
+
+/// Four rows of 32 samples as the masks of four sub-tiles: bytes, transposed.
+#[inline(always)]
+fn by_sub_tile<S: Simd>(_simd: S, rows: &[u32x16<S>; SUB_ROWS]) -> [u32x16<S>; ACROSS] {
+    let [a, b, c, d] = *rows;
+    let even = 0x00FF_00FF;
+    let odd = 0xFF00_FF00;
+    let [ab_even, ab_odd] = [(a & even) | ((b & even) << 8), ((a & odd) >> 8) | (b & odd)];
+    let [cd_even, cd_odd] = [(c & even) | ((d & even) << 8), ((c & odd) >> 8) | (d & odd)];
+    let [low, high] = [0x0000_FFFF, 0xFFFF_0000];
+    [
+        (ab_even & low) | (cd_even << 16),
+        (ab_odd & low) | (cd_odd << 16),
+        (ab_even >> 16) | (cd_even & high),
+        (ab_odd >> 16) | (cd_odd & high),
+    ]
+}

@@ -1,0 +1,149 @@
+//! Wide triangles: one after the other, sixteen rows at a time.
+//!
+//! Rows are in the lanes, and then sub-tiles: two tiles side by side are covered at once. Tiles that are nearer than all of
+//! the triangle are left before anything is computed for them.
+//! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, sections 3.1 to 3.3.
+//! Cost: a triangle O(rows / 16) + O(tiles it reaches into).
+//! Exact: rows whose ends are not certain go to f64.
+
+use super::lanes::{Edge, Lanes};
+use super::queue::Sixteen;
+use super::{Frame, LANES};
+use crate::cover::masked_depth::grid::Grid;
+use crate::cover::masked_depth::rows::{Slopes, Waiting};
+use crate::cover::masked_depth::tile::{COLUMNS, ROWS};
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, i32x16};
+
+/// What is needed of each of sixteen triangles, by lane.
+struct Stored {
+    origin: [[i32; LANES]; 2],
+    columns: [[i32; LANES]; 2],
+    rows: [[i32; LANES]; 2],
+    edges: [[[f32; LANES]; 3]; 4],
+    plane: [[f32; LANES]; 5],
+    number: [u32; LANES],
+}
+
+/// Covers what up to sixteen wide triangles cover.
+#[inline(always)]
+pub(super) fn draw<S: Simd>(
+    simd: S,
+    frame: &Frame,
+    triangles: &Sixteen<S>,
+    grid: &mut Grid,
+    waiting: &mut Waiting,
+    uncertain: &mut Vec<u32>,
+) {
+    let lanes = Lanes::new(simd, frame, triangles, [COLUMNS as i32, ROWS as i32]);
+    let edge = |edge: &Edge<S>| [edge.slope.to_array(), edge.least.to_array(), edge.greatest.to_array()];
+    let unsure = lanes.unsure.to_bitmask();
+    let stored = Stored {
+        origin: [
+            (lanes.origin[0] + frame.middle_sample[0]).to_array(),
+            (lanes.origin[1] + frame.middle_sample[1]).to_array(),
+        ],
+        columns: [lanes.columns[0].to_array(), lanes.columns[1].to_array()],
+        rows: [lanes.rows[0].to_array(), lanes.rows[1].to_array()],
+        edges: [
+            edge(&lanes.left),
+            edge(&lanes.right),
+            edge(&lanes.third[0]),
+            edge(&lanes.third[1]),
+        ],
+        plane: [
+            lanes.plane.at.to_array(),
+            lanes.plane.slope[0].to_array(),
+            lanes.plane.slope[1].to_array(),
+            lanes.plane.least.to_array(),
+            lanes.plane.greatest.to_array(),
+        ],
+        number: triangles.number.to_array(),
+    };
+    for lane in 0..triangles.lanes.min(LANES) {
+        if unsure >> lane & 1 != 0 {
+            uncertain.push(stored.number[lane]);
+        } else {
+            draw_one(simd, &stored, lane, grid, waiting, uncertain);
+        }
+    }
+}
+
+const CENTRES: [f32; LANES] = [
+    0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 8.5, 9.5, 10.5, 11.5, 12.5, 13.5, 14.5, 15.5,
+];
+
+#[inline(always)]
+fn draw_one<S: Simd>(
+    simd: S,
+    stored: &Stored,
+    lane: usize,
+    grid: &mut Grid,
+    waiting: &mut Waiting,
+    uncertain: &mut Vec<u32>,
+) {
+    let [at, by_column, by_row, least, greatest] = [
+        stored.plane[0][lane],
+        stored.plane[1][lane],
+        stored.plane[2][lane],
+        stored.plane[3][lane],
+        stored.plane[4][lane],
+    ];
+    let [first, end] = [stored.columns[0][lane], stored.columns[1][lane]];
+    let [first_row, end_row] = [stored.rows[0][lane], stored.rows[1][lane]];
+    let [first_at, end_at] = [
+        f32x16::splat(simd, first as f32 - 0.5),
+        f32x16::splat(simd, end as f32 - 0.5),
+    ];
+    let centres = f32x16::from_slice(simd, &CENTRES);
+    let [left, right, third_left, third_right] = &stored.edges;
+    // Counted from the corner of the screen, as all runs are.
+    let [left_of, above] = [stored.origin[0][lane], stored.origin[1][lane]];
+    let [by_column, by_row] = [f64::from(by_column), f64::from(by_row)];
+    let at = f64::from(at) - by_column * f64::from(left_of) - by_row * f64::from(above);
+    let slopes = Slopes::new(simd, at, [by_column, by_row], [least, greatest]);
+    let mut row = 0;
+    while row < end_row {
+        let y = centres + row as f32;
+        let left = crossing(simd, left, lane, y);
+        let right = crossing(simd, right, lane, y);
+        let third_left = crossing(simd, third_left, lane, y);
+        let third_right = crossing(simd, third_right, lane, y);
+        let start = [
+            left[0].max(third_left[0]).max(first_at).min(end_at).ceil(),
+            left[1].max(third_left[1]).max(first_at).min(end_at).ceil(),
+        ];
+        let stop = [
+            right[0].min(third_right[0]).min(end_at).max(first_at).ceil(),
+            right[1].min(third_right[1]).min(end_at).max(first_at).ceil(),
+        ];
+        let number = i32x16::from_slice(simd, &NUMBERS) + row;
+        let inside = number.simd_ge(first_row) & number.simd_lt(end_row);
+        let sure = start[0].simd_eq(start[1]) & stop[0].simd_eq(stop[1]);
+        if (inside & !sure).any_true() {
+            // All of it anew, or what is there already would be cut off from the rest.
+            uncertain.push(stored.number[lane]);
+            return;
+        } else {
+            let [start, stop] = [start[0].to_int::<i32x16<S>>(), stop[0].to_int::<i32x16<S>>()];
+            let there = inside & start.simd_lt(stop);
+            let none = i32x16::splat(simd, 0);
+            let starts = there.select(start + left_of, none);
+            let stops = there.select(stop + left_of, none);
+            waiting.push(simd, grid, ((above + row) / ROWS as i32) as u32, [starts, stops], &slopes);
+        }
+        row += LANES as i32;
+    }
+}
+
+const NUMBERS: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+
+/// The least and the greatest that the crossing of rows may be.
+#[inline(always)]
+fn crossing<S: Simd>(simd: S, edge: &[[f32; LANES]; 3], lane: usize, y: f32x16<S>) -> [f32x16<S>; 2] {
+    let way = y * edge[0][lane];
+    [
+        f32x16::splat(simd, edge[1][lane]) + way,
+        f32x16::splat(simd, edge[2][lane]) + way,
+    ]
+}

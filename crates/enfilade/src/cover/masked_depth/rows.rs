@@ -1,0 +1,243 @@
+//! Runs of sixteen rows, let into a row of tiles: sixteen sub-tiles of a tile in lanes.
+//!
+//! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, sections 3.1 to 3.3.
+//! Cost: O(tiles); one that is nearer already is left after one comparison.
+//! Conservative: as [`Tile::cover`], its specification.
+
+use super::grid::Grid;
+use super::tile::{COLUMNS, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES, Tile};
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, i32x16, u8x64, u32x16};
+
+/// Runs of samples in the sixteen rows of a row of tiles.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Runs {
+    /// The first column of each row and the one after the last; 0 and 0 where there is none.
+    starts: [i32; ROWS],
+    stops: [i32; ROWS],
+    slopes: Slopes,
+    row: u32,
+}
+
+/// A tile that runs reach into.
+#[derive(Clone, Copy, Default)]
+struct Part {
+    tile: u32,
+    column: i32,
+    runs: u32,
+}
+
+/// Runs that wait to be covered.
+///
+/// First all runs are found, then the tiles that they reach into, then these are covered: so no step waits for the one
+/// before it where a branch was guessed wrongly.
+pub(super) struct Waiting {
+    runs: Vec<Runs>,
+    parts: Vec<Part>,
+}
+
+/// So many runs wait at most, and so many parts of them.
+const MOST_RUNS: usize = 64;
+const MOST_PARTS: usize = 256;
+
+impl Default for Waiting {
+    fn default() -> Waiting {
+        Waiting {
+            runs: Vec::with_capacity(MOST_RUNS),
+            parts: vec![Part::default(); MOST_PARTS],
+        }
+    }
+}
+
+impl Waiting {
+    /// Lets runs wait, and covers them all where they have become many. `row`: of tiles.
+    #[inline(always)]
+    pub(super) fn push<S: Simd>(
+        &mut self,
+        simd: S,
+        grid: &mut Grid,
+        row: u32,
+        [starts, stops]: [i32x16<S>; 2],
+        slopes: &Slopes,
+    ) {
+        if self.runs.len() == MOST_RUNS {
+            self.cover(simd, grid);
+        }
+        self.runs.push(Runs {
+            starts: starts.to_array(),
+            stops: stops.to_array(),
+            slopes: *slopes,
+            row,
+        });
+    }
+
+    /// Covers all that waits.
+    #[inline(always)]
+    pub(super) fn cover<S: Simd>(&mut self, simd: S, grid: &mut Grid) {
+        let far = i32x16::splat(simd, i32::MAX);
+        let mut count = 0;
+        for number in 0..self.runs.len() {
+            let runs = &self.runs[number];
+            let starts = i32x16::from_slice(simd, &runs.starts);
+            let stops = i32x16::from_slice(simd, &runs.stops);
+            let first = starts.simd_lt(stops).select(starts, far).reduce_min();
+            let (end, greatest) = (stops.reduce_max(), runs.slopes.greatest);
+            let row = runs.row * grid.columns as u32;
+            let mut column = first & -(COLUMNS as i32);
+            while column < end {
+                if count == MOST_PARTS {
+                    self.cover_parts(simd, grid, count);
+                    count = 0;
+                }
+                let tile = row + column as u32 / COLUMNS as u32;
+                self.parts[count] = Part {
+                    tile,
+                    column,
+                    runs: number as u32,
+                };
+                // Tiles that are nearer already are left.
+                count += usize::from(greatest > grid.farthest[tile as usize]);
+                column += COLUMNS as i32;
+            }
+        }
+        self.cover_parts(simd, grid, count);
+        self.runs.clear();
+    }
+
+    #[inline(always)]
+    fn cover_parts<S: Simd>(&self, simd: S, grid: &mut Grid, count: usize) {
+        for &Part { tile, column, runs } in &self.parts[..count] {
+            let runs = &self.runs[runs as usize];
+            let starts = i32x16::from_slice(simd, &runs.starts) - column;
+            let stops = i32x16::from_slice(simd, &runs.stops) - column;
+            let nearness = runs.slopes.over_tile(simd, [column, (runs.row * ROWS as u32) as i32]);
+            let (tile, farthest) = (&mut grid.tiles[tile as usize], &mut grid.farthest[tile as usize]);
+            cover_tile(simd, tile, farthest, masks_of_rows(simd, starts, stops), nearness);
+        }
+    }
+}
+
+/// As [`Tile::cover`] for each sub-tile. `farthest` is that of the tile, and follows.
+#[inline(always)]
+fn cover_tile<S: Simd>(
+    simd: S,
+    tile: &mut Tile,
+    farthest: &mut f32,
+    covered: u32x16<S>,
+    nearness: u32x16<S>,
+) {
+    let all = u32x16::splat(simd, u32::MAX);
+    let none = u32x16::splat(simd, 0);
+    let mask = u32x16::from_slice(simd, &tile.mask);
+    let reference = u32x16::from_slice(simd, &tile.reference);
+    let working = u32x16::from_slice(simd, &tile.working);
+    let closed = u32x16::from_slice(simd, &tile.closed);
+    let acts = nearness.simd_gt(reference);
+    let fresh = covered | closed;
+    let before = nearness.simd_ge(working);
+    let (near, far) = (nearness.max(working), nearness.min(working));
+    let near_mask = before.select(fresh, mask);
+    let either = mask | fresh;
+    let alone = either.simd_eq(near_mask);
+    let full = either.simd_eq(all);
+    let goes = (near + reference).simd_gt(far + far);
+    let next_mask = (goes | full).select(near_mask, either);
+    let next_mask = (alone & full).select(none, next_mask);
+    let next_working = (goes | alone | full).select(near, far);
+    let changes = acts & full;
+    acts.select(next_mask, mask).store_slice(&mut tile.mask);
+    acts.select(next_working, working).store_slice(&mut tile.working);
+    if changes.any_true() {
+        let next = changes.select(alone.select(near, far), reference);
+        next.store_slice(&mut tile.reference);
+        *farthest = f32::from_bits(next.reduce_min());
+    }
+}
+
+/// How near a face is in each sub-tile, at least.
+#[derive(Clone, Copy)]
+pub(super) struct Slopes {
+    /// From the first sub-tile of a tile on.
+    by_sub_tile: [f32; SUB_TILES],
+    /// In the first sub-tile of the tile at column and row 0; by column and by row.
+    at: f64,
+    by_column: f64,
+    by_row: f64,
+    least: f32,
+    greatest: f32,
+}
+
+/// Columns and rows at which the sub-tiles of a tile begin.
+const SUB_TILE_COLUMNS: [f32; SUB_TILES] = [
+    0.0, 8.0, 16.0, 24.0, 0.0, 8.0, 16.0, 24.0, 0.0, 8.0, 16.0, 24.0, 0.0, 8.0, 16.0, 24.0,
+];
+const SUB_TILE_ROWS: [f32; SUB_TILES] = [
+    0.0, 0.0, 0.0, 0.0, 4.0, 4.0, 4.0, 4.0, 8.0, 8.0, 8.0, 8.0, 12.0, 12.0, 12.0, 12.0,
+];
+
+impl Slopes {
+    /// Of a plane with nearness `at + by_column · column + by_row · row` at samples, lowered by what rounding to f32 may
+    /// add to it, but no less than `least`; nowhere more than `greatest`.
+    #[inline(always)]
+    pub(super) fn new<S: Simd>(
+        simd: S,
+        at: f64,
+        [by_column, by_row]: [f64; 2],
+        [least, greatest]: [f32; 2],
+    ) -> Slopes {
+        /// Twice what rounding may come to.
+        const ROUNDING: f64 = 1.0 / (1_u32 << 22) as f64;
+        let columns = f32x16::from_slice(simd, &SUB_TILE_COLUMNS);
+        let rows = f32x16::from_slice(simd, &SUB_TILE_ROWS);
+        // The least over a sub-tile is at one of its corners.
+        let column = if by_column < 0.0 { SUB_COLUMNS as f64 - 0.5 } else { 0.5 };
+        let row = if by_row < 0.0 { SUB_ROWS as f64 - 0.5 } else { 0.5 };
+        let rounding = (by_column.abs() * COLUMNS as f64 + by_row.abs() * ROWS as f64) * ROUNDING;
+        Slopes {
+            by_sub_tile: (columns * by_column as f32 + rows * by_row as f32).to_array(),
+            at: at + by_column * column + by_row * row - rounding,
+            by_column,
+            by_row,
+            least,
+            greatest,
+        }
+    }
+
+    /// In the tile that begins at a column and a row; bits.
+    #[inline(always)]
+    fn over_tile<S: Simd>(&self, simd: S, [column, row]: [i32; 2]) -> u32x16<S> {
+        let at = self.at + self.by_column * f64::from(column) + self.by_row * f64::from(row);
+        (f32x16::from_slice(simd, &self.by_sub_tile) + at as f32)
+            .max(f32x16::splat(simd, self.least))
+            .bitcast()
+    }
+}
+
+/// The samples of a tile in runs of sixteen rows, counted from the tile's first column.
+#[inline(always)]
+fn masks_of_rows<S: Simd>(simd: S, starts: i32x16<S>, stops: i32x16<S>) -> u32x16<S> {
+    let rows = bits_from(simd, starts) & !bits_from(simd, stops);
+    // Bytes of four rows of four sub-tiles, transposed.
+    rows.bitcast::<u8x64<S>>()
+        .swizzle_dyn_within_blocks(u8x64::from_slice(simd, &TRANSPOSED))
+        .bitcast()
+}
+
+/// The bits from a column on, of 32.
+#[inline(always)]
+fn bits_from<S: Simd>(simd: S, column: i32x16<S>) -> u32x16<S> {
+    let [zero, last] = [i32x16::splat(simd, 0), i32x16::splat(simd, COLUMNS as i32 - 1)];
+    let bits = u32x16::splat(simd, u32::MAX) << column.max(zero).min(last).bitcast::<u32x16<S>>();
+    column.simd_gt(last).select(u32x16::splat(simd, 0), bits)
+}
+
+const TRANSPOSED: [u8; 4 * ROWS] = {
+    let mut order = [0; 4 * ROWS];
+    let mut place = 0;
+    while place < order.len() {
+        order[place] = ((place % 4) * 4 + place / 4 % 4) as u8;
+        place += 1;
+    }
+    order
+};

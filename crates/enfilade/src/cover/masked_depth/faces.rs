@@ -9,6 +9,7 @@
 
 use super::fill::Slope;
 use super::grid::Grid;
+use super::rows::Waiting;
 use super::tile::{Across, COLUMNS, ROWS};
 use crate::aperture::Rect;
 use crate::cover::band::{BAND, Band};
@@ -18,7 +19,8 @@ use glam::DVec3;
 
 /// Faces that are held against the tiles one by one, in f64.
 pub(super) struct OneByOne<'a> {
-    grid: &'a mut Grid,
+    grid: &'a Grid,
+    waiting: &'a mut Waiting,
     /// Does it hide what is behind it? Else no more is asked once any of it is seen.
     hides: bool,
     /// May any of it be seen?
@@ -28,9 +30,10 @@ pub(super) struct OneByOne<'a> {
 }
 
 impl OneByOne<'_> {
-    pub(super) fn new(grid: &mut Grid, hides: bool) -> OneByOne<'_> {
+    pub(super) fn new<'a>(grid: &'a Grid, waiting: &'a mut Waiting, hides: bool) -> OneByOne<'a> {
         OneByOne {
             grid,
+            waiting,
             hides,
             seen: false,
             slope: Slope::new(DVec3::ZERO, [0.0; 2], &Rect::default()),
@@ -71,9 +74,9 @@ impl Sink for OneByOne<'_> {
                 let asked = across.samples(column);
                 self.seen = !beyond && self.grid.tiles[index].sees(y % ROWS / BAND, &asked, &nearness);
             }
-            if self.hides {
-                self.grid.cover_in_tile(&across, [column, y], &self.slope);
-            }
+        }
+        if self.hides {
+            self.waiting.push_band(band, &self.slope.slopes());
         }
     }
 }

@@ -7,6 +7,7 @@
 //! Conservative: nearness is rounded down, and what is before the near distance or the last portal is left out.
 
 use super::grid::Grid;
+use super::rows::{Slopes, Waiting};
 use super::tile::{
     ACROSS, Across, COLUMNS, Nearness, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND,
 };
@@ -25,6 +26,7 @@ pub(super) struct Fill {
     level: Level,
     planes: Vec<HalfPlane>,
     part: Part,
+    waiting: Waiting,
 }
 
 /// By how much an occluder's plane must be beyond the near distance, relatively: the surface, which alone is there or
@@ -59,6 +61,7 @@ impl Fill {
             level,
             planes: Vec::new(),
             part: Part::default(),
+            waiting: Waiting::default(),
         }
     }
 
@@ -78,10 +81,11 @@ impl Fill {
         while y < rect.y1 {
             if let Some((band, samples)) = Band::held(simd, y, &rect, &self.planes) {
                 covered += samples;
-                grid.cover(&band, &slope);
+                self.waiting.push_band(&band, &slope.slopes());
             }
             y += BAND as u16;
         }
+        self.waiting.cover(simd, grid);
         covered
     }
 
@@ -211,6 +215,15 @@ impl Slope {
             greatest,
             rounding: at.abs().dot(most) * ROUNDING,
         }
+    }
+
+    /// As kernels take it.
+    pub(super) fn slopes(&self) -> Slopes {
+        let DVec3 { x, y, z } = self.at;
+        let most = |nearness: f64| smaller(nearness, f64::from(f32::MAX));
+        let least = (most(self.least) * ROUND_DOWN) as f32;
+        let greatest = most(self.greatest) as f32 * ROUND_UP as f32;
+        Slopes::new(z - self.rounding, [x, y], [if least < f32::MIN_POSITIVE { 0.0 } else { least }, greatest])
     }
 
     /// The least nearness over each sub-tile of the band of a tile at column and row `at`, rounded down. Of a plane that is no

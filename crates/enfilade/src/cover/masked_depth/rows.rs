@@ -5,7 +5,8 @@
 //! Conservative: as [`Tile::cover`], its specification.
 
 use super::grid::Grid;
-use super::tile::{COLUMNS, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES, Tile};
+use super::tile::{ACROSS, COLUMNS, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES, Tile};
+use crate::cover::band::Band;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, u8x64, u32x16};
 
@@ -16,6 +17,8 @@ struct Runs {
     /// The first column of each row and the one after the last; 0 and 0 where there is none.
     starts: [i32; ROWS],
     stops: [i32; ROWS],
+    /// The columns that all rows hold; empty where that is not known.
+    whole: [i32; 2],
     slopes: Slopes,
     row: u32,
 }
@@ -34,80 +37,104 @@ struct Part {
 /// before it where a branch was guessed wrongly.
 pub(super) struct Waiting {
     runs: Vec<Runs>,
-    parts: Vec<Part>,
+    /// Of which some samples are covered, and all.
+    parts: [Vec<Part>; 2],
 }
 
-/// So many runs wait at most, and so many parts of them.
-const MOST_RUNS: usize = 64;
+/// So many runs wait before they are covered, or more of a large face; and so many parts of them.
+const MANY_RUNS: usize = 64;
 const MOST_PARTS: usize = 256;
 
 impl Default for Waiting {
     fn default() -> Waiting {
         Waiting {
-            runs: Vec::with_capacity(MOST_RUNS),
-            parts: vec![Part::default(); MOST_PARTS],
+            runs: Vec::with_capacity(MANY_RUNS),
+            parts: [Vec::with_capacity(MOST_PARTS), Vec::with_capacity(MOST_PARTS)],
         }
     }
 }
 
 impl Waiting {
-    /// Lets runs wait, and covers them all where they have become many. `row`: of tiles.
+    /// Should they be covered?
     #[inline(always)]
-    pub(super) fn push<S: Simd>(
+    pub(super) fn are_many(&self) -> bool {
+        self.runs.len() >= MANY_RUNS
+    }
+
+    /// Lets the runs of a row of tiles wait. All rows hold the columns `whole`.
+    #[inline(always)]
+    pub(super) fn push(
         &mut self,
-        simd: S,
-        grid: &mut Grid,
-        row: u32,
-        [starts, stops]: [i32x16<S>; 2],
+        row: usize,
+        [starts, stops]: [[i32; ROWS]; 2],
+        whole: [i32; 2],
         slopes: &Slopes,
     ) {
-        if self.runs.len() == MOST_RUNS {
-            self.cover(simd, grid);
-        }
         self.runs.push(Runs {
-            starts: starts.to_array(),
-            stops: stops.to_array(),
+            starts,
+            stops,
             slopes: *slopes,
-            row,
+            whole,
+            row: row as u32,
         });
+    }
+
+    /// Lets the runs of a band wait.
+    pub(super) fn push_band(&mut self, band: &Band, slopes: &Slopes) {
+        let y = usize::from(band.y);
+        let [mut starts, mut stops] = [[0; ROWS]; 2];
+        let rows = starts.iter_mut().zip(&mut stops).skip(y % ROWS);
+        for ((start, stop), run) in rows.zip(band.runs) {
+            if run[0] < run[1] {
+                [*start, *stop] = run.map(i32::from);
+            }
+        }
+        self.push(y / ROWS, [starts, stops], [0; 2], slopes);
     }
 
     /// Covers all that waits.
     #[inline(always)]
     pub(super) fn cover<S: Simd>(&mut self, simd: S, grid: &mut Grid) {
         let far = i32x16::splat(simd, i32::MAX);
-        let mut count = 0;
         for number in 0..self.runs.len() {
             let runs = &self.runs[number];
             let starts = i32x16::from_slice(simd, &runs.starts);
             let stops = i32x16::from_slice(simd, &runs.stops);
             let first = starts.simd_lt(stops).select(starts, far).reduce_min();
-            let (end, greatest) = (stops.reduce_max(), runs.slopes.greatest);
+            let (end, greatest, whole) = (stops.reduce_max(), runs.slopes.greatest, runs.whole);
             let row = runs.row * grid.columns as u32;
             let mut column = first & -(COLUMNS as i32);
             while column < end {
-                if count == MOST_PARTS {
-                    self.cover_parts(simd, grid, count);
-                    count = 0;
-                }
                 let tile = row + column as u32 / COLUMNS as u32;
-                self.parts[count] = Part {
-                    tile,
-                    column,
-                    runs: number as u32,
-                };
                 // Tiles that are nearer already are left.
-                count += usize::from(greatest > grid.farthest[tile as usize]);
+                if greatest > grid.farthest[tile as usize] {
+                    let is_whole = whole[0] <= column && column + COLUMNS as i32 <= whole[1];
+                    self.parts[usize::from(is_whole)].push(Part {
+                        tile,
+                        column,
+                        runs: number as u32,
+                    });
+                }
                 column += COLUMNS as i32;
             }
+            if self.parts[0].len().max(self.parts[1].len()) >= MOST_PARTS / 2 {
+                self.cover_parts(simd, grid);
+            }
         }
-        self.cover_parts(simd, grid, count);
+        self.cover_parts(simd, grid);
         self.runs.clear();
     }
 
     #[inline(always)]
-    fn cover_parts<S: Simd>(&self, simd: S, grid: &mut Grid, count: usize) {
-        for &Part { tile, column, runs } in &self.parts[..count] {
+    fn cover_parts<S: Simd>(&mut self, simd: S, grid: &mut Grid) {
+        let [some, whole] = &mut self.parts;
+        for Part { tile, column, runs } in whole.drain(..) {
+            let runs = &self.runs[runs as usize];
+            let nearness = runs.slopes.over_tile(simd, [column, (runs.row * ROWS as u32) as i32]);
+            let (tile, farthest) = (&mut grid.tiles[tile as usize], &mut grid.farthest[tile as usize]);
+            cover_whole(simd, tile, farthest, nearness);
+        }
+        for Part { tile, column, runs } in some.drain(..) {
             let runs = &self.runs[runs as usize];
             let starts = i32x16::from_slice(simd, &runs.starts) - column;
             let stops = i32x16::from_slice(simd, &runs.stops) - column;
@@ -155,6 +182,21 @@ fn cover_tile<S: Simd>(
     }
 }
 
+/// As [`cover_tile`], where all samples are covered.
+#[inline(always)]
+fn cover_whole<S: Simd>(simd: S, tile: &mut Tile, farthest: &mut f32, nearness: u32x16<S>) {
+    let mask = u32x16::from_slice(simd, &tile.mask);
+    let reference = u32x16::from_slice(simd, &tile.reference);
+    let working = u32x16::from_slice(simd, &tile.working);
+    let before = nearness.simd_ge(working);
+    let mask = before.select(u32x16::splat(simd, 0), mask);
+    mask.store_slice(&mut tile.mask);
+    working.max(nearness).store_slice(&mut tile.working);
+    let next = reference.max(nearness);
+    next.store_slice(&mut tile.reference);
+    *farthest = f32::from_bits(next.reduce_min());
+}
+
 /// How near a face is in each sub-tile, at least.
 #[derive(Clone, Copy)]
 pub(super) struct Slopes {
@@ -168,34 +210,25 @@ pub(super) struct Slopes {
     greatest: f32,
 }
 
-/// Columns and rows at which the sub-tiles of a tile begin.
-const SUB_TILE_COLUMNS: [f32; SUB_TILES] = [
-    0.0, 8.0, 16.0, 24.0, 0.0, 8.0, 16.0, 24.0, 0.0, 8.0, 16.0, 24.0, 0.0, 8.0, 16.0, 24.0,
-];
-const SUB_TILE_ROWS: [f32; SUB_TILES] = [
-    0.0, 0.0, 0.0, 0.0, 4.0, 4.0, 4.0, 4.0, 8.0, 8.0, 8.0, 8.0, 12.0, 12.0, 12.0, 12.0,
-];
+/// Twice what rounding to f32 may come to, relatively.
+const ROUNDING: f32 = 1.0 / (1_u32 << 22) as f32;
 
 impl Slopes {
     /// Of a plane with nearness `at + by_column · column + by_row · row` at samples, lowered by what rounding to f32 may
     /// add to it, but no less than `least`; nowhere more than `greatest`.
     #[inline(always)]
-    pub(super) fn new<S: Simd>(
-        simd: S,
-        at: f64,
-        [by_column, by_row]: [f64; 2],
-        [least, greatest]: [f32; 2],
-    ) -> Slopes {
-        /// Twice what rounding may come to.
-        const ROUNDING: f64 = 1.0 / (1_u32 << 22) as f64;
-        let columns = f32x16::from_slice(simd, &SUB_TILE_COLUMNS);
-        let rows = f32x16::from_slice(simd, &SUB_TILE_ROWS);
+    pub(super) fn new(at: f64, [by_column, by_row]: [f64; 2], [least, greatest]: [f32; 2]) -> Slopes {
         // The least over a sub-tile is at one of its corners.
         let column = if by_column < 0.0 { SUB_COLUMNS as f64 - 0.5 } else { 0.5 };
         let row = if by_row < 0.0 { SUB_ROWS as f64 - 0.5 } else { 0.5 };
-        let rounding = (by_column.abs() * COLUMNS as f64 + by_row.abs() * ROWS as f64) * ROUNDING;
+        let rounding = (by_column.abs() * COLUMNS as f64 + by_row.abs() * ROWS as f64) * f64::from(ROUNDING);
+        let mut by_sub_tile = [0.0; SUB_TILES];
+        for (sub, nearness) in by_sub_tile.iter_mut().enumerate() {
+            let [right, down] = [sub % ACROSS * SUB_COLUMNS, sub / ACROSS * SUB_ROWS];
+            *nearness = right as f32 * by_column as f32 + down as f32 * by_row as f32;
+        }
         Slopes {
-            by_sub_tile: (columns * by_column as f32 + rows * by_row as f32).to_array(),
+            by_sub_tile,
             at: at + by_column * column + by_row * row - rounding,
             by_column,
             by_row,
@@ -208,7 +241,7 @@ impl Slopes {
     #[inline(always)]
     fn over_tile<S: Simd>(&self, simd: S, [column, row]: [i32; 2]) -> u32x16<S> {
         let at = self.at + self.by_column * f64::from(column) + self.by_row * f64::from(row);
-        (f32x16::from_slice(simd, &self.by_sub_tile) + at as f32)
+        ((f32x16::from_slice(simd, &self.by_sub_tile) + at as f32) * (1.0 - ROUNDING))
             .max(f32x16::splat(simd, self.least))
             .bitcast()
     }

@@ -147,6 +147,11 @@ impl Batch {
         work_off(simd, frame, queues, records, waiting, grid, 1);
     }
 
+    /// Runs that wait to be covered.
+    pub(super) fn waiting(&mut self) -> &mut Waiting {
+        &mut self.waiting
+    }
+
     /// Numbers of the triangles that were left out because they are not certain.
     pub(super) fn uncertain(&self) -> &[u32] {
         &self.queues.uncertain

@@ -101,7 +101,10 @@ fn draw_one<S: Simd>(
     let [left_of, above] = [stored.origin[0][lane], stored.origin[1][lane]];
     let [by_column, by_row] = [f64::from(by_column), f64::from(by_row)];
     let at = f64::from(at) - by_column * f64::from(left_of) - by_row * f64::from(above);
-    let slopes = Slopes::new(simd, at, [by_column, by_row], [least, greatest]);
+    let slopes = Slopes::new(at, [by_column, by_row], [least, greatest]);
+    if waiting.are_many() {
+        waiting.cover(simd, grid);
+    }
     let mut row = 0;
     while row < end_row {
         let y = centres + row as f32;
@@ -130,7 +133,14 @@ fn draw_one<S: Simd>(
             let none = i32x16::splat(simd, 0);
             let starts = there.select(start + left_of, none);
             let stops = there.select(stop + left_of, none);
-            waiting.push(simd, grid, ((above + row) / ROWS as i32) as u32, [starts, stops], &slopes);
+            let (starts, stops) = (starts.to_array(), stops.to_array());
+            // Along each side of a convex face the rows that reach least far in are the first and the last.
+            let whole = if there.all_true() {
+                [starts[0].max(starts[LANES - 1]), stops[0].min(stops[LANES - 1])]
+            } else {
+                [0; 2]
+            };
+            waiting.push(((above + row) / ROWS as i32) as usize, [starts, stops], whole, &slopes);
         }
         row += LANES as i32;
     }

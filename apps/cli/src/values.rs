@@ -162,6 +162,15 @@ pub(crate) fn check(text: &str) -> Result<u32, String> {
     }
 }
 
+/// A SIMD level that this machine has.
+pub(crate) fn simd(text: &str) -> Result<String, String> {
+    if enfilade::simd_levels().any(|level| level == text) {
+        Ok(text.to_owned())
+    } else {
+        Err(among(text, enfilade::simd_levels()))
+    }
+}
+
 /// Says which of the names was meant, if one is near, and which there are.
 pub(crate) fn among<'a>(mistyped: &str, names: impl Iterator<Item = &'a str>) -> String {
     const FEW: usize = 24;
@@ -201,6 +210,8 @@ mod tests {
             [Ok(Choice::All), Ok(Choice::One(Method::ZBuffer))]
         );
         assert_eq!(check("1"), Ok(1));
+        let best = enfilade::simd_level();
+        assert_eq!(simd(best).as_deref(), Ok(best));
     }
 
     #[test]
@@ -224,6 +235,7 @@ mod tests {
         }
         says(method("z-bufer").map(drop), "did you mean z-buffer?");
         says(method("quux").map(drop), "There are: ");
+        says(simd("avx3").map(drop), enfilade::simd_level());
         says(check("65").map(drop), "1 to 64");
         assert_eq!(check("16"), Ok(16));
     }

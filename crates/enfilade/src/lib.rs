@@ -95,7 +95,7 @@ pub use scene::{
     SceneBuilder, SceneError, Way,
 };
 pub use seen::Seen;
-pub use simd::simd_level;
+pub use simd::{SimdLevelError, simd_level, simd_levels, use_simd_level};
 pub use stats::{SpanStats, Stats};
 pub use view::{View, ViewError};
 pub use viewer::{Limits, Viewer};

@@ -81,7 +81,7 @@ pub(crate) struct DrawArgs {
     pub(crate) levels: Option<f32>,
     #[command(flatten)]
     pub(crate) json: JsonArg,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = CAMERAS)]
     pub(crate) cameras: CameraArgs,
     #[command(flatten)]
     pub(crate) methods: MethodArgs,
@@ -107,7 +107,7 @@ pub(crate) struct LookArgs {
     pub(crate) check: Option<u32>,
     #[command(flatten)]
     pub(crate) json: JsonArg,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = CAMERAS)]
     pub(crate) cameras: CameraArgs,
     #[command(flatten)]
     pub(crate) methods: MethodArgs,
@@ -135,7 +135,7 @@ pub(crate) struct CompareArgs {
     pub(crate) pictures: usize,
     #[command(flatten)]
     pub(crate) json: JsonArg,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = CAMERAS)]
     pub(crate) cameras: CameraArgs,
     #[arg(long, value_name = "NAME", help = values::methods(), default_value = "all", help_heading = "Methods", value_parser = values::method)]
     pub(crate) method: Choice,
@@ -235,11 +235,11 @@ impl JsonArg {
     }
 }
 
+/// What most verbs say of [`CameraArgs`].
+const CAMERAS: &str = "Cameras (left out: the file's first camera, else the first view of the survey)";
+
 /// Which views.
 #[derive(Debug, clap::Args)]
-#[command(
-    next_help_heading = "Cameras (left out: the file's first camera, else the first view of the survey)"
-)]
 pub(crate) struct CameraArgs {
     /// Where the eye stands
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true, requires = "toward",
@@ -295,6 +295,9 @@ pub(crate) struct HowArgs {
     /// Openings are plain holes: no portal is followed
     #[arg(long)]
     pub(crate) flat: bool,
+    /// Use no better SIMD instructions than these, which changes the times and nothing else [default: the machine's best]
+    #[arg(long, value_name = "LEVEL", value_parser = values::simd)]
+    pub(crate) simd: Option<String>,
     #[command(flatten)]
     pub(crate) limits: LimitArgs,
 }

@@ -17,7 +17,7 @@ use crate::check::{Found, hold};
 use crate::draw::{draw, settings};
 use crate::look::tell_what_is_wrong;
 use crate::measure::{self, PASSES};
-use crate::open::{For, allow_threads, open};
+use crate::open::{For, open, settle};
 use crate::out;
 use crate::prepare::{Prepared, prepare};
 use crate::progress::Progress;
@@ -50,7 +50,7 @@ struct Comparison<'a> {
 pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
     let page = destination(&args.output)?;
     let sink = Sink::new(&args.json)?;
-    allow_threads(&args.how.limits)?;
+    settle(&args.how)?;
     let opened = open(
         &args.scene.scene,
         For::Pictures,

@@ -32,6 +32,7 @@ use crate::occluders::{Measure, Occluder};
 use crate::order::Unsorted;
 use crate::passage::Passage;
 use crate::region::{Region, Sight};
+use crate::simd::level;
 use crate::stats::Stats;
 use faces::Batch;
 use fearless_simd::{Level, dispatch};
@@ -55,7 +56,7 @@ pub struct MaskedDepth {
 
 impl Default for MaskedDepth {
     fn default() -> MaskedDepth {
-        MaskedDepth::at(Level::new())
+        MaskedDepth::at(level())
     }
 }
 

@@ -71,6 +71,7 @@ pub use content::{
     ContentError, Filter, Item, ItemId, Material, MaterialId, MeshId, Minify, Moved, Opening, OpeningId,
     Owner, Texture, TextureError, TextureId, Wrap,
 };
+pub use cover::OccluderMesh;
 pub use detail::{
     BezierError, BezierPatch, BezierSurface, DetailError, DetailOptions, DetailSource, Details, Refined,
 };

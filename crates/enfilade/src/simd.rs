@@ -17,7 +17,15 @@ pub enum SimdLevelError {
 }
 
 /// The levels of all machines, the best of each kind first.
-const NAMES: [&str; 7] = ["avx512", "avx2", "sse4.2", "sse2", "neon", "wasm-simd128", "scalar"];
+const NAMES: [&str; 7] = [
+    "avx512",
+    "avx2",
+    "sse4.2",
+    "sse2",
+    "neon",
+    "wasm-simd128",
+    "scalar",
+];
 
 /// What was chosen: a place in [`here`]. The best until then.
 static CHOSEN: AtomicUsize = AtomicUsize::new(0);
@@ -70,7 +78,10 @@ fn here() -> impl Iterator<Item = Level> {
     // Others have one level, which is known when they are compiled.
     #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
     let lower = [None::<Level>; 0];
-    let lower = lower.into_iter().flatten().filter(move |&lower| name(lower) != name(best));
+    let lower = lower
+        .into_iter()
+        .flatten()
+        .filter(move |&lower| name(lower) != name(best));
     let all = std::iter::once(best).chain(lower);
     let mut ended = false;
     all.take_while(move |&level| {
@@ -111,7 +122,9 @@ mod tests {
         let names: Vec<&str> = simd_levels().collect();
         assert_eq!(names.first(), Some(&name(Level::new())));
         assert_eq!(names.last(), Some(&name(Level::baseline())));
-        let places = names.iter().map(|wanted| NAMES.iter().position(|name| name == wanted));
+        let places = names
+            .iter()
+            .map(|wanted| NAMES.iter().position(|name| name == wanted));
         let places: Vec<usize> = places.map(|place| place.expect("it is known")).collect();
         assert!(places.is_sorted_by(|a, b| a < b), "{names:?}");
     }
@@ -124,7 +137,11 @@ mod tests {
             refused("avx3"),
             format!("there is no SIMD level `avx3`; this machine has {}", listed())
         );
-        let elsewhere = if cfg!(target_arch = "aarch64") { "avx2" } else { "neon" };
+        let elsewhere = if cfg!(target_arch = "aarch64") {
+            "avx2"
+        } else {
+            "neon"
+        };
         assert_eq!(
             refused(elsewhere),
             format!("this machine has no {elsewhere}; it has {}", listed())

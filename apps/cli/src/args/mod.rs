@@ -1,7 +1,9 @@
 //! The command line: verbs, options and their help.
 
+mod bench;
 mod maps;
 
+pub(crate) use bench::BenchArgs;
 pub(crate) use maps::{PortalsArgs, VisArgs};
 
 use crate::values::{self, Choice};
@@ -39,6 +41,8 @@ pub(crate) enum Verb {
     Look(LookArgs),
     /// Shows all methods side by side, on a page of pictures, differences and times
     Compare(CompareArgs),
+    /// Times all methods over a path of views, and holds what they see against what is expected
+    Bench(BenchArgs),
     /// Joins separately exported files by portals
     Link(LinkArgs),
     /// Finds out what is visible in a map of Quake or Quake 3, and writes it into the map
@@ -268,6 +272,15 @@ pub(crate) struct CameraArgs {
     pub(crate) up: Option<[f32; 3]>,
 }
 
+impl CameraArgs {
+    /// Takes so many views of the survey where no camera is told.
+    pub(crate) fn survey_unless_told(&mut self, count: u32) {
+        if self.eye.is_none() && self.camera.is_none() && self.path.is_none() {
+            self.survey.get_or_insert(count);
+        }
+    }
+}
+
 /// Which methods look, and how.
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Methods")]
@@ -347,7 +360,7 @@ mod tests {
             .get_subcommands_mut()
             .filter(|verb| verb.get_name() != "help");
         helps.extend(verbs.map(|verb| verb.render_help().to_string()));
-        assert_eq!(helps.len(), 8);
+        assert_eq!(helps.len(), 9);
         for help in helps {
             let (_, examples) = help.split_once("\nExamples:\n").expect("there are examples");
             assert!(

@@ -19,6 +19,7 @@ mod fill;
 mod grid;
 mod outline;
 mod show;
+mod stub;
 #[cfg(test)]
 mod tests;
 mod tile;
@@ -38,6 +39,7 @@ use faces::Batch;
 use fearless_simd::{Level, dispatch};
 use fill::Fill;
 use grid::Grid;
+pub use stub::OccluderMesh;
 use tile::{COLUMNS, ROWS, Tile};
 
 /// Samples of its box, for each face of a cluster, from which on its faces are looked at one by one. Where they have fewer,

@@ -1,5 +1,6 @@
 //! Values on the command line, from text, with messages that say what would be right.
 
+use crate::bench::row_names;
 use enfilade::{Method, View};
 use enfilade_draw::Show;
 
@@ -159,6 +160,15 @@ pub(crate) fn check(text: &str) -> Result<u32, String> {
     match text.parse::<u32>() {
         Ok(places @ 1..=64) => Ok(places),
         _ => Err("wants a number of places a pixel from 1 to 64, or nothing".to_owned()),
+    }
+}
+
+/// A row of `bench --micro`.
+pub(crate) fn row(text: &str) -> Result<String, String> {
+    if row_names().any(|name| name == text) {
+        Ok(text.to_owned())
+    } else {
+        Err(among(text, row_names()))
     }
 }
 

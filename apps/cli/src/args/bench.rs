@@ -39,7 +39,8 @@ known to be, and boxes that are hidden and called visible, which costs time alon
 
 Examples:
   enfilade bench @two-rooms --survey 2 --size 64x36
-  enfilade bench scene.glb --method masked --path views.jsonl --size 160x90 --simd sse2 --json bench.json")]
+  enfilade bench scene.glb --method masked --path views.jsonl --size 160x90 --json bench.json
+  enfilade bench --micro --rows tri-1000,rect-hidden-16,rect-visible --rounds 3")]
 pub(crate) struct BenchArgs {
     /// A .glb, .gltf, .obj or .bsp file, or a built-in scene by its @NAME [default: @enfilade, none with --micro]
     #[arg(value_name = "SCENE")]
@@ -50,6 +51,9 @@ pub(crate) struct BenchArgs {
     /// Rounds that count, with --micro
     #[arg(long, value_name = "N", default_value_t = 15, requires = "micro", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) rounds: u32,
+    /// Measure these rows alone, with --micro
+    #[arg(long, value_name = "NAME,..", requires = "micro", value_delimiter = ',', value_parser = values::row)]
+    pub(crate) rows: Vec<String>,
     #[command(flatten)]
     pub(crate) json: JsonArg,
     #[command(flatten, next_help_heading = "Cameras (left out: 16 views of the survey)")]

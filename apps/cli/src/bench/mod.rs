@@ -3,6 +3,8 @@
 mod expected;
 mod micro;
 
+pub(crate) use micro::names as row_names;
+
 use crate::Outcome;
 use crate::args::BenchArgs;
 use crate::cameras;

@@ -36,6 +36,11 @@ const SIZE: [u32; 2] = [1920, 1080];
 /// both.
 const SUB_TILE_BYTES: u64 = 16;
 
+/// What all rows are called, those of scenes last.
+pub(crate) fn names() -> impl Iterator<Item = &'static str> {
+    rows::names().chain(walk::NAMES)
+}
+
 /// Work that is timed and then held against the truth.
 trait Work {
     /// How many faces or boxes it comes to.
@@ -91,7 +96,8 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome> {
     settle(&args.how)?;
     let making = Progress::spinner("making faces");
     let mut screen = Screen::new(SIZE)?;
-    let mut rows = rows::all(&screen);
+    let wanted = |name: &str| args.rows.is_empty() || args.rows.iter().any(|row| row == name);
+    let mut rows = rows::rows(&screen, wanted);
     drop(making);
     if let Some(scene) = &args.scene {
         // Openings are left aside: all of the scene is in one space.
@@ -102,7 +108,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome> {
             true,
             &args.how.limits,
         )?;
-        rows.extend(walk::rows(&opened.scene)?);
+        rows.extend(walk::rows(&opened.scene, wanted)?);
     }
     let mut ceilings = Ceilings::new();
     let rounds = args.rounds as usize;
@@ -132,7 +138,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome> {
         })
         .collect();
     drop(progress);
-    let report = MicroReport::new(&rows, &found, &ceilings, args.rounds);
+    let report = MicroReport::new(&rows, &found, &ceilings, args.rounds, wanted);
     if !args.json.takes_stdout() {
         out::print(&report.for_people())?;
     }

@@ -54,10 +54,16 @@ struct LeftOut {
 }
 
 impl MicroReport {
-    pub(super) fn new(rows: &[Row], found: &[Found], ceilings: &Ceilings, rounds: u32) -> MicroReport {
+    pub(super) fn new(
+        rows: &[Row],
+        found: &[Found],
+        ceilings: &Ceilings,
+        rounds: u32,
+        wanted: impl Fn(&str) -> bool,
+    ) -> MicroReport {
         let left_out = super::walk::NAMES
             .into_iter()
-            .filter(|name| rows.iter().all(|row| row.name != *name));
+            .filter(|name| wanted(name) && rows.iter().all(|row| row.name != *name));
         MicroReport {
             size: SIZE,
             simd: enfilade::simd_level(),

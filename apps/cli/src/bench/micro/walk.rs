@@ -48,7 +48,7 @@ struct Walk {
 ///
 /// # Errors
 /// A scene in which there is nowhere to stand.
-pub(super) fn rows(scene: &Scene) -> Result<Vec<Row>> {
+pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<Row>> {
     let places = enfilade::survey(scene, VIEWS);
     if places.is_empty() {
         bail!(
@@ -85,7 +85,8 @@ pub(super) fn rows(scene: &Scene) -> Result<Vec<Row>> {
         row.views = Some(places.len() as u64);
         Ok(row)
     };
-    NAMES.into_iter().zip(SCREENS).map(row).collect()
+    let rows = NAMES.into_iter().zip(SCREENS);
+    rows.filter(|(name, _)| wanted(name)).map(row).collect()
 }
 
 impl Part {

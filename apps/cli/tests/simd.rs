@@ -6,9 +6,9 @@ use serde_json::Value;
 use support::Folder;
 
 /// What is the same at every level: the sets, and what it took to find them, counted.
-fn answers(folder: &Folder, level: &str) -> Vec<[Value; 4]> {
+fn answers(folder: &Folder, scene: &str, level: &str) -> Vec<[Value; 4]> {
     let report = folder.json(&format!(
-        "look @enfilade --survey 3 --method all --size 160x90 --simd {level}"
+        "look {scene} --survey 3 --method all --size 160x90 --simd {level}"
     ));
     let methods = report["methods"].as_array().expect("methods");
     let answer = |method: &Value| {
@@ -30,10 +30,12 @@ fn answers(folder: &Folder, level: &str) -> Vec<[Value; 4]> {
 fn every_level_of_the_machine_sees_the_same() {
     let folder = Folder::new();
     let levels: Vec<&str> = enfilade::simd_levels().collect();
-    let best = answers(&folder, levels[0]);
-    assert!(best.len() > 5);
-    for level in &levels[1..] {
-        assert_eq!(answers(&folder, level), best, "{level}");
+    for scene in ["@house", "@mirrors", "@crowd"] {
+        let best = answers(&folder, scene, levels[0]);
+        assert!(best.len() > 5);
+        for level in &levels[1..] {
+            assert_eq!(answers(&folder, scene, level), best, "{scene}, {level}");
+        }
     }
 }
 

@@ -270,7 +270,7 @@ mod tests {
                 ([4.1, 2.2], 2.0),
             ],
         );
-        assert_eq!(truth.add(&square), 2 * 4, "columns 4 to 11, rows 2 to 11");
+        assert_eq!(truth.add(&square), 2 * 3, "columns 4 to 11, rows 2 to 11");
         let inside = |x: u16, y: u16| (4..12).contains(&x) && (2..12).contains(&y);
         let exact = truth.hold(|x, y| if inside(x, y) { 0.5 } else { 0.0 });
         assert_eq!((exact.wrong, exact.loose), (0, 0));

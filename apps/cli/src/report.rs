@@ -285,10 +285,8 @@ impl Report {
 
     /// Is the set of any view not what it must be, or not the same twice? Only `bench` can tell.
     pub(crate) fn is_not_as_expected(&self) -> bool {
-        let expected = self.views.iter().filter_map(|view| view.expected.as_ref());
-        expected
-            .map(|held| !held.missed.is_empty() || held.extra > 0 || !held.same_again)
-            .any(|wrong| wrong)
+        let mut expected = self.views.iter().filter_map(|view| view.expected.as_ref());
+        expected.any(|held| !held.missed.is_empty() || held.extra > 0 || !held.same_again)
     }
 
     /// Adds what the reference says of each view.

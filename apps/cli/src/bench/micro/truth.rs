@@ -69,11 +69,8 @@ impl Truth {
         };
         let triangles: Vec<Triangle> = at
             .filter_map(|corner| {
-                let triangle = Triangle::new(
-                    [first, std::mem::replace(&mut before, corner), corner],
-                    &self.lens,
-                );
-                triangle
+                let second = std::mem::replace(&mut before, corner);
+                Triangle::new([first, second, corner], &self.lens)
             })
             .collect();
         let Some(rows) = triangles

@@ -62,8 +62,7 @@ impl Truth {
     /// Adds a flat convex face with one side, counter-clockwise from its front; gives the number of the sub-tiles in which
     /// it has a sample.
     pub(super) fn add(&mut self, corners: &[[f32; 3]]) -> u64 {
-        let corners = || corners.iter().map(|&corner| self.lens.corner(corner));
-        let mut at = corners();
+        let mut at = corners.iter().map(|&corner| self.lens.corner(corner));
         let (Some(first), Some(mut before)) = (at.next(), at.next()) else {
             return 0;
         };

@@ -60,7 +60,9 @@ impl MaskedDepth {
 
     /// May something as near as `nearest` be seen in the rectangle?
     pub fn sees_rect(&self, rect: &Rect, nearest: f32) -> bool {
-        self.grid.first_seen(rect, nearest).is_some()
+        self.grid
+            .first_seen(&rect.intersection(&self.grid.rect), nearest)
+            .is_some()
     }
 
     /// Something is at least as near at this sample; 0 where nothing is known.

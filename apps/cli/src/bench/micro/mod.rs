@@ -146,7 +146,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome> {
     let wrong = report.rows.iter().filter(|row| row.wrong > 0);
     let told = wrong.map(|row| {
         out::note(format_args!(
-            "bench: {}: {} wrong in the unsafe direction",
+            "bench: {}: {} wrong: what can be seen may be hidden",
             row.name, row.wrong
         ));
     });

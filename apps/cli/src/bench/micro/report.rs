@@ -34,7 +34,7 @@ pub(super) struct RowReport {
     /// The best other culler, in the unit of this row, and how many times as fast this one is.
     peer: f64,
     of_peer: f64,
-    /// Samples or answers that are wrong in the unsafe direction.
+    /// Samples or answers by which what is seen may be called hidden.
     pub(super) wrong: u64,
     /// Those that are right and could be better.
     loose: u64,

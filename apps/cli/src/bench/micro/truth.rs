@@ -35,9 +35,9 @@ pub(super) struct Truth {
 /// How a cover compares with the truth, or its answers do.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Held {
-    /// In the unsafe direction: what is seen may be called hidden.
+    /// What is seen may be called hidden.
     pub(super) wrong: u64,
-    /// In the safe direction: something certainly hides, and is not known to.
+    /// Something certainly hides, and is not known to: that costs time alone.
     pub(super) loose: u64,
 }
 

@@ -3,7 +3,7 @@
 use crate::prepare::Prepared;
 use crate::progress::Progress;
 use enfilade::laws::{OwnerPicture, Reference, Truth, Verdict};
-use enfilade::{Contract, FragmentId, ItemId, View, Viewer};
+use enfilade::{Contract, FragmentId, ItemId, Scene, View, Viewer};
 
 /// What was found at a view.
 pub(crate) struct Found {
@@ -29,9 +29,7 @@ pub(crate) fn check(
     let Some(first) = prepared.first().filter(|_| !views.is_empty()) else {
         return found;
     };
-    let building = Progress::spinner("building the reference");
-    let reference = Reference::new(&first.scene);
-    drop(building);
+    let reference = reference(&first.scene);
     let progress = Progress::steps("checking", views.len());
     for view in views {
         let truth = reference.see(&first.scene, view, &viewers[0].limits());
@@ -55,6 +53,12 @@ pub(crate) fn check(
         progress.step();
     }
     found
+}
+
+/// The reference over a scene, which takes a while.
+pub(crate) fn reference(scene: &Scene) -> Reference {
+    let _building = Progress::spinner("building the reference");
+    Reference::new(scene)
 }
 
 /// Looks at a view and draws it, and holds both against the truth; the owners that were painted are given back.

@@ -6,7 +6,7 @@ use crate::cameras;
 #[cfg(feature = "levels")]
 use crate::levels::Leveled;
 use crate::measure::{self, PASSES};
-use crate::open::{For, allow_threads, open};
+use crate::open::{For, open, settle};
 use crate::out;
 use crate::prepare::{Prepared, prepare};
 use crate::progress::Progress;
@@ -44,7 +44,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
     // Names made from this one lie in the same folder.
     Destination::new(&args.output)?;
     let sink = Sink::new(&args.json)?;
-    allow_threads(&args.methods.how.limits)?;
+    settle(&args.methods.how)?;
     let choice = args.methods.choice();
     let opened = open(
         &args.scene.scene,

@@ -5,7 +5,7 @@ use crate::args::LookArgs;
 use crate::cameras;
 use crate::check::check;
 use crate::measure::{self, PASSES};
-use crate::open::{For, allow_threads, open};
+use crate::open::{For, open, settle};
 use crate::out;
 use crate::prepare::prepare;
 use crate::progress::Progress;
@@ -19,7 +19,7 @@ use std::fmt::Write;
 /// Runs `look`.
 pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
     let sink = Sink::new(&args.json)?;
-    allow_threads(&args.methods.how.limits)?;
+    settle(&args.methods.how)?;
     let choice = args.methods.choice();
     let opened = open(
         &args.scene.scene,

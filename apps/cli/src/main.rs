@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod args;
+mod bench;
 mod cameras;
 mod check;
 mod compare;
@@ -62,6 +63,7 @@ fn main() -> ExitCode {
         Some(Verb::Draw(args)) => draw::run(&args),
         Some(Verb::Look(args)) => look::run(&args),
         Some(Verb::Compare(args)) => compare::run(&args),
+        Some(Verb::Bench(args)) => bench::run(args),
         Some(Verb::Link(args)) => link::run(&args),
         Some(Verb::Vis(args)) => vis::run(&args),
         Some(Verb::Portals(args)) => portals::run(&args),

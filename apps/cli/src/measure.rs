@@ -2,11 +2,13 @@
 //!
 //! So what a method remembers at a view is always the view before it.
 
-use crate::draw::draw;
+use crate::draw::{draw, settings};
+use crate::open::Opened;
 use crate::prepare::Prepared;
 use crate::progress::Progress;
+use crate::report::Report;
 use enfilade::{Contract, FragmentId, ItemId, OpeningId, Passage, Scene, View, Viewer, VisibleSet};
-use enfilade_draw::Settings;
+use enfilade_draw::{Settings, Show};
 use std::time::Instant;
 
 /// Passes that count.
@@ -62,6 +64,33 @@ pub(crate) fn looks(prepared: &Prepared, views: &[View], viewer: &mut Viewer, pr
     });
     each.iter_mut().zip(times).for_each(|(look, ms)| look.ms = ms);
     Looks { each, stats }
+}
+
+/// Looks at all views by every method, draws them and walks the orders alone, each by the timing rule.
+pub(crate) fn all(
+    opened: &Opened,
+    prepared: &[Prepared],
+    viewers: &mut [Viewer],
+    views: &[View],
+    size: [u32; 2],
+) -> Vec<Report> {
+    let settings = settings(Show::Image);
+    // The first pictures of a run are slow, whoever draws them.
+    if let Some(view) = views.first() {
+        for (prepared, viewer) in prepared.iter().zip(&mut *viewers) {
+            draw(prepared, viewer, view, &settings);
+        }
+    }
+    let progress = Progress::steps("measuring", prepared.len() * views.len() * (1 + 3 * PASSES));
+    let measured = prepared.iter().zip(viewers).map(|(prepared, viewer)| {
+        let looks = looks(prepared, views, viewer, &progress);
+        let draws = draws(prepared, views, viewer, &settings, &progress);
+        let walks = walks(prepared, views, viewer, &progress);
+        let mut report = Report::new(opened, prepared, views, size, looks);
+        report.add_times(&draws, &walks);
+        report
+    });
+    measured.collect()
 }
 
 /// Draws all views, shading included, and gives each one's milliseconds; the viewer has been over them once before.

@@ -1,6 +1,6 @@
 //! Scenes, from a file or by the name of a built-in one.
 
-use crate::args::LimitArgs;
+use crate::args::{HowArgs, LimitArgs};
 use crate::cameras::Camera;
 use crate::out;
 use crate::progress::Progress;
@@ -141,6 +141,15 @@ fn format(path: &Path) -> &'static str {
         [b'{', ..] => "glTF 2.0",
         _ => "OBJ",
     }
+}
+
+/// Settles what the whole program uses, before anything is built: threads and SIMD instructions.
+pub(crate) fn settle(how: &HowArgs) -> Result<()> {
+    allow_threads(&how.limits)?;
+    if let Some(level) = &how.simd {
+        enfilade::use_simd_level(level)?;
+    }
+    Ok(())
 }
 
 /// Lets the whole program use so many threads, and says how many these are.

@@ -74,6 +74,8 @@ pub(crate) struct ViewReport {
     pub(crate) visible: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) check: Option<CheckReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) expected: Option<ExpectedReport>,
 }
 
 /// A passage: one way from the eye into a fragment.
@@ -96,6 +98,18 @@ pub(crate) struct CheckReport {
     pub(crate) extra: usize,
     pub(crate) pixels_different: u64,
     pub(crate) pixels_contested: u64,
+}
+
+/// How a set compares with the one that is expected, and with that of the pass before.
+#[derive(Debug, Serialize)]
+pub(crate) struct ExpectedReport {
+    /// By a z-buffer.
+    pub(crate) items_visible: usize,
+    /// Items that certainly are seen and are not in the set.
+    pub(crate) missed: Vec<String>,
+    /// Items in the set that cannot be seen, where the method promises that there are none.
+    pub(crate) extra: usize,
+    pub(crate) same_again: bool,
 }
 
 #[derive(Debug, Serialize)]
@@ -269,6 +283,12 @@ impl Report {
         self.contract != Contract::Approximate && self.is_wrong()
     }
 
+    /// Is the set of any view not what it must be, or not the same twice? Only `bench` can tell.
+    pub(crate) fn is_not_as_expected(&self) -> bool {
+        let mut expected = self.views.iter().filter_map(|view| view.expected.as_ref());
+        expected.any(|held| !held.missed.is_empty() || held.extra > 0 || !held.same_again)
+    }
+
     /// Adds what the reference says of each view.
     pub(crate) fn add_checks(&mut self, found: &[Found], scene: &Scene) {
         let names = Names::new(scene);
@@ -327,6 +347,7 @@ impl ViewReport {
             complete: look.complete,
             visible: look.visible.iter().map(|&item| names.of(item)).collect(),
             check: None,
+            expected: None,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Values on the command line, from text, with messages that say what would be right.
 
+use crate::bench::row_names;
 use enfilade::{Method, View};
 use enfilade_draw::Show;
 
@@ -162,6 +163,24 @@ pub(crate) fn check(text: &str) -> Result<u32, String> {
     }
 }
 
+/// A row of `bench --micro`.
+pub(crate) fn row(text: &str) -> Result<String, String> {
+    if row_names().any(|name| name == text) {
+        Ok(text.to_owned())
+    } else {
+        Err(among(text, row_names()))
+    }
+}
+
+/// A SIMD level that this machine has.
+pub(crate) fn simd(text: &str) -> Result<String, String> {
+    if enfilade::simd_levels().any(|level| level == text) {
+        Ok(text.to_owned())
+    } else {
+        Err(among(text, enfilade::simd_levels()))
+    }
+}
+
 /// Says which of the names was meant, if one is near, and which there are.
 pub(crate) fn among<'a>(mistyped: &str, names: impl Iterator<Item = &'a str>) -> String {
     const FEW: usize = 24;
@@ -201,6 +220,8 @@ mod tests {
             [Ok(Choice::All), Ok(Choice::One(Method::ZBuffer))]
         );
         assert_eq!(check("1"), Ok(1));
+        let best = enfilade::simd_level();
+        assert_eq!(simd(best).as_deref(), Ok(best));
     }
 
     #[test]
@@ -224,6 +245,7 @@ mod tests {
         }
         says(method("z-bufer").map(drop), "did you mean z-buffer?");
         says(method("quux").map(drop), "There are: ");
+        says(simd("avx3").map(drop), enfilade::simd_level());
         says(check("65").map(drop), "1 to 64");
         assert_eq!(check("16"), Ok(16));
     }

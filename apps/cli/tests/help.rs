@@ -67,6 +67,11 @@ fn the_examples_of_compare_run() {
 }
 
 #[test]
+fn the_examples_of_bench_run() {
+    examples_run("bench");
+}
+
+#[test]
 fn the_examples_of_link_run() {
     let folder = Folder::new();
     folder.add(
@@ -105,7 +110,9 @@ fn the_examples_of_info_run() {
 #[test]
 fn no_line_of_a_help_ends_before_it_is_full_but_where_a_paragraph_does() {
     let folder = Folder::new();
-    for verb in ["draw", "look", "compare", "link", "vis", "portals", "info"] {
+    for verb in [
+        "draw", "look", "compare", "bench", "link", "vis", "portals", "info",
+    ] {
         let help = folder.run(&format!("help {verb}")).stdout;
         let (before, _) = help.split_once("\nExamples:\n").expect("examples at the end");
         let last = before.trim_end().rsplit("\n\n").next().expect("a paragraph");

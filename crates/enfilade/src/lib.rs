@@ -71,6 +71,7 @@ pub use content::{
     ContentError, Filter, Item, ItemId, Material, MaterialId, MeshId, Minify, Moved, Opening, OpeningId,
     Owner, Texture, TextureError, TextureId, Wrap,
 };
+pub use cover::OccluderMesh;
 pub use detail::{
     BezierError, BezierPatch, BezierSurface, DetailError, DetailOptions, DetailSource, Details, Refined,
 };
@@ -95,7 +96,7 @@ pub use scene::{
     SceneBuilder, SceneError, Way,
 };
 pub use seen::Seen;
-pub use simd::simd_level;
+pub use simd::{SimdLevelError, simd_level, simd_levels, use_simd_level};
 pub use stats::{SpanStats, Stats};
 pub use view::{View, ViewError};
 pub use viewer::{Limits, Viewer};

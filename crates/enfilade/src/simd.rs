@@ -1,10 +1,98 @@
-//! Which instructions the machine has.
+//! Which SIMD instructions are used: the best that the machine has, or a lower level that the caller chose.
 
 use fearless_simd::Level;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use thiserror::Error;
+
+/// Why a SIMD level cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum SimdLevelError {
+    /// No machine has a level of that name.
+    #[error("there is no SIMD level `{0}`; this machine has {there}", there = listed())]
+    Unknown(String),
+    /// Other machines have it.
+    #[error("this machine has no {0}; it has {there}", there = listed())]
+    NotHere(&'static str),
+}
+
+/// The levels of all machines, the best of each kind first.
+const NAMES: [&str; 7] = [
+    "avx512",
+    "avx2",
+    "sse4.2",
+    "sse2",
+    "neon",
+    "wasm-simd128",
+    "scalar",
+];
+
+/// What was chosen: a place in [`here`]. The best until then.
+static CHOSEN: AtomicUsize = AtomicUsize::new(0);
 
 /// The name of the SIMD level in use, chosen once at run time; it changes the time, never a bit of the answer.
 pub fn simd_level() -> &'static str {
-    match Level::new() {
+    name(level())
+}
+
+/// The names of the SIMD levels that can be used on this machine, the best first: that one is used unless another is
+/// chosen by [`use_simd_level`].
+pub fn simd_levels() -> impl Iterator<Item = &'static str> {
+    here().map(name)
+}
+
+/// Uses a lower SIMD level from here on, in the whole process: to find out what a machine without the better ones would
+/// take. Meant to be called once, before anything is built: what is there already keeps the level that it was made with.
+///
+/// # Errors
+/// [`SimdLevelError`] for a name that is not one of [`simd_levels`].
+pub fn use_simd_level(wanted: &str) -> Result<(), SimdLevelError> {
+    if let Some(place) = simd_levels().position(|name| name == wanted) {
+        // The place is all there is to know: nothing else is written that others must see with it.
+        CHOSEN.store(place, Ordering::Relaxed);
+        return Ok(());
+    }
+    let elsewhere = NAMES.into_iter().find(|&name| name == wanted);
+    Err(elsewhere.map_or_else(
+        || SimdLevelError::Unknown(wanted.to_owned()),
+        SimdLevelError::NotHere,
+    ))
+}
+
+/// The level that kernels are to run at.
+pub(crate) fn level() -> Level {
+    let chosen = here().nth(CHOSEN.load(Ordering::Relaxed));
+    chosen.unwrap_or_else(Level::new)
+}
+
+/// What the machine has, the best first, down to the level that the whole program was compiled for: below that nothing
+/// would change.
+fn here() -> impl Iterator<Item = Level> {
+    let best = Level::new();
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    let lower = [
+        best.as_avx2().map(Level::Avx2),
+        best.as_sse4_2().map(Level::Sse4_2),
+        best.as_sse2().map(Level::Sse2),
+    ];
+    // Others have one level, which is known when they are compiled.
+    #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+    let lower = [None::<Level>; 0];
+    let lower = lower
+        .into_iter()
+        .flatten()
+        .filter(move |&lower| name(lower) != name(best));
+    let all = std::iter::once(best).chain(lower);
+    let mut ended = false;
+    all.take_while(move |&level| {
+        let wanted = !ended;
+        ended = name(level) == name(Level::baseline());
+        wanted
+    })
+}
+
+fn name(level: Level) -> &'static str {
+    match level {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         Level::Avx512(_) => "avx512",
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -15,6 +103,49 @@ pub fn simd_level() -> &'static str {
         Level::Sse2(_) => "sse2",
         #[cfg(target_arch = "aarch64")]
         Level::Neon(_) => "neon",
+        #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+        Level::WasmSimd128(_) => "wasm-simd128",
         _ => "scalar",
+    }
+}
+
+fn listed() -> String {
+    simd_levels().collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn there_is_a_level_and_each_is_there_once_with_a_known_name() {
+        let names: Vec<&str> = simd_levels().collect();
+        assert_eq!(names.first(), Some(&name(Level::new())));
+        assert_eq!(names.last(), Some(&name(Level::baseline())));
+        let places = names
+            .iter()
+            .map(|wanted| NAMES.iter().position(|name| name == wanted));
+        let places: Vec<usize> = places.map(|place| place.expect("it is known")).collect();
+        assert!(places.is_sorted_by(|a, b| a < b), "{names:?}");
+    }
+
+    #[test]
+    fn what_is_not_there_is_refused_with_what_is() {
+        let refused = |wanted| use_simd_level(wanted).expect_err("it is not there").to_string();
+        let best = simd_level();
+        assert_eq!(
+            refused("avx3"),
+            format!("there is no SIMD level `avx3`; this machine has {}", listed())
+        );
+        let elsewhere = if cfg!(target_arch = "aarch64") {
+            "avx2"
+        } else {
+            "neon"
+        };
+        assert_eq!(
+            refused(elsewhere),
+            format!("this machine has no {elsewhere}; it has {}", listed())
+        );
+        assert_eq!(simd_level(), best);
     }
 }

@@ -1,7 +1,9 @@
 //! The command line: verbs, options and their help.
 
+mod bench;
 mod maps;
 
+pub(crate) use bench::BenchArgs;
 pub(crate) use maps::{PortalsArgs, VisArgs};
 
 use crate::values::{self, Choice};
@@ -39,6 +41,8 @@ pub(crate) enum Verb {
     Look(LookArgs),
     /// Shows all methods side by side, on a page of pictures, differences and times
     Compare(CompareArgs),
+    /// Times all methods over a path of views, and holds what they see against what is expected
+    Bench(BenchArgs),
     /// Joins separately exported files by portals
     Link(LinkArgs),
     /// Finds out what is visible in a map of Quake or Quake 3, and writes it into the map
@@ -81,7 +85,7 @@ pub(crate) struct DrawArgs {
     pub(crate) levels: Option<f32>,
     #[command(flatten)]
     pub(crate) json: JsonArg,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = CAMERAS)]
     pub(crate) cameras: CameraArgs,
     #[command(flatten)]
     pub(crate) methods: MethodArgs,
@@ -107,7 +111,7 @@ pub(crate) struct LookArgs {
     pub(crate) check: Option<u32>,
     #[command(flatten)]
     pub(crate) json: JsonArg,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = CAMERAS)]
     pub(crate) cameras: CameraArgs,
     #[command(flatten)]
     pub(crate) methods: MethodArgs,
@@ -135,7 +139,7 @@ pub(crate) struct CompareArgs {
     pub(crate) pictures: usize,
     #[command(flatten)]
     pub(crate) json: JsonArg,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = CAMERAS)]
     pub(crate) cameras: CameraArgs,
     #[arg(long, value_name = "NAME", help = values::methods(), default_value = "all", help_heading = "Methods", value_parser = values::method)]
     pub(crate) method: Choice,
@@ -235,11 +239,11 @@ impl JsonArg {
     }
 }
 
+/// What most verbs say of [`CameraArgs`].
+const CAMERAS: &str = "Cameras (left out: the file's first camera, else the first view of the survey)";
+
 /// Which views.
 #[derive(Debug, clap::Args)]
-#[command(
-    next_help_heading = "Cameras (left out: the file's first camera, else the first view of the survey)"
-)]
 pub(crate) struct CameraArgs {
     /// Where the eye stands
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true, requires = "toward",
@@ -266,6 +270,15 @@ pub(crate) struct CameraArgs {
     /// The direction that is upright [default: the camera's own, else 0,1,0]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
     pub(crate) up: Option<[f32; 3]>,
+}
+
+impl CameraArgs {
+    /// Takes so many views of the survey where no camera is told.
+    pub(crate) fn survey_unless_told(&mut self, count: u32) {
+        if self.eye.is_none() && self.camera.is_none() && self.path.is_none() {
+            self.survey.get_or_insert(count);
+        }
+    }
 }
 
 /// Which methods look, and how.
@@ -295,6 +308,9 @@ pub(crate) struct HowArgs {
     /// Openings are plain holes: no portal is followed
     #[arg(long)]
     pub(crate) flat: bool,
+    /// Use no better SIMD instructions than these, which changes the times and nothing else [default: the machine's best]
+    #[arg(long, value_name = "LEVEL", value_parser = values::simd)]
+    pub(crate) simd: Option<String>,
     #[command(flatten)]
     pub(crate) limits: LimitArgs,
 }
@@ -344,7 +360,7 @@ mod tests {
             .get_subcommands_mut()
             .filter(|verb| verb.get_name() != "help");
         helps.extend(verbs.map(|verb| verb.render_help().to_string()));
-        assert_eq!(helps.len(), 8);
+        assert_eq!(helps.len(), 9);
         for help in helps {
             let (_, examples) = help.split_once("\nExamples:\n").expect("there are examples");
             assert!(

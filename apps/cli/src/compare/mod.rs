@@ -13,11 +13,10 @@ mod views;
 use crate::Outcome;
 use crate::args::CompareArgs;
 use crate::cameras;
-use crate::check::{Found, hold};
-use crate::draw::{draw, settings};
+use crate::check::{Found, hold, reference};
 use crate::look::tell_what_is_wrong;
-use crate::measure::{self, PASSES};
-use crate::open::{For, allow_threads, open};
+use crate::measure;
+use crate::open::{For, open, settle};
 use crate::out;
 use crate::prepare::{Prepared, prepare};
 use crate::progress::Progress;
@@ -25,9 +24,7 @@ use crate::report::{Report, Reports, SceneReport, Sink, Skipped, left_out};
 use crate::save::Destination;
 use crate::text::plural;
 use anyhow::{Result, bail};
-use enfilade::laws::Reference;
 use enfilade::{Scene, View, Viewer};
-use enfilade_draw::Show;
 use pictures::{Artist, ViewPictures};
 use std::fs;
 use std::path::Path;
@@ -50,7 +47,7 @@ struct Comparison<'a> {
 pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
     let page = destination(&args.output)?;
     let sink = Sink::new(&args.json)?;
-    allow_threads(&args.how.limits)?;
+    settle(&args.how)?;
     let opened = open(
         &args.scene.scene,
         For::Pictures,
@@ -61,23 +58,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
     let views = cameras::views(&args.cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, args.method, &args.how, views.first())?;
     let mut viewers: Vec<Viewer> = prepared.iter().map(Prepared::viewer).collect();
-    let mut reports = Vec::new();
-    // The first pictures of a run are slow, whoever draws them.
-    for (prepared, viewer) in prepared.iter().zip(&mut viewers) {
-        views
-            .first()
-            .map(|view| draw(prepared, viewer, view, &settings(Show::Image)));
-    }
-    let progress = Progress::steps("measuring", prepared.len() * views.len() * (1 + 3 * PASSES));
-    for (prepared, viewer) in prepared.iter().zip(&mut viewers) {
-        let looks = measure::looks(prepared, &views, viewer, &progress);
-        let draws = measure::draws(prepared, &views, viewer, &settings(Show::Image), &progress);
-        let walks = measure::walks(prepared, &views, viewer, &progress);
-        let mut report = Report::new(&opened, prepared, &views, args.cameras.size, looks);
-        report.add_times(&draws, &walks);
-        reports.push(report);
-    }
-    drop(progress);
+    let mut reports = measure::all(&opened, &prepared, &mut viewers, &views, args.cameras.size);
     let (found, pictures) = check_and_draw(&prepared, &mut viewers, &views, args.pictures)?;
     for ((report, found), prepared) in reports.iter_mut().zip(&found).zip(&prepared) {
         report.add_checks(found, &prepared.scene);
@@ -139,9 +120,7 @@ fn check_and_draw(
     let Some(first) = prepared.first().filter(|_| !views.is_empty()) else {
         return Ok((found, drawn));
     };
-    let building = Progress::spinner("building the reference");
-    let reference = Reference::new(&first.scene);
-    drop(building);
+    let reference = reference(&first.scene);
     let mut artist = Artist::new(prepared, views)?;
     let progress = Progress::steps("checking and drawing", views.len() * prepared.len());
     for (number, view) in views.iter().enumerate() {

@@ -24,6 +24,7 @@ pub use depth_buffer::DepthBuffer;
 pub use depth_pyramid::DepthPyramid;
 pub use mask::Mask;
 pub use masked_depth::MaskedDepth;
+pub use masked_depth::OccluderMesh;
 pub use nothing::Nothing;
 pub use occlusion_tree::{Asks, ByBox, ByFaces, OcclusionTree};
 pub use span_buffer::SpanBuffer;

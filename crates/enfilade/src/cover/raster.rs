@@ -15,6 +15,7 @@ use super::triangle::Triangle;
 use crate::aperture::Rect;
 use crate::faces::{Cut, Faces, Of};
 use crate::passage::{BEYOND, Passage};
+use crate::simd::level;
 use crate::stats::Stats;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
@@ -48,7 +49,7 @@ struct Buffers {
 
 impl Default for Raster {
     fn default() -> Raster {
-        Raster::at(Level::new())
+        Raster::at(level())
     }
 }
 

@@ -10,6 +10,7 @@ use crate::content::{Content, ItemId};
 use crate::faces::{Faces, Of};
 use crate::passage::Passage;
 use crate::seen::Seen;
+use crate::simd::level;
 use crate::stats::Stats;
 use fearless_simd::{Level, dispatch};
 
@@ -53,7 +54,7 @@ pub(super) struct Samples {
 impl Default for Samples {
     fn default() -> Samples {
         Samples {
-            level: Level::new(),
+            level: level(),
             width: 0,
             rect: Rect::default(),
             samples: Vec::new(),

@@ -21,6 +21,7 @@ mod grid;
 mod outline;
 mod rows;
 mod show;
+mod stub;
 #[cfg(test)]
 mod tests;
 mod tile;
@@ -34,12 +35,14 @@ use crate::occluders::{Measure, Occluder};
 use crate::order::Unsorted;
 use crate::passage::{BEYOND, Passage};
 use crate::region::{Region, Sight};
+use crate::simd::level;
 use crate::stats::Stats;
 use batch::{Batch, Block, Frame, LANES};
 use faces::OneByOne;
 use fearless_simd::{Level, dispatch};
 use fill::Fill;
 use grid::Grid;
+pub use stub::OccluderMesh;
 use tile::{COLUMNS, ROWS, Tile};
 
 /// Samples of its box, for each face of a cluster, from which on its faces are looked at one by one. Where they have fewer,
@@ -68,7 +71,7 @@ struct Room {
 
 impl Default for MaskedDepth {
     fn default() -> MaskedDepth {
-        MaskedDepth::at(Level::new())
+        MaskedDepth::at(level())
     }
 }
 

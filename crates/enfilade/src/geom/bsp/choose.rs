@@ -12,6 +12,7 @@ use super::side::Splitter;
 use super::split::{Arena, Working};
 use super::sweep::Sweep;
 use super::upright::on_edges;
+use crate::simd::level;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 
@@ -40,7 +41,7 @@ pub(super) struct Chooser {
 impl Chooser {
     pub(super) fn new() -> Chooser {
         Chooser {
-            level: Level::new(),
+            level: level(),
             sample: Sample::default(),
             sweep: Sweep::default(),
         }

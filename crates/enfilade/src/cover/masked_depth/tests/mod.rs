@@ -35,12 +35,6 @@ impl MaskedDepth {
         let tile = &self.grid.tiles[row * self.grid.columns + column];
         tile.known(usize::from(x) % COLUMNS, usize::from(y) % ROWS)
     }
-
-    fn sees_rect(&self, rect: &Rect, nearest: f32) -> bool {
-        self.grid
-            .first_seen(&rect.intersection(&self.grid.rect), nearest)
-            .is_some()
-    }
 }
 
 #[test]

@@ -1,0 +1,92 @@
+//! Rows that ask a filled cover about boxes.
+
+use super::ceilings::Ceiling;
+use super::screen::{BACKDROP, Screen};
+use super::shapes::{Dice, FAR, NEAR};
+use super::truth::{Held, SUB_TILE};
+use super::{Found, Work};
+use enfilade::Rect;
+use std::hint::black_box;
+use std::time::Instant;
+
+/// What must be read of a sub-tile to know that all of it hides something: one nearness.
+const NEARNESS_BYTES: u64 = 4;
+/// How often all boxes are asked about for one figure.
+const PASSES: u64 = 32;
+
+/// Boxes, as the rectangles that they have on the screen and how near they come.
+pub(super) struct Boxes {
+    rects: Vec<Rect>,
+    nearest: f32,
+    visible: bool,
+}
+
+impl Boxes {
+    /// Behind everything that is in the cover.
+    pub(super) fn hidden(rects: Vec<Rect>) -> Boxes {
+        Boxes {
+            rects,
+            nearest: (0.5 / BACKDROP) as f32,
+            visible: false,
+        }
+    }
+
+    /// Before everything.
+    pub(super) fn visible(rects: Vec<Rect>) -> Boxes {
+        Boxes {
+            rects,
+            nearest: (2.0 / NEAR) as f32,
+            visible: true,
+        }
+    }
+}
+
+impl Work for Boxes {
+    fn count(&self) -> u64 {
+        self.rects.len() as u64 * PASSES
+    }
+
+    fn run(&mut self, screen: &mut Screen) -> f64 {
+        let start = Instant::now();
+        for _ in 0..PASSES {
+            let seen = self
+                .rects
+                .iter()
+                .filter(|rect| screen.filled.sees_rect(rect, self.nearest));
+            black_box(seen.count());
+        }
+        start.elapsed().as_secs_f64()
+    }
+
+    /// Besides the boxes of the row others, in the same places and as near as some of what is in the cover.
+    fn hold(&mut self, screen: &mut Screen) -> Found {
+        let mut dice = Dice(3);
+        let mut held = Held::default();
+        for rect in &self.rects {
+            let share = dice.roll();
+            let among = (FAR / NEAR).powf(share) / FAR;
+            // Of covers that are less than the truth many are right: what is among the walls is not loose.
+            let answer = |nearest| {
+                screen
+                    .filled_truth
+                    .hold_rect(rect, nearest, !screen.filled.sees_rect(rect, nearest))
+            };
+            held.wrong += answer(among as f32).wrong;
+            held.add(answer(self.nearest));
+        }
+        let [width, height] = SUB_TILE.map(|side| side as u16);
+        let sub_tiles = |&Rect { x0, y0, x1, y1 }: &Rect| {
+            u64::from(x1.div_ceil(width) - x0 / width) * u64::from(y1.div_ceil(height) - y0 / height)
+        };
+        // Of what is seen the first sub-tile may tell.
+        let read: u64 = match self.visible {
+            true => self.rects.len() as u64,
+            false => self.rects.iter().map(sub_tiles).sum(),
+        };
+        Found {
+            held,
+            least_bytes: read * NEARNESS_BYTES * PASSES,
+            ceiling: Ceiling::L2,
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! The rows that need no scene, by the names under which figures of other cullers are known.
+
+use super::boxes::Boxes;
+use super::faces::Faces;
+use super::screen::Screen;
+use super::shapes::{From, Shapes};
+use super::{Row, Work};
+
+/// Boxes that are asked about: as many as a large scene has items.
+const BOXES: usize = 4096;
+
+type Make = fn(&Screen) -> Box<dyn Work>;
+
+/// Each with the figure of the best other culler, in millions a second.
+const ROWS: [(&str, f64, Make); 13] = [
+    ("tri-10", 36.0, |screen| btf(screen, 3, 10.0, 1_000_000)),
+    ("quad-10", 62.0, |screen| btf(screen, 4, 10.0, 1_000_000)),
+    ("tri-100", 28.0, |screen| btf(screen, 3, 100.0, 100_000)),
+    ("tri-1000", 15.6, |screen| btf(screen, 3, 1000.0, 50_000)),
+    ("tri-10000-btf", 5.5, |screen| btf(screen, 3, 10_000.0, 10_000)),
+    ("tri-10000-ftb", 8.5, |screen| {
+        let shapes = Shapes::new(&screen.lens, 3, 10_000.0, 10_000, From::Front);
+        Box::new(Faces::once(shapes))
+    }),
+    ("tri-10-near", 18.5, |screen| {
+        Box::new(Faces::once(Shapes::near(&screen.lens, 10.0, 1_000_000)))
+    }),
+    ("tri-back", 790.0, |screen| {
+        let shapes = Shapes::new(&screen.lens, 3, 10.0, 1000, From::Back);
+        Box::new(Faces::again_and_again(shapes.turned()))
+    }),
+    ("rect-hidden-4", 95.0, |screen| hidden(screen, 4)),
+    ("rect-hidden-16", 72.0, |screen| hidden(screen, 16)),
+    ("rect-hidden-64", 36.0, |screen| hidden(screen, 64)),
+    ("rect-hidden-200", 9.4, |screen| hidden(screen, 200)),
+    ("rect-visible", 215.0, |screen| {
+        Box::new(Boxes::visible(screen.squares(64, BOXES)))
+    }),
+];
+
+/// What they are called.
+pub(super) fn names() -> impl Iterator<Item = &'static str> {
+    ROWS.iter().map(|&(name, ..)| name)
+}
+
+/// Those that are wanted.
+pub(super) fn rows(screen: &Screen, wanted: impl Fn(&str) -> bool) -> Vec<Row> {
+    let rows = ROWS.iter().filter(|(name, ..)| wanted(name));
+    rows.map(|(name, best, make)| Row::new(name, *best, make(screen)))
+        .collect()
+}
+
+fn btf(screen: &Screen, sides: usize, pixels: f64, count: usize) -> Box<dyn Work> {
+    Box::new(Faces::once(Shapes::new(
+        &screen.lens,
+        sides,
+        pixels,
+        count,
+        From::Back,
+    )))
+}
+
+fn hidden(screen: &Screen, side: u16) -> Box<dyn Work> {
+    Box::new(Boxes::hidden(screen.squares(side, BOXES)))
+}

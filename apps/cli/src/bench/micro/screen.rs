@@ -1,0 +1,90 @@
+//! A screen, the way onto it that the engine has, and covers for it.
+
+use super::lens::Lens;
+use super::shapes::{Dice, From, Shapes};
+use super::truth::Truth;
+use anyhow::{Context, Result};
+use enfilade::cover::{Hides, MaskedDepth};
+use enfilade::{
+    ContentBuilder, FragmentId, Material, Method, OccluderMesh, Passage, Rect, SceneBuilder, Stats, View,
+    Viewer,
+};
+
+/// A screen that an eye at the origin sees, looking along −z.
+pub(super) struct Screen {
+    pub(super) lens: Lens,
+    pub(super) passage: Passage,
+    /// What rows fill, one after the other.
+    pub(super) cover: MaskedDepth,
+    /// What rows ask: a backdrop behind many faces; and how near it is in truth.
+    pub(super) filled: MaskedDepth,
+    pub(super) filled_truth: Truth,
+}
+
+/// Where the backdrop stands, behind everything else.
+pub(super) const BACKDROP: f64 = 2000.0;
+
+impl Screen {
+    pub(super) fn new(size: [u32; 2]) -> Result<Screen> {
+        let view = View::new([0.0; 3], [0.0, 0.0, -1.0], size);
+        let lens = Lens::new(&view);
+        let passage = passage(&view)?;
+        let (mut filled, mut filled_truth) = (MaskedDepth::default(), Truth::new(lens));
+        filled.clear(&passage);
+        let walls = Shapes::new(&lens, 3, 1000.0, 20_000, From::Back);
+        for shapes in [Shapes::backdrop(&lens, BACKDROP), walls] {
+            filled.hide_mesh(&shapes.mesh(), &passage, &mut Stats::default());
+            shapes.faces().for_each(|face| {
+                filled_truth.add(face);
+            });
+        }
+        Ok(Screen {
+            lens,
+            passage,
+            cover: MaskedDepth::default(),
+            filled,
+            filled_truth,
+        })
+    }
+
+    /// So many squares by chance, each of so many pixels a side.
+    pub(super) fn squares(&self, side: u16, count: usize) -> Vec<Rect> {
+        let mut dice = Dice(u64::from(side));
+        let [width, height] = self.lens.size.map(|length| length - u32::from(side));
+        let square = |_| {
+            let [x0, y0] = [width, height].map(|room| (f64::from(room + 1) * dice.roll()) as u16);
+            Rect {
+                x0,
+                y0,
+                x1: x0 + side,
+                y1: y0 + side,
+            }
+        };
+        (0..count).map(square).collect()
+    }
+}
+
+impl Shapes {
+    /// As the engine takes it.
+    pub(super) fn mesh(&self) -> OccluderMesh {
+        let corners: Vec<u32> = (0..self.positions.len() as u32).collect();
+        if self.sides == 4 {
+            OccluderMesh::quads(&self.positions, &corners)
+        } else {
+            OccluderMesh::triangles(&self.positions, &corners)
+        }
+    }
+}
+
+/// The way that a view has into a fragment: it does not depend on what is in there.
+pub(super) fn passage(view: &View) -> Result<Passage> {
+    let mut scene = SceneBuilder::new();
+    let content = ContentBuilder::new([Material::opaque([1.0; 3])]).build()?;
+    scene.add("empty", content, Method::ZBuffer);
+    let scene = scene.build()?;
+    let mut view = *view;
+    view.fragment = Some(FragmentId(0));
+    let mut viewer = Viewer::new();
+    let passages = viewer.look(&scene, &view).passages();
+    passages.first().cloned().context("a view that leads nowhere")
+}

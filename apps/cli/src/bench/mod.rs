@@ -1,0 +1,131 @@
+//! `bench`: what every method costs over a path, each set held against the one that is expected.
+
+mod expected;
+mod micro;
+
+pub(crate) use micro::names as row_names;
+
+use crate::Outcome;
+use crate::args::BenchArgs;
+use crate::cameras;
+use crate::measure;
+use crate::open::{For, open, settle};
+use crate::out;
+use crate::prepare::{Prepared, prepare};
+use crate::report::{Report, Reports, SceneReport, Sink, left_out};
+use crate::text::{bytes, count, ms, plural, point, table};
+use crate::values::Choice;
+use anyhow::Result;
+use enfilade::{Contract, Viewer};
+
+/// Views of the survey, where no camera is told.
+const VIEWS: u32 = 16;
+
+/// Runs `bench`.
+pub(crate) fn run(mut args: BenchArgs) -> Result<Outcome> {
+    if args.micro {
+        return micro::run(&args);
+    }
+    let sink = Sink::new(&args.json)?;
+    settle(&args.how)?;
+    let scene = args.scene.as_deref().unwrap_or("@enfilade");
+    let opened = open(scene, For::Pictures, args.method, args.how.flat, &args.how.limits)?;
+    args.cameras.survey_unless_told(VIEWS);
+    let views = cameras::views(&args.cameras, &opened)?;
+    let (prepared, skipped) = prepare(&opened, args.method, &args.how, views.first())?;
+    let mut viewers: Vec<Viewer> = prepared.iter().map(Prepared::viewer).collect();
+    let mut reports = measure::all(&opened, &prepared, &mut viewers, &views, args.cameras.size);
+    expected::hold(&mut reports, &prepared, &mut viewers, &views)?;
+    let scene = SceneReport::new(&opened);
+    let left_out = left_out(&skipped);
+    let reports = Reports::new(args.method == Choice::All, reports, skipped);
+    if !args.json.takes_stdout() {
+        out::print(&(for_people(&scene, reports.each()) + &left_out))?;
+    }
+    sink.write(&reports)?;
+    reports.each().iter().for_each(tell_what_is_wrong);
+    Ok(if reports.each().iter().any(Report::is_not_as_expected) {
+        Outcome::CheckFailed
+    } else {
+        Outcome::Done
+    })
+}
+
+fn for_people(scene: &SceneReport, reports: &[Report]) -> String {
+    let SceneReport {
+        file,
+        items,
+        triangles,
+        ..
+    } = scene;
+    let mut text = format!(
+        "{file}: {}, {} triangles",
+        plural(*items, "item"),
+        count(*triangles)
+    );
+    if let Some(first) = reports.first() {
+        let [width, height] = first.size;
+        let views = plural(first.summary.views, "view");
+        let threads = plural(first.threads, "thread");
+        text += &format!("; {views} at {width}x{height}, {threads}, {}", first.simd);
+    }
+    let header = [
+        "method", "contract", "build ms", "look ms", "99 %", "order ms", "draw ms", "memory", "items",
+        "expected", "verdict",
+    ];
+    text += "\n\n";
+    text + &table(&header, &reports.iter().map(row).collect::<Vec<_>>())
+}
+
+fn row(report: &Report) -> Vec<String> {
+    let summary = &report.summary;
+    let time = |time: Option<f64>| time.map_or_else(|| "–".to_owned(), ms);
+    let expected = report.views.iter().filter_map(|view| view.expected.as_ref());
+    let expected: usize = expected.map(|expected| expected.items_visible).sum();
+    vec![
+        report.method.to_owned(),
+        report.contract.to_string(),
+        ms(report.build_ms),
+        ms(summary.ms_median),
+        ms(summary.ms_p99),
+        time(report.median_ms(|view| view.order_ms)),
+        time(report.median_ms(|view| view.draw_ms)),
+        bytes(report.bytes),
+        format!("{:.1}", summary.items_visible_mean),
+        format!("{:.1}", expected as f64 / summary.views.max(1) as f64),
+        verdict(report).to_owned(),
+    ]
+}
+
+fn verdict(report: &Report) -> &'static str {
+    match (report.is_not_as_expected(), report.contract) {
+        (true, _) => "wrong",
+        (false, Contract::Exact) => "as expected",
+        (false, Contract::Approximate) => "not held to it",
+        (false, _) => "misses nothing",
+    }
+}
+
+/// Says at which views a set is not what it must be.
+fn tell_what_is_wrong(report: &Report) {
+    for (number, view) in report.views.iter().enumerate() {
+        let Some(expected) = &view.expected else { continue };
+        let tell = |what: String| {
+            let eye = point(view.eye);
+            out::note(format_args!(
+                "bench: {}, view {} (eye {eye}): {what}",
+                report.method,
+                number + 1
+            ));
+        };
+        if !expected.missed.is_empty() {
+            tell(format!("missed {}", expected.missed.join(", ")));
+        }
+        if expected.extra > 0 {
+            tell(format!("{} that cannot be seen", plural(expected.extra, "item")));
+        }
+        if !expected.same_again {
+            tell("a second pass gave another set".to_owned());
+        }
+    }
+}

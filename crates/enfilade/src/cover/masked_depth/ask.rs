@@ -47,23 +47,45 @@ impl Grid {
     /// The first row of tiles in which a sample of `rect` may show something as near as `nearest`.
     #[inline(always)]
     pub(super) fn first_seen(&self, rect: &Rect, nearest: f32) -> Option<usize> {
-        let nearness = [nearest; SUB_TILES_OF_BAND];
+        let columns = tiles(rect.x0, rect.x1, COLUMNS);
         for row in tiles(rect.y0, rect.y1, ROWS) {
-            for column in tiles(rect.x0, rect.x1, COLUMNS) {
-                let index = row * self.columns + column;
-                if nearest < self.farthest[index] {
-                    continue;
-                }
-                let columns = columns_within(rect.x0, rect.x1, column * COLUMNS);
-                for band in 0..ROWS / BAND {
-                    let rows = rows_within(rect.y0, rect.y1, row * ROWS + band * BAND);
-                    if self.tiles[index].sees(band, &masks_of_rect(columns, rows), &nearness) {
-                        return Some(row);
-                    }
-                }
+            let first = row * self.columns;
+            let mut hidden = true;
+            for &farthest in &self.farthest[first + columns.start..first + columns.end] {
+                hidden &= nearest < farthest;
+            }
+            if !hidden && self.shows_in_row(row, rect, nearest) {
+                return Some(row);
             }
         }
         None
+    }
+
+    /// May something as near as `nearest` be seen at a sample of `rect` in a row of tiles?
+    fn shows_in_row(&self, row: usize, rect: &Rect, nearest: f32) -> bool {
+        let nearness = [nearest; SUB_TILES_OF_BAND];
+        for column in tiles(rect.x0, rect.x1, COLUMNS) {
+            let index = row * self.columns + column;
+            if nearest < self.farthest[index] {
+                continue;
+            }
+            let columns = columns_within(rect.x0, rect.x1, column * COLUMNS);
+            for band in 0..ROWS / BAND {
+                let rows = rows_within(rect.y0, rect.y1, row * ROWS + band * BAND);
+                if self.tiles[index].sees(band, &masks_of_rect(columns, rows), &nearness) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// May the sample in the middle of `rect` show something as near as `nearest`? What is seen mostly is by it.
+    #[inline(always)]
+    pub(super) fn shows_middle_of(&self, rect: &Rect, nearest: f32) -> bool {
+        let [x, y] = [usize::from(rect.x0.midpoint(rect.x1)), usize::from(rect.y0.midpoint(rect.y1))];
+        let index = y / ROWS * self.columns + x / COLUMNS;
+        nearest >= self.farthest[index] && nearest >= self.tiles[index].known(x % COLUMNS, y % ROWS)
     }
 
     /// May any sample of `rect` from row `from` of tiles on show a box, by its outline and its front sides?

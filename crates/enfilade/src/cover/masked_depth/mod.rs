@@ -18,10 +18,10 @@ mod coarse;
 mod faces;
 mod fill;
 mod grid;
+mod mesh;
 mod outline;
 mod rows;
 mod show;
-mod stub;
 #[cfg(test)]
 mod tests;
 mod tile;
@@ -42,7 +42,8 @@ use faces::OneByOne;
 use fearless_simd::{Level, dispatch};
 use fill::Fill;
 use grid::Grid;
-pub use stub::OccluderMesh;
+use mesh::block;
+pub use mesh::OccluderMesh;
 use tile::{COLUMNS, ROWS, Tile};
 
 /// Samples of its box, for each face of a cluster, from which on its faces are looked at one by one. Where they have fewer,
@@ -140,61 +141,69 @@ impl Hides for MaskedDepth {
 }
 
 impl MaskedDepth {
-    /// Lets faces hide what is behind them: most by the kernels, and those of which these are not certain one by one.
+    /// Lets faces hide what is behind them.
     fn hide_batch(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats) {
+        let Room { mut blocks, mut corners } = std::mem::take(&mut self.room);
+        blocks.clear();
+        blocks.extend(faces.positions.chunks(LANES).map(block));
+        corners.clear();
+        faces.for_each(|_, face| {
+            for last in 2..face.len() {
+                corners.extend([face[0], face[last - 1], face[last]].map(|corner| corner - faces.first_position));
+            }
+        });
+        stats.batches += 1;
+        self.hide_triangles(faces, &blocks, &corners, passage, stats);
+        self.room = Room { blocks, corners };
+    }
+
+    /// Lets triangles that are otherwise as `faces` hide what is behind them: most by the kernels, and those of which these
+    /// are not certain one by one.
+    fn hide_triangles(
+        &mut self,
+        faces: &Faces,
+        blocks: &[Block],
+        corners: &[u32],
+        passage: &Passage,
+        stats: &mut Stats,
+    ) {
         let MaskedDepth {
             level,
             raster,
             batch,
-            room,
             grid,
             near,
             ..
         } = self;
         let entry = passage.entry.map(|(normal, distance)| (normal, distance * BEYOND));
         let frame = Frame::new(faces.screen_from_local, *near, entry, faces.front(passage), grid);
-        let Room { blocks, corners } = room;
-        blocks.clear();
-        blocks.extend(faces.positions.chunks(LANES).map(block));
-        let corners = if faces.starts.is_none() {
-            faces.corners
-        } else {
-            corners.clear();
-            faces.for_each(|_, face| {
-                for last in 2..face.len() {
-                    corners.extend([face[0], face[last - 1], face[last]]);
-                }
-            });
-            &corners[..]
-        };
-        stats.batches += 1;
         stats.triangles += corners.len() as u64 / 3;
-        dispatch!(*level, simd => batch.hide(simd, &frame, blocks, corners, faces.first_position, grid));
-        for place in 0..batch.uncertain().len() {
-            let number = batch.uncertain()[place];
+        dispatch!(*level, simd => batch.hide(simd, &frame, blocks, corners, grid));
+        let (uncertain, waiting) = batch.uncertain();
+        if uncertain.is_empty() {
+            return;
+        }
+        for &number in uncertain {
             let at = 3 * number as usize;
+            let three = [at, at + 1, at + 2].map(|at| {
+                let [block, lane] = [corners[at] as usize / LANES, corners[at] as usize % LANES];
+                blocks[block].map(|axis| axis[lane])
+            });
+            if !three.as_flattened().iter().all(|value| value.is_finite()) {
+                continue;
+            }
             let one = Faces {
-                corners: &corners[at..at + 3],
+                positions: &three,
+                first_position: 0,
+                corners: &[0, 1, 2],
                 starts: None,
                 neighbours: &[],
                 ..*faces
             };
-            let mut one_by_one = OneByOne::new(grid, batch.waiting(), true);
-            raster.run(&one, passage, &mut one_by_one, stats);
+            raster.run(&one, passage, &mut OneByOne::new(grid, waiting, true), stats);
         }
-        dispatch!(*level, simd => batch.waiting().cover(simd, grid));
+        dispatch!(*level, simd => waiting.cover(simd, grid));
     }
-}
-
-/// Positions as a kernel takes them. What is no number is odd.
-fn block(positions: &[[f32; 3]]) -> Block {
-    let mut block = [[f32::NAN; LANES]; 3];
-    for (lane, position) in positions.iter().enumerate() {
-        for (axis, &value) in position.iter().enumerate() {
-            block[axis][lane] = value;
-        }
-    }
-    block
 }
 
 /// Are the faces large enough on the screen, on the average, to be looked at one by one?

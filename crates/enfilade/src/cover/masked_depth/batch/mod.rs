@@ -100,8 +100,8 @@ pub(super) struct Batch {
 }
 
 impl Batch {
-    /// Lets triangles hide what is behind them: `which` names three corners each, as places in `positions` plus
-    /// `first_position`. Gives the number of samples; what is not certain is left in [`Batch::uncertain`].
+    /// Lets triangles hide what is behind them: `which` names three corners each, as places in `positions`.
+    /// What is not certain is left in [`Batch::uncertain`].
     #[inline(always)]
     pub(super) fn hide<S: Simd>(
         &mut self,
@@ -109,7 +109,6 @@ impl Batch {
         frame: &Frame,
         positions: &[Block],
         which: &[u32],
-        first_position: u32,
         grid: &mut Grid,
     ) {
         corners::place(simd, frame, positions, &mut self.corners);
@@ -127,15 +126,15 @@ impl Batch {
             let mut places = [[0; LANES]; 3];
             if let Some(group) = group.as_array::<{ 3 * LANES }>() {
                 for (lane, face) in group.as_chunks::<3>().0.iter().enumerate() {
-                    places[0][lane] = face[0] - first_position;
-                    places[1][lane] = face[1] - first_position;
-                    places[2][lane] = face[2] - first_position;
+                    places[0][lane] = face[0];
+                    places[1][lane] = face[1];
+                    places[2][lane] = face[2];
                 }
             } else {
                 for (lane, face) in group.as_chunks::<3>().0.iter().enumerate() {
-                    places[0][lane] = face[0] - first_position;
-                    places[1][lane] = face[1] - first_position;
-                    places[2][lane] = face[2] - first_position;
+                    places[0][lane] = face[0];
+                    places[1][lane] = face[1];
+                    places[2][lane] = face[2];
                 }
             }
             queues.let_in(simd, frame, corners, &places, first, lanes);
@@ -147,14 +146,9 @@ impl Batch {
         work_off(simd, frame, queues, records, waiting, grid, 1);
     }
 
-    /// Runs that wait to be covered.
-    pub(super) fn waiting(&mut self) -> &mut Waiting {
-        &mut self.waiting
-    }
-
-    /// Numbers of the triangles that were left out because they are not certain.
-    pub(super) fn uncertain(&self) -> &[u32] {
-        &self.queues.uncertain
+    /// Numbers of the triangles that were left out because they are not certain, and where their runs may wait.
+    pub(super) fn uncertain(&mut self) -> (&[u32], &mut Waiting) {
+        (&self.queues.uncertain, &mut self.waiting)
     }
 }
 

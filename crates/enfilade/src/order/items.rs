@@ -22,18 +22,23 @@ pub(super) fn hand_out(content: &Content, passage: &Passage, item: ItemId, visit
     }
     visit.go_within();
     let mut is_root = true;
+    // A leaf's only cluster has the leaf's box: what was said of that need not be asked again.
+    let mut partly = mesh.bounds();
     mesh.tree()
         .walk_by(eye_in(&screen_from_item).into(), |step, all| match step {
             // It has the box of the whole mesh.
             Step::Node(_) if std::mem::take(&mut is_root) => Enter::Ask,
             Step::Node(bounds) => match sight(passage, &screen_from_item, bounds, visit) {
                 Sight::Hidden => Enter::Skip,
-                Sight::Partly => Enter::Ask,
+                Sight::Partly => {
+                    partly = *bounds;
+                    Enter::Ask
+                }
                 Sight::Fully => Enter::All,
             },
             Step::Thing(cluster) => {
                 let bounds = &clusters[cluster as usize].bounds;
-                if all || may_be_seen(passage, &screen_from_item, bounds, visit) {
+                if all || *bounds == partly || may_be_seen(passage, &screen_from_item, bounds, visit) {
                     visit.cluster(content, item, cluster, &screen_from_item);
                 }
                 Enter::Skip

@@ -61,7 +61,8 @@ impl<S: Simd> Corners<S> {
 
     #[inline(always)]
     pub(super) fn against(&self, simd: S, normal: DVec3, distance: f64) -> Sides {
-        let height = self.x * normal.x + self.y * normal.y + self.z * normal.z - distance;
+        // In this order it takes the least time until the sum is there: what to ask next waits for it.
+        let height = (self.x * normal.x + self.y * normal.y) + (self.z * normal.z - distance);
         let margin = margin(self.sum, normal, distance);
         let [above, below] = [f64x8::splat(simd, margin), f64x8::splat(simd, -margin)];
         Sides {
@@ -127,7 +128,7 @@ mod tests {
             well_outside: 0,
         };
         for (place, corner) in volume.corners().into_iter().enumerate() {
-            let height = normal.x * corner.x + normal.y * corner.y + normal.z * corner.z - distance;
+            let height = (corner.x * normal.x + corner.y * normal.y) + (corner.z * normal.z - distance);
             let slit = corner.z * SLIT;
             sides.inside |= Bits::from(height > margin) << place;
             sides.outside |= Bits::from(height < -margin) << place;

@@ -81,23 +81,23 @@ impl<S: Simd> Corners<S> {
     }
 }
 
-/// One coordinate of all corners, from that of the origin and those of the sides; summed as in [`Volume::corners`].
+/// Which sides lead to which corners.
+const LEADS: [[f64; 8]; 3] = [
+    [0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0],
+    [0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0],
+    [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0],
+];
+
+/// One coordinate of all corners, from that of the origin and those of the sides; summed as in [`Volume::corners`]. Of a
+/// side without end all are no numbers.
 #[inline(always)]
 fn spread<S: Simd>(simd: S, origin: f64, [a, b, c]: [f64; 3]) -> f64x8<S> {
-    let (ab, far) = (a + b, origin + c);
-    f64x8::simd_from(
-        simd,
-        [
-            origin,
-            origin + a,
-            origin + b,
-            origin + ab,
-            far,
-            far + a,
-            far + b,
-            far + ab,
-        ],
-    )
+    let [to_a, to_b, to_c] = [
+        f64x8::simd_from(simd, LEADS[0]),
+        f64x8::simd_from(simd, LEADS[1]),
+        f64x8::simd_from(simd, LEADS[2]),
+    ];
+    (to_c * c + origin) + (to_a * a + to_b * b)
 }
 
 /// The greatest coordinates that a corner can have, and more.
@@ -127,7 +127,13 @@ mod tests {
             well_inside: 0,
             well_outside: 0,
         };
+        let [a, b, c] = volume.sides;
+        let is_finite = volume.sides.iter().all(|side| side.is_finite());
         for (place, corner) in volume.corners().into_iter().enumerate() {
+            let [to_a, to_b, to_c] = LEADS.map(|to| to[place]);
+            let spread = (c * to_c + volume.origin) + (a * to_a + b * to_b);
+            assert!(!is_finite || spread == corner || spread.is_nan() || corner.is_nan());
+            let corner = spread;
             let height = (corner.x * normal.x + corner.y * normal.y) + (corner.z * normal.z - distance);
             let slit = corner.z * SLIT;
             sides.inside |= Bits::from(height > margin) << place;

@@ -42,8 +42,8 @@ impl<A> OcclusionTree<A> {
         let Some(piece) = clip(&self.tree.aperture, &mut self.pieces, piece) else {
             return;
         };
-        self.entering.push((None, piece));
-        while let Some((place, piece)) = self.entering.pop() {
+        let mut next = Some((None, piece));
+        while let Some((place, piece)) = next.take().or_else(|| self.entering.pop()) {
             match self.tree.at(place) {
                 Link::Shadow => {}
                 Link::Lit => {
@@ -53,7 +53,7 @@ impl<A> OcclusionTree<A> {
                         dispatch!(self.level, simd => settle(simd, tree, edges, back, place, corners));
                     }
                 }
-                Link::Node(node) => self.pass(node, piece),
+                Link::Node(node) => next = self.pass(node, piece),
             }
         }
     }
@@ -90,8 +90,9 @@ impl<A> OcclusionTree<A> {
         Some(piece)
     }
 
-    /// Sends a piece past a node.
-    fn pass(&mut self, node: u32, piece: Piece) {
+    /// Sends a piece past a node: where what of it is to go on with comes to. What else there is waits.
+    #[inline]
+    fn pass(&mut self, node: u32, piece: Piece) -> Option<(Place, Piece)> {
         let [inside, outside] = [Side::Inside, Side::Outside].map(|side| Some((node, side)));
         match &self.tree.nodes[node as usize].plane {
             Plane::Line(line) => {
@@ -102,24 +103,22 @@ impl<A> OcclusionTree<A> {
                         outside: true,
                     } => {
                         let halves = self.pieces.split(piece);
-                        self.entering.extend([inside, outside].into_iter().zip(halves));
+                        self.entering.push((inside, halves[0]));
+                        Some((outside, halves[1]))
                     }
-                    Reach { inside: true, .. } => self.entering.push((inside, piece)),
-                    Reach { outside: true, .. } => self.entering.push((outside, piece)),
+                    Reach { inside: true, .. } => Some((inside, piece)),
+                    Reach { outside: true, .. } => Some((outside, piece)),
                     // Too thin to hide anything.
-                    _ => {}
+                    _ => None,
                 }
             }
             Plane::Back(back) => {
                 let before = |corner| -back.height(corner) - NEARER * back.distance;
                 let reach = self.pieces.measure(piece, 0.0, before);
-                if reach.inside {
-                    let nearer = if reach.outside {
-                        self.pieces.half(piece, 1.0)
-                    } else {
-                        piece
-                    };
-                    self.entering.push((outside, nearer));
+                match reach {
+                    Reach { inside: false, .. } => None,
+                    Reach { outside: true, .. } => Some((outside, self.pieces.half(piece, 1.0))),
+                    _ => Some((outside, piece)),
                 }
             }
         }

@@ -30,7 +30,7 @@ pub struct Region {
 
 /// A box in the space of (X, Y, W), where the eye is the origin: a corner, and the edges that leave it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Volume {
+pub struct Volume {
     pub(crate) origin: DVec3,
     pub(crate) sides: [DVec3; 3],
 }
@@ -129,7 +129,7 @@ impl Region {
 }
 
 impl Volume {
-    fn new(screen_from_local: &DAffine3, bounds: &Aabb) -> Volume {
+    pub(crate) fn new(screen_from_local: &DAffine3, bounds: &Aabb) -> Volume {
         let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
         let DVec3 { x, y, z } = max - min;
         let axes = screen_from_local.matrix3;

@@ -112,13 +112,19 @@ impl Seen {
         }
     }
 
-    /// The clusters of the reported items, in order, each once; of items reported whole, all that are known: the only
-    /// one.
-    pub(crate) fn clusters_of_items(&self) -> impl Iterator<Item = (ItemId, u32)> {
+    /// The clusters of the reported items, in order, each once; of items reported whole, all.
+    pub(crate) fn clusters_of_items(&self, content: &Content) -> impl Iterator<Item = (ItemId, u32)> {
         self.items.iter().flat_map(|seen| {
-            let clusters = &self.clusters[seen.clusters[0] as usize..seen.clusters[1] as usize];
-            let clusters = if clusters.is_empty() { &[0] } else { clusters };
-            clusters.iter().map(|&cluster| (seen.item, cluster))
+            let some = &self.clusters[seen.clusters[0] as usize..seen.clusters[1] as usize];
+            let all = if some.is_empty() {
+                content.mesh_of(seen.item).clusters().len() as u32
+            } else {
+                0
+            };
+            some.iter()
+                .copied()
+                .chain(0..all)
+                .map(|cluster| (seen.item, cluster))
         })
     }
 
@@ -217,6 +223,87 @@ pub(crate) fn report_owners(owners: &mut Vec<(ItemId, u32)>, content: &Content, 
             item,
             clusters: [start, seen.clusters.len() as u32],
         });
+    }
+}
+
+/// Clusters that a walk found, in the order in which they came: mostly item after item.
+#[derive(Debug, Default)]
+pub(crate) struct FoundClusters {
+    runs: Vec<Run>,
+    clusters: Vec<u32>,
+}
+
+/// Clusters of one item that came one after the other.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    item: ItemId,
+    clusters: [u32; 2],
+    /// All that the item has, whether or not they are written down.
+    whole: bool,
+}
+
+impl FoundClusters {
+    pub(crate) fn push(&mut self, item: ItemId, cluster: u32) {
+        let end = self.clusters.len() as u32;
+        match self.runs.last_mut() {
+            Some(last) if last.item == item => last.clusters[1] += 1,
+            _ => self.runs.push(Run {
+                item,
+                clusters: [end, end + 1],
+                whole: false,
+            }),
+        }
+        self.clusters.push(cluster);
+    }
+
+    pub(crate) fn push_whole(&mut self, item: ItemId) {
+        let end = self.clusters.len() as u32;
+        self.runs.push(Run {
+            item,
+            clusters: [end; 2],
+            whole: true,
+        });
+    }
+
+    /// Forgets the clusters that `stays` says no of; items that are whole stay so.
+    pub(crate) fn retain(&mut self, mut stays: impl FnMut(ItemId, u32) -> bool) {
+        let mut kept = 0;
+        for run in &mut self.runs {
+            let [first, end] = std::mem::replace(&mut run.clusters, [kept; 2]);
+            for place in first..end {
+                let cluster = self.clusters[place as usize];
+                if stays(run.item, cluster) {
+                    self.clusters[kept as usize] = cluster;
+                    kept += 1;
+                }
+            }
+            run.clusters[1] = kept;
+        }
+        self.clusters.truncate(kept as usize);
+        self.runs
+            .retain(|run| run.whole || run.clusters[0] < run.clusters[1]);
+    }
+
+    /// Reports items with their clusters, in order; nothing is left.
+    pub(crate) fn report(&mut self, content: &Content, seen: &mut Seen) {
+        self.runs.sort_unstable_by_key(|run| (run.item, run.clusters[0]));
+        for same in self.runs.chunk_by(|a, b| a.item == b.item) {
+            let item = same[0].item;
+            let start = seen.clusters.len();
+            if content.mesh_of(item).clusters().len() > 1 && !same.iter().any(|run| run.whole) {
+                for run in same {
+                    let [first, end] = run.clusters.map(|place| place as usize);
+                    seen.clusters.extend_from_slice(&self.clusters[first..end]);
+                }
+                seen.clusters[start..].sort_unstable();
+            }
+            seen.items.push(SeenItem {
+                item,
+                clusters: [start, seen.clusters.len()].map(|place| place as u32),
+            });
+        }
+        self.runs.clear();
+        self.clusters.clear();
     }
 }
 

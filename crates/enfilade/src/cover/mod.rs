@@ -33,12 +33,14 @@ use crate::aperture::Rect;
 use crate::canvas::{Canvas, CoverShape};
 use crate::content::Content;
 use crate::faces::Faces;
+use crate::geom::Aabb;
 use crate::occluders::{Measure, Occluder};
 use crate::passage::Passage;
 use crate::region::{Region, Sight};
 use crate::seen::Seen;
 use crate::stats::Stats;
 use band::Band;
+use glam::DAffine3;
 use triangle::Triangle;
 
 /// Remembers what is already hidden.
@@ -49,6 +51,18 @@ pub trait Cover: Default + Send + 'static {
     /// How much of a box can still be seen. `Partly` when unsure; `Fully` only where nothing that comes later in the
     /// same walk can change it.
     fn sees(&mut self, region: &Region) -> Sight;
+
+    /// As [`Cover::sees`], of a box given in another space; `None` where it is out of view. A cover that needs neither its
+    /// samples nor its nearness can say so sooner.
+    fn sight_of(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Sight> {
+        Region::of(passage, screen_from_local, bounds).map(|region| self.sees(&region))
+    }
+
+    /// From now on all boxes lie in the one that was asked about last. What it said of that may save asking the same again.
+    fn go_within(&mut self) {}
+
+    /// From now on boxes lie anywhere again.
+    fn go_back(&mut self) {}
 
     /// Memory in bytes for a screen of this size.
     fn needs_bytes(size: [u32; 2]) -> u64;
@@ -103,9 +117,11 @@ pub trait Hides: Cover {
     /// Starts over: only the passage's aperture is open, everything else is hidden.
     fn clear(&mut self, passage: &Passage);
 
-    /// Is all of a box hidden already? Asked of many a box before each occluder, so by a cheap question: no when unsure.
-    fn hides(&mut self, region: &Region) -> bool {
-        self.sees(region) == Sight::Hidden
+    /// Is all of a box, given in another space, hidden already, or out of view? Asked of many a box before each occluder,
+    /// so by a cheap question: no when unsure.
+    fn hides(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> bool {
+        let sight = self.sight_of(passage, screen_from_local, bounds);
+        sight.is_none_or(|sight| sight == Sight::Hidden)
     }
 
     /// Lets an occluder hide what is behind it.

@@ -23,6 +23,7 @@ use crate::passage::Passage;
 use crate::region::{Region, Sight};
 use crate::seen::Seen;
 use crate::stats::Stats;
+use glam::DAffine3;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
@@ -65,7 +66,8 @@ where
         let set = &self.occluders;
         let mut choosing = set.choosing(&self.content, passage, C::MEASURE, &mut choice);
         for _ in 0..budget {
-            let Some(chosen) = choosing.next(|region| !cover.hides(region)) else {
+            let Some(chosen) = choosing.next(|screen_from_local, bounds| !cover.hides(passage, screen_from_local, bounds))
+            else {
                 break;
             };
             if let Some(occluder) = set.on_screen(&self.content, passage, &chosen, &mut room) {
@@ -99,6 +101,18 @@ impl<C: Hides> Against for InSamples<'_, C> {
 
     fn sees(&mut self, region: &Region) -> Sight {
         self.0.sees(region)
+    }
+
+    fn sight_of(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Sight> {
+        self.0.sight_of(passage, screen_from_local, bounds)
+    }
+
+    fn go_within(&mut self) {
+        self.0.go_within();
+    }
+
+    fn go_back(&mut self) {
+        self.0.go_back();
     }
 
     fn take_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool {

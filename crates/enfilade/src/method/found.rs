@@ -2,12 +2,14 @@
 
 use crate::content::{Content, ItemId, OpeningId};
 use crate::faces::{Faces, Of};
+use crate::geom::Aabb;
 use crate::memory::{Marks, Memory};
 use crate::order::{Order, Visit};
 use crate::passage::Passage;
 use crate::region::{Region, Sight};
-use crate::seen::{Seen, report_owners};
+use crate::seen::{FoundClusters, Seen};
 use crate::stats::Stats;
+use glam::DAffine3;
 
 /// What a walk holds things against: a cover, in samples or in cells.
 pub(super) trait Against {
@@ -16,6 +18,17 @@ pub(super) trait Against {
 
     /// How much of a box can still be seen.
     fn sees(&mut self, region: &Region) -> Sight;
+
+    /// As [`Against::sees`], of a box given in another space; `None` where it is out of view.
+    fn sight_of(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Sight> {
+        Region::of(passage, screen_from_local, bounds).map(|region| self.sees(&region))
+    }
+
+    /// From now on all boxes lie in the one that was asked about last.
+    fn go_within(&mut self) {}
+
+    /// From now on boxes lie anywhere again.
+    fn go_back(&mut self) {}
 
     /// May any of the faces within `region` be seen? `true` when unsure. From now on they hide what they can. Only asked
     /// where [`Against::TAKES_FACES`], as is the next.
@@ -28,7 +41,7 @@ pub(super) trait Against {
 /// Clusters and openings that nothing hides.
 #[derive(Default)]
 struct Found {
-    clusters: Vec<(ItemId, u32)>,
+    clusters: FoundClusters,
     openings: Vec<OpeningId>,
 }
 
@@ -54,8 +67,7 @@ pub(super) fn find<O: Order>(
     };
     order.visit(content, passage, &mut scratch, &mut walk);
     walk.look_again();
-    report_owners(&mut found.clusters, content, seen);
-    found.clusters.clear();
+    found.clusters.report(content, seen);
     for opening in found.openings.drain(..) {
         seen.opening(opening, None);
     }
@@ -74,6 +86,12 @@ struct Walk<'a, A> {
 }
 
 impl<A: Against> Walk<'_, A> {
+    fn count(&mut self, sight: Sight) -> Sight {
+        self.stats.boxes_tested += 1;
+        self.stats.boxes_hidden += u64::from(sight == Sight::Hidden);
+        sight
+    }
+
     fn region_of(&self, faces: &Faces, item: ItemId, cluster: u32) -> Option<Region> {
         let bounds = &self.content.mesh_of(item).clusters()[cluster as usize].bounds;
         Region::of(self.passage, faces.screen_from_local, bounds)
@@ -86,7 +104,7 @@ impl<A: Against> Walk<'_, A> {
             mut openings,
         } = std::mem::take(self.found);
         if A::TAKES_FACES {
-            clusters.retain(|&(item, cluster)| {
+            clusters.retain(|item, cluster| {
                 let screen_from_item = self.passage.screen_from(&self.content.item(item).transform());
                 let faces = Faces::of_cluster(self.content, item, cluster, &screen_from_item);
                 self.region_of(&faces, item, cluster).is_some_and(|region| {
@@ -106,10 +124,23 @@ impl<A: Against> Walk<'_, A> {
 
 impl<A: Against> Visit for Walk<'_, A> {
     fn enter(&mut self, region: &Region) -> Sight {
-        self.stats.boxes_tested += 1;
         let sight = self.against.sees(region);
-        self.stats.boxes_hidden += u64::from(sight == Sight::Hidden);
-        sight
+        self.count(sight)
+    }
+
+    fn enter_box(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Sight {
+        match self.against.sight_of(passage, screen_from_local, bounds) {
+            Some(sight) => self.count(sight),
+            None => Sight::Hidden,
+        }
+    }
+
+    fn go_within(&mut self) {
+        self.against.go_within();
+    }
+
+    fn go_back(&mut self) {
+        self.against.go_back();
     }
 
     fn first_time(&mut self, item: ItemId) -> bool {
@@ -124,10 +155,28 @@ impl<A: Against> Visit for Walk<'_, A> {
                         self.against.take_faces(faces, &region, self.passage, self.stats)
                     });
                 if stays {
-                    self.found.clusters.push((item, cluster));
+                    self.found.clusters.push(item, cluster);
                 }
             }
             Of::Opening(opening) => self.found.openings.push(opening),
+        }
+    }
+
+    fn cluster(&mut self, content: &Content, item: ItemId, cluster: u32, screen_from_item: &DAffine3) {
+        if A::TAKES_FACES {
+            self.faces(&Faces::of_cluster(content, item, cluster, screen_from_item));
+        } else {
+            self.found.clusters.push(item, cluster);
+        }
+    }
+
+    fn whole(&mut self, content: &Content, item: ItemId, screen_from_item: &DAffine3) {
+        if A::TAKES_FACES {
+            for cluster in 0..content.mesh_of(item).clusters().len() as u32 {
+                self.cluster(content, item, cluster, screen_from_item);
+            }
+        } else {
+            self.found.clusters.push_whole(item);
         }
     }
 }

@@ -22,7 +22,7 @@ pub(super) fn draw_gathered(
 ) {
     let mut cover = memory.take::<DepthBuffer>();
     let mut gathered = memory.take::<Gathered>();
-    gathered.0.extend(seen.clusters_of_items());
+    gathered.0.extend(seen.clusters_of_items(content));
     seen.items.clear();
     seen.clusters.clear();
     cover.clear(passage, memory.trace);

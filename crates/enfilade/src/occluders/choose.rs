@@ -14,7 +14,6 @@ use super::{OccluderSet, Polygon};
 use crate::content::{Content, ItemId};
 use crate::geom::Aabb;
 use crate::passage::Passage;
-use crate::region::Region;
 use glam::{DAffine3, DVec3};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -127,7 +126,7 @@ impl OccluderSet {
         choice: &'a mut Choice,
     ) -> &'a [Chosen] {
         let mut choosing = self.choosing(content, passage, measure, choice);
-        while choosing.choice.chosen.len() < budget && choosing.next(|_| true).is_some() {}
+        while choosing.choice.chosen.len() < budget && choosing.next(|_, _| true).is_some() {}
         &choice.chosen
     }
 
@@ -208,9 +207,9 @@ pub(crate) struct Choosing<'a> {
 }
 
 impl Choosing<'_> {
-    /// The best occluder of those that are left, but for what is in a box that `sees` says no of: what hides all of it
-    /// hides all that it would hide.
-    pub(crate) fn next(&mut self, mut sees: impl FnMut(&Region) -> bool) -> Option<Chosen> {
+    /// The best occluder of those that are left, but for what is in a box, given in another space, that `may_be_seen` says
+    /// no of: what hides all of it hides all that it would hide.
+    pub(crate) fn next(&mut self, mut may_be_seen: impl FnMut(&DAffine3, &Aabb) -> bool) -> Option<Chosen> {
         let Choosing { chooser, choice } = self;
         let Chooser {
             set,
@@ -218,9 +217,6 @@ impl Choosing<'_> {
             passage,
             ..
         } = *chooser;
-        let mut may_be_seen = |screen_from_local: &DAffine3, bounds: &Aabb| {
-            Region::of(passage, screen_from_local, bounds).is_some_and(|region| sees(&region))
-        };
         while let Some(Waiting { most, what }) = choice.waiting.pop() {
             match what {
                 What::Node(node) => {
@@ -233,8 +229,24 @@ impl Choosing<'_> {
                         chooser.enter_item(ItemId(item), choice);
                     }
                 }
-                What::MeshNode { entered, node } => chooser.enter_mesh_node(entered, node, choice),
-                What::Polygon { entered, place } => chooser.measure(entered, place, choice),
+                What::MeshNode { entered, node } => {
+                    let Entered {
+                        item,
+                        screen_from_item,
+                        ..
+                    } = &choice.entered[entered as usize];
+                    let bounds = set.meshes[content.item(*item).mesh.0 as usize].tree.bounds(node);
+                    if !chooser.bounds_ignore_the_frame() || may_be_seen(screen_from_item, bounds) {
+                        chooser.enter_mesh_node(entered, node, choice);
+                    }
+                }
+                What::Polygon { entered, place } => {
+                    let screen_from_item = &choice.entered[entered as usize].screen_from_item;
+                    let bounds = &set.polygons[place as usize].bounds;
+                    if !chooser.bounds_ignore_the_frame() || may_be_seen(screen_from_item, bounds) {
+                        chooser.measure(entered, place, choice);
+                    }
+                }
                 What::Measured { item, place } => {
                     let item = ItemId(item);
                     let screen_from_item = passage.screen_from(&content.item(item).transform());

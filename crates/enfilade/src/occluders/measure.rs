@@ -10,7 +10,7 @@ use super::{OccluderSet, Polygon, cofactor, greatest_stretch};
 use crate::content::{Content, ItemId};
 use crate::geom::Aabb;
 use crate::passage::{Passage, eye_in};
-use crate::region::Region;
+use crate::region::{Region, Volume};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 /// What makes an occluder a good one.
@@ -64,6 +64,9 @@ impl Entered {
 /// More than f64 rounds in bounds and measures: a bound must not fall below what it bounds.
 const ROUND_UP: f64 = 1.0 + 1e-9;
 
+/// By how much nearness is rounded up: more than a sum of sides loses of a corner near the eye.
+const NEARER: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
+
 /// What holds for one choice.
 pub(super) struct Chooser<'a> {
     pub(super) set: &'a OccluderSet,
@@ -114,6 +117,18 @@ impl<'a> Chooser<'a> {
         eye: DVec3,
         shrink: f64,
     ) -> Option<f64> {
+        match self.measure {
+            Measure::ProjectedArea => self.most_pixels(screen_from_local, bounds, area),
+            Measure::AreaAngle => self.most_angle(screen_from_local, bounds, area, eye, shrink),
+        }
+    }
+
+    /// Does [`Chooser::most`] hold boxes against the frame, or is that left to who enters them?
+    pub(super) fn bounds_ignore_the_frame(&self) -> bool {
+        self.measure == Measure::AreaAngle
+    }
+
+    fn most_pixels(&self, screen_from_local: &DAffine3, bounds: &Aabb, area: f64) -> Option<f64> {
         let (all, near) = (self.passage.aperture.rect(), f64::from(self.passage.near));
         let region = Region::in_rect(self.passage, all, near, screen_from_local, bounds)?;
         let nearest = f64::from(region.nearest).min(1.0 / near);
@@ -121,17 +136,35 @@ impl<'a> Chooser<'a> {
         let side = |from: u16, to: u16| f64::from(to.saturating_sub(from)) + 2.0;
         let rect = side(region.rect.x0, region.rect.x1) * side(region.rect.y0, region.rect.y1);
         let pixels = rect.min(area * self.pixels * nearest * nearest);
-        if pixels < LEAST_PIXELS {
+        (pixels >= LEAST_PIXELS).then_some(pixels * ROUND_UP)
+    }
+
+    /// Only asks how far off the box is: of most boxes that wait, nothing more is ever asked.
+    fn most_angle(
+        &self,
+        screen_from_local: &DAffine3,
+        bounds: &Aabb,
+        area: f64,
+        eye: DVec3,
+        shrink: f64,
+    ) -> Option<f64> {
+        let near = f64::from(self.passage.near);
+        let Volume { origin, sides } = Volume::new(screen_from_local, bounds);
+        let [mut least, mut greatest] = [origin.z; 2];
+        for side in sides {
+            least += side.z.min(0.0);
+            greatest += side.z.max(0.0);
+        }
+        if bounds.is_empty() || greatest < near {
             return None;
         }
-        Some(match self.measure {
-            Measure::ProjectedArea => pixels * ROUND_UP,
-            Measure::AreaAngle => {
-                let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
-                let distance = eye.clamp(min, max).distance(eye) / shrink;
-                area / (distance * distance) * ROUND_UP
-            }
-        })
+        let nearest = NEARER / least.max(near);
+        if area * self.pixels * nearest * nearest < LEAST_PIXELS {
+            return None;
+        }
+        let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
+        let distance = eye.clamp(min, max).distance(eye) / shrink;
+        Some(area / (distance * distance) * ROUND_UP)
     }
 
     /// What a polygon measures; `None` where it is not worth taking.

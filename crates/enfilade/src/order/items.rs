@@ -5,7 +5,7 @@ use crate::content::{Alpha, Content, ItemId, OpeningId};
 use crate::faces::Faces;
 use crate::geom::{Aabb, Enter, Step};
 use crate::passage::{Passage, eye_in};
-use crate::region::{Region, Sight};
+use crate::region::Sight;
 
 /// Hands out what may be seen of one item, unless that was done already.
 pub(super) fn hand_out(content: &Content, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
@@ -18,44 +18,40 @@ pub(super) fn hand_out(content: &Content, passage: &Passage, item: ItemId, visit
     match sight(passage, &screen_from_item, &mesh.bounds(), visit) {
         Sight::Hidden => return,
         Sight::Partly if clusters.len() > 1 => {}
-        _ => return hand_out_clusters(content, item, &screen_from_item, visit),
+        _ => return visit.whole(content, item, &screen_from_item),
     }
+    visit.go_within();
     let mut is_root = true;
+    // A leaf's only cluster has the leaf's box: what was said of that need not be asked again.
+    let mut partly = mesh.bounds();
     mesh.tree()
         .walk_by(eye_in(&screen_from_item).into(), |step, all| match step {
             // It has the box of the whole mesh.
             Step::Node(_) if std::mem::take(&mut is_root) => Enter::Ask,
             Step::Node(bounds) => match sight(passage, &screen_from_item, bounds, visit) {
                 Sight::Hidden => Enter::Skip,
-                Sight::Partly => Enter::Ask,
+                Sight::Partly => {
+                    partly = *bounds;
+                    Enter::Ask
+                }
                 Sight::Fully => Enter::All,
             },
             Step::Thing(cluster) => {
                 let bounds = &clusters[cluster as usize].bounds;
-                if all || may_be_seen(passage, &screen_from_item, bounds, visit) {
-                    visit.faces(&Faces::of_cluster(content, item, cluster, &screen_from_item));
+                if all || *bounds == partly || may_be_seen(passage, &screen_from_item, bounds, visit) {
+                    visit.cluster(content, item, cluster, &screen_from_item);
                 }
                 Enter::Skip
             }
         });
+    visit.go_back();
 }
 
 /// Hands out all of an item, unless that was done already: for one in a box that is seen fully.
 pub(super) fn hand_out_whole(content: &Content, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
     if visit.first_time(item) {
         let screen_from_item = passage.screen_from(&content.item(item).transform());
-        hand_out_clusters(content, item, &screen_from_item, visit);
-    }
-}
-
-fn hand_out_clusters(
-    content: &Content,
-    item: ItemId,
-    screen_from_item: &glam::DAffine3,
-    visit: &mut impl Visit,
-) {
-    for cluster in 0..content.mesh_of(item).clusters().len() as u32 {
-        visit.faces(&Faces::of_cluster(content, item, cluster, screen_from_item));
+        visit.whole(content, item, &screen_from_item);
     }
 }
 
@@ -71,12 +67,7 @@ pub(super) fn hand_out_see_through(
         if content.material_of(item, cluster).alpha != Alpha::Opaque
             && may_be_seen(passage, &screen_from_item, &cluster.bounds, visit)
         {
-            visit.faces(&Faces::of_cluster(
-                content,
-                item,
-                number as u32,
-                &screen_from_item,
-            ));
+            visit.cluster(content, item, number as u32, &screen_from_item);
         }
     }
 }
@@ -107,5 +98,6 @@ pub(super) fn sight(
     bounds: &Aabb,
     visit: &mut impl Visit,
 ) -> Sight {
-    Region::of(passage, screen_from_local, bounds).map_or(Sight::Hidden, |region| visit.enter(&region))
+    visit.enter_box(passage, screen_from_local, bounds)
 }
+

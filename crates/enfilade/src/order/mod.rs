@@ -22,7 +22,9 @@ use crate::content::{Content, ItemId, Moved};
 use crate::faces::Faces;
 use crate::fragment::Built;
 use crate::passage::Passage;
+use crate::geom::Aabb;
 use crate::region::{Region, Sight};
+use glam::DAffine3;
 
 /// What an order promises: nothing.
 pub struct Unsorted;
@@ -91,9 +93,32 @@ pub trait Visit {
     /// How much of this box can still be seen? Of what is in a box that is fully seen, an order need not ask again.
     fn enter(&mut self, region: &Region) -> Sight;
 
+    /// As [`Visit::enter`], of a box given in another space; nothing of it where it is out of view.
+    fn enter_box(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Sight {
+        Region::of(passage, screen_from_local, bounds).map_or(Sight::Hidden, |region| self.enter(&region))
+    }
+
+    /// From now on all boxes lie in the one that was entered last.
+    fn go_within(&mut self) {}
+
+    /// From now on boxes lie anywhere again.
+    fn go_back(&mut self) {}
+
     /// Is it the first time that this item is met in this walk? An item may stand in several nodes.
     fn first_time(&mut self, item: ItemId) -> bool;
 
     /// The next batch.
     fn faces(&mut self, faces: &Faces);
+
+    /// The next batch is a cluster of an item. Who does not need its faces saves looking them up.
+    fn cluster(&mut self, content: &Content, item: ItemId, cluster: u32, screen_from_item: &DAffine3) {
+        self.faces(&Faces::of_cluster(content, item, cluster, screen_from_item));
+    }
+
+    /// The next batches are all clusters of an item.
+    fn whole(&mut self, content: &Content, item: ItemId, screen_from_item: &DAffine3) {
+        for cluster in 0..content.mesh_of(item).clusters().len() as u32 {
+            self.cluster(content, item, cluster, screen_from_item);
+        }
+    }
 }

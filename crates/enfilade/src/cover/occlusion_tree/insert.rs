@@ -3,10 +3,13 @@
 //! It is cut by the planes it meets; what comes to a lit leaf stands there from then on: a node for each edge that
 //! bounds the occluder there, one for its own plane, and a shadow behind that.
 
+use super::above::Above;
 use super::line::{Back, Line, SLIT};
 use super::pieces::{Piece, Pieces, Reach};
 use super::{Edge, Link, MOST_NODES, OcclusionTree, Place, Plane, Side, Tree};
 use crate::occluders::Occluder;
+use fearless_simd::dispatch;
+use fearless_simd::prelude::*;
 use glam::DVec3;
 
 /// How much nearer than what an occluder lies behind it must be, relatively: nothing is worth a shadow before one in
@@ -39,22 +42,18 @@ impl<A> OcclusionTree<A> {
         let Some(piece) = clip(&self.tree.aperture, &mut self.pieces, piece) else {
             return;
         };
-        self.entering.push((None, piece));
-        while let Some((place, piece)) = self.entering.pop() {
+        let mut next = Some((None, piece));
+        while let Some((place, piece)) = next.take().or_else(|| self.entering.pop()) {
             match self.tree.at(place) {
                 Link::Shadow => {}
                 Link::Lit => {
                     if self.tree.nodes.len() + self.edges.len() < MOST_NODES {
-                        settle(
-                            &mut self.tree,
-                            &self.edges,
-                            back,
-                            place,
-                            self.pieces.corners(piece),
-                        );
+                        let corners = self.pieces.corners(piece);
+                        let (tree, edges) = (&mut self.tree, &self.edges);
+                        dispatch!(self.level, simd => settle(simd, tree, edges, back, place, corners));
                     }
                 }
-                Link::Node(node) => self.pass(node, piece),
+                Link::Node(node) => next = self.pass(node, piece),
             }
         }
     }
@@ -91,8 +90,9 @@ impl<A> OcclusionTree<A> {
         Some(piece)
     }
 
-    /// Sends a piece past a node.
-    fn pass(&mut self, node: u32, piece: Piece) {
+    /// Sends a piece past a node: where what of it is to go on with comes to. What else there is waits.
+    #[inline]
+    fn pass(&mut self, node: u32, piece: Piece) -> Option<(Place, Piece)> {
         let [inside, outside] = [Side::Inside, Side::Outside].map(|side| Some((node, side)));
         match &self.tree.nodes[node as usize].plane {
             Plane::Line(line) => {
@@ -103,24 +103,22 @@ impl<A> OcclusionTree<A> {
                         outside: true,
                     } => {
                         let halves = self.pieces.split(piece);
-                        self.entering.extend([inside, outside].into_iter().zip(halves));
+                        self.entering.push((inside, halves[0]));
+                        Some((outside, halves[1]))
                     }
-                    Reach { inside: true, .. } => self.entering.push((inside, piece)),
-                    Reach { outside: true, .. } => self.entering.push((outside, piece)),
+                    Reach { inside: true, .. } => Some((inside, piece)),
+                    Reach { outside: true, .. } => Some((outside, piece)),
                     // Too thin to hide anything.
-                    _ => {}
+                    _ => None,
                 }
             }
             Plane::Back(back) => {
                 let before = |corner| -back.height(corner) - NEARER * back.distance;
                 let reach = self.pieces.measure(piece, 0.0, before);
-                if reach.inside {
-                    let nearer = if reach.outside {
-                        self.pieces.half(piece, 1.0)
-                    } else {
-                        piece
-                    };
-                    self.entering.push((outside, nearer));
+                match reach {
+                    Reach { inside: false, .. } => None,
+                    Reach { outside: true, .. } => Some((outside, self.pieces.half(piece, 1.0))),
+                    _ => Some((outside, piece)),
                 }
             }
         }
@@ -142,15 +140,18 @@ pub(super) fn clip(aperture: &[Line], pieces: &mut Pieces, mut piece: Piece) -> 
 }
 
 /// Puts the occluder's planes where its piece came to a lit leaf.
-fn settle(tree: &mut Tree, edges: &[Edge], back: Back, place: Place, piece: &[DVec3]) {
+// No closures here: what runs in one does not run at the SIMD level.
+#[inline(always)]
+fn settle<S: Simd>(simd: S, tree: &mut Tree, edges: &[Edge], back: Back, place: Place, piece: &[DVec3]) {
     if piece.len() < 3 {
         return;
     }
     tree.gather_above(place);
-    let thick = is_thick(&tree.above, edges, piece);
+    let thick = is_thick(simd, &tree.above, edges, piece);
     let mut below = place;
     for edge in edges {
-        if tree.above.contains(&edge.line) || (thick && is_gone(&tree.above, edge)) {
+        let above = &tree.above;
+        if above.contains(simd, &edge.line) || (thick && above.leave_nothing_of(simd, edge)) {
             continue;
         }
         let node = tree.hang(below, Plane::Line(edge.line), Link::Lit);
@@ -160,8 +161,9 @@ fn settle(tree: &mut Tree, edges: &[Edge], back: Back, place: Place, piece: &[DV
 }
 
 /// Is the middle of a piece well inside of all that bounds it?
-fn is_thick(above: &[Line], edges: &[Edge], piece: &[DVec3]) -> bool {
-    let [mut min, mut max] = [f64::INFINITY, f64::NEG_INFINITY].map(DVec3::splat);
+#[inline(always)]
+fn is_thick<S: Simd>(simd: S, above: &Above, edges: &[Edge], piece: &[DVec3]) -> bool {
+    let [mut min, mut max] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
     let mut middle = DVec3::ZERO;
     for corner in piece {
         let on_screen = *corner / corner.z;
@@ -172,26 +174,9 @@ fn is_thick(above: &[Line], edges: &[Edge], piece: &[DVec3]) -> bool {
     middle /= piece.len() as f64;
     let size = max - min;
     let least = THICK * (size.x + size.y) + SLIT;
-    let is_inside = |line: &Line| line.height(middle) >= least;
-    size.x + size.y > 0.0 && edges.iter().map(|edge| &edge.line).all(is_inside) && above.iter().all(is_inside)
-}
-
-/// Is every place of an edge outside of a line above, or in it?
-fn is_gone(above: &[Line], edge: &Edge) -> bool {
-    // What is left of the edge, from 0 to 1; what is behind the eye is not seen.
-    let mut left = [0.0, 1.0];
-    let mut keep = |from: f64, to: f64| {
-        match [from > 0.0, to > 0.0] {
-            [true, true] => return false,
-            [true, false] => left[1] = (from / (from - to)).min(left[1]),
-            [false, true] => left[0] = (from / (from - to)).max(left[0]),
-            [false, false] => return true,
-        }
-        left[0] >= left[1]
-    };
-    let Edge { from, to, .. } = edge;
-    keep(from.z, to.z)
-        || above
-            .iter()
-            .any(|line| keep(line.height(*from) - SLIT * from.z, line.height(*to) - SLIT * to.z))
+    let mut is_inside = size.x + size.y > 0.0;
+    for edge in edges {
+        is_inside &= edge.line.height(middle) >= least;
+    }
+    is_inside && above.hold(simd, middle, least)
 }

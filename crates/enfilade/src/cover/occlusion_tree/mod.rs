@@ -27,8 +27,10 @@
 //! corner never lies on the line. Corners come rounded to f64; the answer is true of corners some units in the last
 //! place away.
 
+mod above;
 mod by_box;
 mod by_faces;
+mod corners;
 mod insert;
 mod line;
 mod pieces;
@@ -39,26 +41,34 @@ mod tests;
 use super::{Cover, Hides};
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, CoverShape};
+use crate::geom::Aabb;
 use crate::occluders::{Measure, Occluder};
 use crate::order::Unsorted;
 use crate::passage::Passage;
-use crate::region::{Region, Sight};
+use crate::region::{Region, Sight, Volume};
 use crate::stats::Stats;
-use glam::DVec3;
+use above::Above;
+use by_box::{Start, Waiting, Wanted};
+use fearless_simd::Level;
+use glam::{DAffine3, DVec3};
 use line::{Back, Line};
 use pieces::{Piece, Pieces};
 use std::marker::PhantomData;
 
 /// What chosen occluders hide, as one tree of planes; asked by `A`, [`ByFaces`] or [`ByBox`].
-#[derive(Default)]
 pub struct OcclusionTree<A> {
+    level: Level,
+    /// Where boxes are asked after from.
+    start: Start,
+    /// Where those may be that lie in the box asked after last.
+    within: Start,
     tree: Tree,
     /// Polygons at work.
     pieces: Pieces,
     edges: Vec<Edge>,
     entering: Vec<(Place, Piece)>,
     waiting: Vec<(Link, Piece)>,
-    links: Vec<Link>,
+    links: Vec<Waiting>,
     asks: PhantomData<fn() -> A>,
 }
 
@@ -78,6 +88,8 @@ const WIDEN: f64 = 1.0 / (1 << 14) as f64;
 
 /// The planes, and the aperture above them all.
 struct Tree {
+    /// What is before all of these, n · p < d, is not asked after: the near distance and the last portal.
+    before: Vec<(DVec3, f64)>,
     /// What is outside of any of these is hidden.
     aperture: Vec<Line>,
     /// The greatest |x| and |y| on the screen inside the aperture.
@@ -87,7 +99,7 @@ struct Tree {
     /// For each occluder, how many nodes there were before it came.
     firsts: Vec<u32>,
     /// Lines that bound a place; see [`Tree::gather_above`].
-    above: Vec<Line>,
+    above: Above,
 }
 
 /// A plane, and what hangs on either side of it.
@@ -135,22 +147,24 @@ struct Edge {
 
 /// How a tree is asked after a box.
 pub trait Asks: Default + Send + Sized + 'static {
-    /// How much of a box can be seen.
-    fn sight(tree: &mut OcclusionTree<Self>, region: &Region) -> Sight;
+    /// How much of a box can be seen; `None` where it is out of view.
+    fn sight(tree: &mut OcclusionTree<Self>, volume: &Volume) -> Option<Sight>;
 }
 
 impl Asks for ByFaces {
-    fn sight(tree: &mut OcclusionTree<ByFaces>, region: &Region) -> Sight {
-        match tree.sees_box(&region.volume) {
-            Sight::Partly if !tree.sees_faces(&region.volume) => Sight::Hidden,
-            sight => sight,
+    fn sight(tree: &mut OcclusionTree<ByFaces>, volume: &Volume) -> Option<Sight> {
+        let found = tree.ask(volume, Wanted::Certain)?;
+        let unsure = found.lit && found.shadow && !found.lit_for_certain;
+        if unsure && !tree.sees_faces(volume) {
+            return Some(Sight::Hidden);
         }
+        Some(found.sight())
     }
 }
 
 impl Asks for ByBox {
-    fn sight(tree: &mut OcclusionTree<ByBox>, region: &Region) -> Sight {
-        tree.sees_box(&region.volume)
+    fn sight(tree: &mut OcclusionTree<ByBox>, volume: &Volume) -> Option<Sight> {
+        Some(tree.ask(volume, Wanted::Sight)?.sight())
     }
 }
 
@@ -158,7 +172,23 @@ impl<A: Asks> Cover for OcclusionTree<A> {
     type CullNeeds = Unsorted;
 
     fn sees(&mut self, region: &Region) -> Sight {
-        A::sight(self, region)
+        A::sight(self, &region.volume).unwrap_or(Sight::Hidden)
+    }
+
+    fn sight_of(&mut self, _passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Sight> {
+        // Its lines are the aperture's too: neither the box's samples nor its nearness are needed.
+        if bounds.is_empty() {
+            return None;
+        }
+        A::sight(self, &Volume::new(screen_from_local, bounds))
+    }
+
+    fn go_within(&mut self) {
+        self.start = self.within;
+    }
+
+    fn go_back(&mut self) {
+        self.start = Start::default();
     }
 
     fn needs_bytes(_size: [u32; 2]) -> u64 {
@@ -180,11 +210,16 @@ impl<A: Asks> Hides for OcclusionTree<A> {
     fn clear(&mut self, passage: &Passage) {
         self.tree
             .open(passage.aperture.outline(), &passage.aperture.rect());
+        self.tree.before.push((DVec3::Z, f64::from(passage.near)));
+        let entry = passage.entry.map(|(normal, d)| (normal, d * (1.0 - 1e-6)));
+        self.tree.before.extend(entry);
+        self.go_back();
     }
 
-    fn hides(&mut self, region: &Region) -> bool {
+    fn hides(&mut self, _passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> bool {
         // By its faces it would cost more than most occluders save; and so both kinds of tree take the same ones.
-        self.sees_box(&region.volume) == Sight::Hidden
+        let found = self.ask(&Volume::new(screen_from_local, bounds), Wanted::Lit);
+        !found.is_some_and(|found| found.lit)
     }
 
     fn hide(&mut self, occluder: &Occluder, passage: &Passage, _stats: &mut Stats) {
@@ -192,15 +227,33 @@ impl<A: Asks> Hides for OcclusionTree<A> {
     }
 }
 
+impl<A> Default for OcclusionTree<A> {
+    fn default() -> OcclusionTree<A> {
+        OcclusionTree {
+            level: Level::new(),
+            start: Start::default(),
+            within: Start::default(),
+            tree: Tree::default(),
+            pieces: Pieces::default(),
+            edges: Vec::new(),
+            entering: Vec::new(),
+            waiting: Vec::new(),
+            links: Vec::new(),
+            asks: PhantomData,
+        }
+    }
+}
+
 impl Default for Tree {
     fn default() -> Tree {
         Tree {
+            before: Vec::new(),
             aperture: Vec::new(),
             far: [0.0; 2],
             root: Link::Lit,
             nodes: Vec::new(),
             firsts: Vec::new(),
-            above: Vec::new(),
+            above: Above::default(),
         }
     }
 }
@@ -211,6 +264,7 @@ impl Tree {
         self.nodes.clear();
         self.firsts.clear();
         self.root = Link::Lit;
+        self.before.clear();
         self.aperture.clear();
         let mut min = [rect.x0, rect.y0].map(f64::from);
         let mut max = [rect.x1, rect.y1].map(f64::from);
@@ -286,6 +340,8 @@ impl Tree {
             }
             next = node.above;
         }
-        self.above.extend(&self.aperture);
+        for &line in &self.aperture {
+            self.above.push(line);
+        }
     }
 }

@@ -56,7 +56,8 @@ impl Pieces {
             inside: false,
             outside: false,
         };
-        for &corner in &corners[piece.first as usize..(piece.first + piece.count) as usize] {
+        let corners = &corners[piece.first as usize..(piece.first + piece.count) as usize];
+        heights.extend(corners.iter().map(|&corner| {
             let [height, slit] = [height(corner), slit * corner.z];
             let off = if height > slit || height < -slit {
                 height
@@ -65,8 +66,8 @@ impl Pieces {
             };
             reach.inside |= off > 0.0;
             reach.outside |= off < 0.0;
-            heights.push(off);
-        }
+            off
+        }));
         reach
     }
 
@@ -84,6 +85,12 @@ impl Pieces {
         } = self;
         let first = corners.len() as u32;
         *cut = None;
+        let Some(&height) = heights.first() else {
+            return self.since(first);
+        };
+        // At most one corner more for each time the outline crosses.
+        corners.reserve(2 * piece.count as usize);
+        let mut next_above = sign * height;
         for here in 0..piece.count as usize {
             let next = if here + 1 == piece.count as usize {
                 0
@@ -91,7 +98,8 @@ impl Pieces {
                 here + 1
             };
             let [at, to] = [here, next].map(|place| corners[piece.first as usize + place]);
-            let [above, next_above] = [here, next].map(|place| sign * heights[place]);
+            let above = next_above;
+            next_above = sign * heights[next];
             if above >= 0.0 {
                 corners.push(at);
             }

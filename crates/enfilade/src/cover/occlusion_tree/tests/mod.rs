@@ -216,3 +216,34 @@ fn shuffled<T: Clone>(all: &[T], chance: &mut Chance) -> Vec<T> {
     }
     all
 }
+
+/// All SIMD levels that the machine has, but for what lies between.
+pub(super) fn levels() -> Vec<Level> {
+    let mut levels = vec![Level::baseline(), Level::new()];
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    {
+        levels.extend(Level::new().as_sse4_2().map(Level::Sse4_2));
+        levels.extend(Level::new().as_avx2().map(Level::Avx2));
+    }
+    levels
+}
+
+/// Numbers by chance: ordinary ones, small whole ones, for planes that go through corners, and what is none.
+pub(super) fn odd_numbers(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        match state % 251 {
+            0 => f64::NAN,
+            1 => f64::INFINITY,
+            2 => f64::NEG_INFINITY,
+            3..12 => 0.0,
+            12 => f64::MAX,
+            13 => f64::MIN_POSITIVE,
+            14..100 => (state >> 32) as f64 % 8.0 - 4.0,
+            _ => (state >> 11) as f64 / (1_u64 << 40) as f64 - 4096.0,
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! The eight corners of a box against a plane, all at once.
+//!
+//! A box is on a side of a plane if a corner is. Which corners are certainly there is told too: a place of the box that
+//! is known to be in a leaf needs no more asking.
+//! Source: ours; `Corners::against` is specified by `sides_one_by_one` below, and gives the same bits at every SIMD level.
+//! Cost: some ten vector operations for a plane, and no branch.
+//! Conservative: what rounding leaves open, and what is no number, is on both sides and on none for certain.
+
+use super::line::SLIT;
+use crate::region::Volume;
+use fearless_simd::f64x8;
+use fearless_simd::prelude::*;
+use glam::DVec3;
+
+/// What a height may be wrong by, as a part of the sum that it is; more than pieces of faces may be off by.
+const ROUNDING: f64 = 1.0 / (1_u64 << 44) as f64;
+
+/// Corners as bits, in the order of [`Volume::corners`].
+pub(super) type Bits = u8;
+pub(super) const ALL: Bits = 0xff;
+
+/// Where the corners of a box are with respect to a plane n · p = d.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Sides {
+    /// Certainly where n · p > d.
+    pub(super) inside: Bits,
+    /// Certainly where n · p < d.
+    pub(super) outside: Bits,
+    /// Of these, the ones that are more than a slit away.
+    pub(super) well_inside: Bits,
+    pub(super) well_outside: Bits,
+}
+
+/// The corners of a box in the space of (X, Y, W).
+#[derive(Clone, Copy)]
+pub(super) struct Corners<S: Simd> {
+    x: f64x8<S>,
+    y: f64x8<S>,
+    z: f64x8<S>,
+    slit: f64x8<S>,
+    /// The greatest coordinates that a corner can have, and more.
+    sum: DVec3,
+}
+
+impl<S: Simd> Corners<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, volume: &Volume) -> Corners<S> {
+        let Volume {
+            origin,
+            sides: [a, b, c],
+        } = *volume;
+        let z = spread(simd, origin.z, [a.z, b.z, c.z]);
+        Corners {
+            x: spread(simd, origin.x, [a.x, b.x, c.x]),
+            y: spread(simd, origin.y, [a.y, b.y, c.y]),
+            z,
+            slit: z * SLIT,
+            sum: greatest(volume),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn against(&self, simd: S, normal: DVec3, distance: f64) -> Sides {
+        // In this order it takes the least time until the sum is there: what to ask next waits for it.
+        let height = (self.x * normal.x + self.y * normal.y) + (self.z * normal.z - distance);
+        let margin = margin(self.sum, normal, distance);
+        let [above, below] = [f64x8::splat(simd, margin), f64x8::splat(simd, -margin)];
+        Sides {
+            inside: height.simd_gt(above).to_bitmask() as Bits,
+            outside: height.simd_lt(below).to_bitmask() as Bits,
+            well_inside: (height - self.slit).simd_gt(above).to_bitmask() as Bits,
+            well_outside: (height + self.slit).simd_lt(below).to_bitmask() as Bits,
+        }
+    }
+
+    /// Corners that certainly lie where n · p < d: planes that only bound the view, of which no rounding is asked.
+    #[inline(always)]
+    pub(super) fn before(&self, simd: S, normal: DVec3, distance: f64) -> Bits {
+        let height = self.x * normal.x + self.y * normal.y + self.z * normal.z;
+        height.simd_lt(f64x8::splat(simd, distance)).to_bitmask() as Bits
+    }
+}
+
+/// Which sides lead to which corners.
+const LEADS: [[f64; 8]; 3] = [
+    [0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0],
+    [0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0],
+    [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0],
+];
+
+/// One coordinate of all corners, from that of the origin and those of the sides; summed as in [`Volume::corners`]. Of a
+/// side without end all are no numbers.
+#[inline(always)]
+fn spread<S: Simd>(simd: S, origin: f64, [a, b, c]: [f64; 3]) -> f64x8<S> {
+    let [to_a, to_b, to_c] = [
+        f64x8::simd_from(simd, LEADS[0]),
+        f64x8::simd_from(simd, LEADS[1]),
+        f64x8::simd_from(simd, LEADS[2]),
+    ];
+    (to_c * c + origin) + (to_a * a + to_b * b)
+}
+
+/// The greatest coordinates that a corner can have, and more.
+#[inline(always)]
+fn greatest(volume: &Volume) -> DVec3 {
+    let [a, b, c] = volume.sides;
+    volume.origin.abs() + (a.abs() + b.abs() + c.abs())
+}
+
+#[inline(always)]
+fn margin(sum: DVec3, normal: DVec3, distance: f64) -> f64 {
+    ROUNDING * (normal.abs().dot(sum) + distance.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cover::occlusion_tree::tests::{levels, odd_numbers};
+    use fearless_simd::dispatch;
+
+    /// What [`Corners::against`] must give.
+    fn sides_one_by_one(volume: &Volume, normal: DVec3, distance: f64) -> Sides {
+        let margin = margin(greatest(volume), normal, distance);
+        let mut sides = Sides {
+            inside: 0,
+            outside: 0,
+            well_inside: 0,
+            well_outside: 0,
+        };
+        let [a, b, c] = volume.sides;
+        let is_finite = volume.sides.iter().all(|side| side.is_finite());
+        for (place, corner) in volume.corners().into_iter().enumerate() {
+            let [to_a, to_b, to_c] = LEADS.map(|to| to[place]);
+            let spread = (c * to_c + volume.origin) + (a * to_a + b * to_b);
+            assert!(!is_finite || spread == corner || spread.is_nan() || corner.is_nan());
+            let corner = spread;
+            let height = (corner.x * normal.x + corner.y * normal.y) + (corner.z * normal.z - distance);
+            let slit = corner.z * SLIT;
+            sides.inside |= Bits::from(height > margin) << place;
+            sides.outside |= Bits::from(height < -margin) << place;
+            sides.well_inside |= Bits::from(height - slit > margin) << place;
+            sides.well_outside |= Bits::from(height + slit < -margin) << place;
+        }
+        sides
+    }
+
+    #[test]
+    fn every_simd_level_gives_the_bits_of_one_corner_after_the_other() {
+        let mut number = odd_numbers(0x2545_F491_4F6C_DD1D);
+        let mut point = || DVec3::new(number(), number(), number());
+        let mut split = 0;
+        for _ in 0..20_000 {
+            let volume = Volume {
+                origin: point(),
+                sides: [point(), point(), point()],
+            };
+            let (normal, distance) = (point(), point().x);
+            let expected = sides_one_by_one(&volume, normal, distance);
+            split += usize::from(expected.inside != 0 && expected.outside != 0);
+            for level in levels() {
+                let sides =
+                    dispatch!(level, simd => Corners::new(simd, &volume).against(simd, normal, distance));
+                assert_eq!(sides, expected, "{volume:?} {normal} {distance} {level:?}");
+            }
+        }
+        assert!(split > 2000, "{split}");
+    }
+}

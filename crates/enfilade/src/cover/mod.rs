@@ -1,7 +1,10 @@
 //! Covers: what is already hidden. A cover knows nothing of orders; `method` joins the two.
 
 mod band;
+mod batch;
+mod block;
 mod cells;
+mod corners;
 mod depth_buffer;
 mod depth_pyramid;
 mod half_plane;
@@ -14,6 +17,7 @@ mod raster;
 mod report;
 mod samples;
 mod show;
+mod sieve;
 mod span_buffer;
 mod tiles;
 mod trace;

@@ -99,6 +99,13 @@ impl Row {
         (self.within(self.base + self.step * f64::from(x)) as f32).to_bits()
     }
 
+    /// The same at eight columns, from `x` on.
+    #[inline(always)]
+    pub(super) fn eight_bits(&self, x: u16) -> [u32; 8] {
+        const COLUMNS: [f64; 8] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+        COLUMNS.map(|column| (self.within(self.base + self.step * (f64::from(x) + column)) as f32).to_bits())
+    }
+
     /// Unlike `clamp`, nothing here can panic.
     #[inline(always)]
     fn within(&self, nearness: f64) -> f64 {

@@ -65,8 +65,9 @@ impl<'a> Triangles<'a> {
                 first_position,
                 corners,
             } => {
+                let first = *first_position;
                 for (group, corners) in group.iter_mut().zip(corners.chunks_exact(3)) {
-                    *group = (*owner, [0, 1, 2].map(|i| corners[i] - *first_position));
+                    *group = (*owner, [corners[0] - first, corners[1] - first, corners[2] - first]);
                     *owner += 1;
                     count += 1;
                 }

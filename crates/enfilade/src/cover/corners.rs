@@ -79,16 +79,12 @@ impl Corners {
     ) -> Option<Extent> {
         self.eights.clear();
         self.rounded.clear();
-        let splat = |value| f64x8::splat(simd, value);
-        let [x_axis, y_axis, z_axis] = [
-            matrix.matrix3.x_axis,
-            matrix.matrix3.y_axis,
-            matrix.matrix3.z_axis,
-        ]
-        .map(|axis| axis.to_array().map(splat));
-        let origin = matrix.translation.to_array().map(splat);
-        let (one, near, far_off) = (splat(1.0), splat(near), splat(FAR_OFF));
-        let (mut least, mut greatest, mut pixel) = (splat(f64::INFINITY), splat(0.0), splat(0.0));
+        // Arrays of SIMD are taken apart by hand: `map` over one is not inlined, and what it calls knows no SIMD.
+        let rows = matrix.matrix3.transpose();
+        let [x_row, y_row, z_row] = [rows.x_axis, rows.y_axis, rows.z_axis];
+        let origin = matrix.translation;
+        let (mut least, mut greatest) = (f64x8::splat(simd, f64::INFINITY), f64x8::splat(simd, 0.0));
+        let mut pixel = greatest;
         let mut tame = true;
         let mut first = 0;
         while first < count {
@@ -98,25 +94,36 @@ impl Corners {
                 let [x, y, z] = position((first + lane).min(count - 1));
                 [at[0][lane], at[1][lane], at[2][lane]] = [f64::from(x), f64::from(y), f64::from(z)];
             }
-            let [x, y, z] = at.map(|lanes| f64x8::simd_from(simd, lanes));
-            let along =
-                |axis: usize| x_axis[axis] * x + y_axis[axis] * y + z_axis[axis] * z + origin[axis];
-            let [x, y, w] = [along(0), along(1), along(2)];
-            let nearness = one / w;
-            let [px, py] = [x * nearness, y * nearness];
-            let [ax, ay] = [px.abs(), py.abs()];
-            let ok = w.simd_gt(near) & ax.simd_le(far_off) & ay.simd_le(far_off);
+            let x = f64x8::from_slice(simd, &at[0]);
+            let y = f64x8::from_slice(simd, &at[1]);
+            let z = f64x8::from_slice(simd, &at[2]);
+            let (x, y, w) = (
+                x * x_row.x + y * x_row.y + z * x_row.z + origin.x,
+                x * y_row.x + y * y_row.y + z * y_row.z + origin.y,
+                x * z_row.x + y * z_row.y + z * z_row.z + origin.z,
+            );
+            let nearness = f64x8::splat(simd, 1.0) / w;
+            let (px, py) = (x * nearness, y * nearness);
+            let (ax, ay) = (px.abs(), py.abs());
+            let ok = w.simd_gt(near) & ax.simd_le(FAR_OFF) & ay.simd_le(FAR_OFF);
             tame &= ok.all_true();
             let most = ax.simd_gt(ay).select(ax, ay);
             pixel = most.simd_gt(pixel).select(most, pixel);
             least = w.simd_lt(least).select(w, least);
             greatest = w.simd_gt(greatest).select(w, greatest);
-            let eight = [x, y, w, px, py, nearness].map(|lanes| lanes.into());
-            self.eights.push(Eight(eight));
+            let eight = Eight([
+                x.into(),
+                y.into(),
+                w.into(),
+                px.into(),
+                py.into(),
+                nearness.into(),
+            ]);
             let mut rounded = [[0.0; 2]; LANES];
             for (lane, rounded) in rounded.iter_mut().enumerate() {
-                *rounded = [eight[3][lane] as f32, eight[4][lane] as f32];
+                *rounded = [eight.0[3][lane] as f32, eight.0[4][lane] as f32];
             }
+            self.eights.push(eight);
             self.rounded.extend_from_slice(&rounded);
             first += LANES;
         }

@@ -127,8 +127,8 @@ fn run_batch<S: Simd>(
         if let Some(sieve) = &sieve {
             let mut at = [[[0.0; sieve::LANES]; 2]; 3];
             for (lane, (_, used)) in group[..count].iter().enumerate() {
-                for (at, &used) in at.iter_mut().zip(used) {
-                    [at[0][lane], at[1][lane]] = corners.rounded(used);
+                for corner in 0..3 {
+                    [at[corner][0][lane], at[corner][1][lane]] = corners.rounded(used[corner]);
                 }
             }
             let sifted = sieve.sift(simd, &at);
@@ -138,7 +138,7 @@ fn run_batch<S: Simd>(
         while left != 0 {
             let (owner, used) = group[left.trailing_zeros() as usize];
             left &= left - 1;
-            let used = used.map(|used| corners.get(used));
+            let used = [corners.get(used[0]), corners.get(used[1]), corners.get(used[2])];
             batch.triangle(simd, owner, &used, part, planes, sink, stats);
         }
     }
@@ -168,9 +168,9 @@ impl Batch<'_> {
         sink: &mut impl Sink,
         stats: &mut Stats,
     ) {
-        let [a, b, c] = corners.map(|corner| corner.at);
+        let [a, b, c] = [corners[0].at, corners[1].at, corners[2].at];
         let crosses_near = a.z <= self.near || b.z <= self.near || c.z <= self.near;
-        let [p, q, r] = corners.map(|corner| corner.nearness);
+        let [p, q, r] = [corners[0].nearness, corners[1].nearness, corners[2].nearness];
         let [mut least, mut greatest] = [smaller(p, smaller(q, r)), greater(p, greater(q, r))];
         if crosses_near {
             let farthest = greater(a.z, greater(b.z, c.z));
@@ -187,9 +187,9 @@ impl Batch<'_> {
         let rect = if crosses_near || !self.cuts.is_empty() {
             part.rect(&[a, b, c], self.near, self.cuts, &self.rect)
         } else {
-            let [p, q, r] = corners.map(|corner| corner.pixel);
-            let low = [0, 1].map(|axis| smaller(p[axis], smaller(q[axis], r[axis])));
-            let high = [0, 1].map(|axis| greater(p[axis], greater(q[axis], r[axis])));
+            let [p, q, r] = [corners[0].pixel, corners[1].pixel, corners[2].pixel];
+            let low = [smaller(p[0], smaller(q[0], r[0])), smaller(p[1], smaller(q[1], r[1]))];
+            let high = [greater(p[0], greater(q[0], r[0])), greater(p[1], greater(q[1], r[1]))];
             Rect::around(low, high, &self.rect)
         };
         if rect.is_empty() {

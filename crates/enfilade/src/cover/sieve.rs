@@ -9,7 +9,7 @@
 
 use super::corners::Extent;
 use crate::aperture::Rect;
-use fearless_simd::f32x16;
+use fearless_simd::{f32x16, mask32x16};
 use fearless_simd::prelude::*;
 
 /// Triangles that are asked about together.
@@ -65,62 +65,38 @@ impl Sieve {
     }
 
     /// Which of sixteen triangles are left.
+    // Arrays of SIMD are taken apart by hand: `map` over one is not inlined, and what it calls knows no SIMD.
     #[inline(always)]
     pub(super) fn sift<S: Simd>(&self, simd: S, corners: &Sixteen) -> Sifted {
-        let splat = |value| f32x16::splat(simd, value);
-        let [a, b, c] = corners.map(|corner| corner.map(|lanes| f32x16::simd_from(simd, lanes)));
-        let smaller = |a: f32x16<S>, b: f32x16<S>| a.simd_lt(b).select(a, b);
-        let greater = |a: f32x16<S>, b: f32x16<S>| a.simd_gt(b).select(a, b);
-        let before = splat(0.5 + self.bound_margin);
-        let [x, y] = [0, 1].map(|axis| {
-            let low = smaller(a[axis], smaller(b[axis], c[axis]));
-            let high = greater(a[axis], greater(b[axis], c[axis]));
-            let first = (low - before).floor() + 1.0;
-            let after = (high + before).floor();
-            Side {
-                size: high - low,
-                first: greater(first, splat(self.first[axis])),
-                end: smaller(after, splat(self.end[axis])),
-            }
-        });
+        let [[ax, ay], [bx, by], [cx, cy]] = corners;
+        let [ax, ay] = [f32x16::from_slice(simd, ax), f32x16::from_slice(simd, ay)];
+        let [bx, by] = [f32x16::from_slice(simd, bx), f32x16::from_slice(simd, by)];
+        let [cx, cy] = [f32x16::from_slice(simd, cx), f32x16::from_slice(simd, cy)];
+        let x = Side::around(simd, [ax, bx, cx], self.bound_margin, self.first[0], self.end[0]);
+        let y = Side::around(simd, [ay, by, cy], self.bound_margin, self.first[1], self.end[1]);
         let beside = x.first.simd_ge(x.end) | y.first.simd_ge(y.end);
-        let [ab, bc, ca] = [
-            [b[0] - a[0], b[1] - a[1]],
-            [c[0] - b[0], c[1] - b[1]],
-            [a[0] - c[0], a[1] - c[1]],
-        ];
-        let area = ca[0] * ab[1] - ca[1] * ab[0];
+        let (abx, aby, bcx, bcy) = (bx - ax, by - ay, cx - bx, cy - by);
+        let (cax, cay) = (ax - cx, ay - cy);
+        let area = cax * aby - cay * abx;
         let margin = (x.size + y.size) * self.area_margin + self.area_floor;
-        let behind = (area * self.front).simd_lt(-margin);
-        let gone = beside | behind;
-
-        // The centres of up to two samples a side; of one, it twice.
-        let few = (x.end - x.first).simd_le(splat(2.0)) & (y.end - y.first).simd_le(splat(2.0));
-        let [xs, ys] = [&x, &y].map(|side| {
-            let last = smaller(side.first + 1.0, side.end - 1.0);
-            [side.first + 0.5, last + 0.5]
-        });
-        // Inside is where all three edges say what the area says.
-        let turn = area.simd_lt(splat(0.0));
         let outside = -margin;
-        let mut all_out = few & area.abs().simd_gt(margin);
-        let sides = [(a, ab), (b, bc), (c, ca)].map(|(from, along)| {
-            let down = ys.map(|y| along[0] * (y - from[1]));
-            let across = xs.map(|x| along[1] * (x - from[0]));
-            [0, 1].map(|i| {
-                [0, 1].map(|j| {
-                    let side = down[i] - across[j];
-                    turn.select(-side, side)
-                })
-            })
-        });
-        for i in 0..2 {
-            for j in 0..2 {
-                let most_outside = smaller(sides[0][i][j], smaller(sides[1][i][j], sides[2][i][j]));
-                all_out &= most_outside.simd_lt(outside);
-            }
-        }
-        let gone = gone.to_bitmask() as u32;
+        let behind = (area * self.front).simd_lt(outside);
+        let gone = (beside | behind).to_bitmask() as u32;
+
+        // The centres of up to two samples a side; of one, it twice. Inside is where all three edges say what the area
+        // says.
+        let few = (x.end - x.first).simd_le(2.0) & (y.end - y.first).simd_le(2.0);
+        let ([x0, x1], [y0, y1]) = (x.centres(), y.centres());
+        let turn = area.simd_lt(0.0);
+        let ab = Edge::new(turn, [ax, ay], [abx, aby]);
+        let bc = Edge::new(turn, [bx, by], [bcx, bcy]);
+        let ca = Edge::new(turn, [cx, cy], [cax, cay]);
+        let all_out = few
+            & area.abs().simd_gt(margin)
+            & ab.least(&bc, &ca, x0, y0).simd_lt(outside)
+            & ab.least(&bc, &ca, x1, y0).simd_lt(outside)
+            & ab.least(&bc, &ca, x0, y1).simd_lt(outside)
+            & ab.least(&bc, &ca, x1, y1).simd_lt(outside);
         let between = all_out.to_bitmask() as u32 & !gone;
         Sifted {
             left: !gone & !between & 0xFFFF,
@@ -129,11 +105,66 @@ impl Sieve {
     }
 }
 
-/// A side of the rectangle around a triangle.
+#[inline(always)]
+fn smaller<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
+    a.simd_lt(b).select(a, b)
+}
+
+#[inline(always)]
+fn greater<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
+    a.simd_gt(b).select(a, b)
+}
+
+/// A side of the rectangle around a triangle: its length, and the first sample and the one after the last.
 struct Side<S: Simd> {
     size: f32x16<S>,
     first: f32x16<S>,
     end: f32x16<S>,
+}
+
+impl<S: Simd> Side<S> {
+    #[inline(always)]
+    fn around(simd: S, [a, b, c]: [f32x16<S>; 3], margin: f32, first: f32, end: f32) -> Side<S> {
+        let low = smaller(a, smaller(b, c));
+        let high = greater(a, greater(b, c));
+        let before = 0.5 + margin;
+        Side {
+            size: high - low,
+            first: greater((low - before).floor() + 1.0, f32x16::splat(simd, first)),
+            end: smaller((high + before).floor(), f32x16::splat(simd, end)),
+        }
+    }
+
+    #[inline(always)]
+    fn centres(&self) -> [f32x16<S>; 2] {
+        [self.first + 0.5, smaller(self.first + 1.0, self.end - 1.0) + 0.5]
+    }
+}
+
+/// An edge, turned so that the inside is above zero.
+struct Edge<S: Simd> {
+    turn: mask32x16<S>,
+    from: [f32x16<S>; 2],
+    along: [f32x16<S>; 2],
+}
+
+impl<S: Simd> Edge<S> {
+    #[inline(always)]
+    fn new(turn: mask32x16<S>, from: [f32x16<S>; 2], along: [f32x16<S>; 2]) -> Edge<S> {
+        Edge { turn, from, along }
+    }
+
+    #[inline(always)]
+    fn side(&self, x: f32x16<S>, y: f32x16<S>) -> f32x16<S> {
+        let side = self.along[0] * (y - self.from[1]) - self.along[1] * (x - self.from[0]);
+        self.turn.select(-side, side)
+    }
+
+    /// By how much a place is inside of three edges, or outside of one.
+    #[inline(always)]
+    fn least(&self, b: &Edge<S>, c: &Edge<S>, x: f32x16<S>, y: f32x16<S>) -> f32x16<S> {
+        smaller(self.side(x, y), smaller(b.side(x, y), c.side(x, y)))
+    }
 }
 
 #[cfg(test)]

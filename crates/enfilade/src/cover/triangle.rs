@@ -103,7 +103,11 @@ impl Row {
     #[inline(always)]
     pub(super) fn eight_bits(&self, x: u16) -> [u32; 8] {
         const COLUMNS: [f64; 8] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
-        COLUMNS.map(|column| (self.within(self.base + self.step * (f64::from(x) + column)) as f32).to_bits())
+        let mut bits = [0; 8];
+        for (bits, column) in bits.iter_mut().zip(COLUMNS) {
+            *bits = (self.within(self.base + self.step * (f64::from(x) + column)) as f32).to_bits();
+        }
+        bits
     }
 
     /// Unlike `clamp`, nothing here can panic.

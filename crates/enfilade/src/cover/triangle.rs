@@ -6,13 +6,14 @@ use std::cmp::Ordering;
 
 /// A triangle whose samples are being handed out.
 #[derive(Clone, Copy)]
+#[repr(C)]
 pub(crate) struct Triangle {
-    /// The number of its face.
-    pub(super) owner: u32,
     /// Nearness at a sample is `nearness · (x + ½, y + ½, 1)`, kept within `least` and `greatest`.
-    pub(super) nearness: DVec3,
     pub(super) least: f64,
     pub(super) greatest: f64,
+    /// The number of its face.
+    pub(super) owner: u32,
+    pub(super) nearness: DVec3,
 }
 
 /// Nearness along one row.

@@ -99,9 +99,27 @@ impl Volume {
         near: f64,
         entry: Option<(DVec3, f64)>,
     ) -> Option<Touched> {
-        let x = along(simd, self.origin.x, self.sides[0].x, self.sides[1].x, self.sides[2].x);
-        let y = along(simd, self.origin.y, self.sides[0].y, self.sides[1].y, self.sides[2].y);
-        let w = along(simd, self.origin.z, self.sides[0].z, self.sides[1].z, self.sides[2].z);
+        let x = along(
+            simd,
+            self.origin.x,
+            self.sides[0].x,
+            self.sides[1].x,
+            self.sides[2].x,
+        );
+        let y = along(
+            simd,
+            self.origin.y,
+            self.sides[0].y,
+            self.sides[1].y,
+            self.sides[2].y,
+        );
+        let w = along(
+            simd,
+            self.origin.z,
+            self.sides[0].z,
+            self.sides[1].z,
+            self.sides[2].z,
+        );
         let zero = f64x8::splat(simd, 0.0);
         // From the middle of the rectangle, so that its sides stand at ±half.
         let [middle, half] = middle_and_half(limits);
@@ -132,10 +150,7 @@ impl Volume {
         if least[2] > near {
             let per_w = f64x8::splat(simd, 1.0) / w;
             let (x, y) = (x * per_w, y * per_w);
-            (min, max) = (
-                [least_of(x), least_of(y)],
-                [greatest_of(x), greatest_of(y)],
-            );
+            (min, max) = ([least_of(x), least_of(y)], [greatest_of(x), greatest_of(y)]);
         } else {
             for axis in 0..2 {
                 // w lies between these two, whatever x and y are.
@@ -260,6 +275,7 @@ fn greater(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chance::{Dice, levels};
     use crate::scene::FragmentId;
     use crate::view::View;
 
@@ -315,5 +331,99 @@ mod tests {
     fn a_box_beside_or_behind_the_picture_is_not_seen() {
         assert_eq!(seen([5.0, -1.0, -4.0], [6.0, 1.0, -3.0]), None);
         assert_eq!(seen([-1.0, -1.0, 1.0], [1.0, 1.0, 3.0]), None);
+    }
+
+    impl Volume {
+        fn touched_one_by_one(
+            &self,
+            limits: &Rect,
+            near: f64,
+            entry: Option<(DVec3, f64)>,
+        ) -> Option<Touched> {
+            let corners = self.corners();
+            let [middle, half] = middle_and_half(limits);
+            let mut outside = 0b11_1111_u8;
+            let [mut least, mut greatest] = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+            for corner in &corners {
+                let w = corner.z;
+                let [x, y] = [corner.x - middle[0] * w, corner.y - middle[1] * w];
+                let beyond_entry = entry.is_none_or(|(normal, d)| normal.dot(*corner) >= d * (1.0 - 1e-6));
+                outside &= u8::from(x < -half[0] * w)
+                    | u8::from(x > half[0] * w) << 1
+                    | u8::from(y < -half[1] * w) << 2
+                    | u8::from(y > half[1] * w) << 3
+                    | u8::from(w < near) << 4
+                    | u8::from(!beyond_entry) << 5;
+                for (axis, value) in [x, y, w].into_iter().enumerate() {
+                    least[axis] = smaller(value, least[axis]);
+                    greatest[axis] = greater(value, greatest[axis]);
+                }
+            }
+            if outside != 0 {
+                return None;
+            }
+            let nearest_w = nearest_w(&least, &greatest, near, &half);
+            let [mut min, mut max] = [[0.0; 2], [0.0; 2]];
+            if least[2] > near {
+                [min, max] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+                for corner in &corners {
+                    let per_w = 1.0 / corner.z;
+                    for (axis, value) in [corner.x * per_w, corner.y * per_w].into_iter().enumerate() {
+                        min[axis] = smaller(value, min[axis]);
+                        max[axis] = greater(value, max[axis]);
+                    }
+                }
+            } else {
+                for axis in 0..2 {
+                    // w lies between these two, whatever x and y are.
+                    let [close, far] = [nearest_w, greatest[2]];
+                    min[axis] = middle[axis] + least[axis] / if least[axis] < 0.0 { close } else { far };
+                    max[axis] =
+                        middle[axis] + greatest[axis] / if greatest[axis] > 0.0 { close } else { far };
+                }
+            }
+            Some(Touched {
+                min,
+                max,
+                nearest: nearest(nearest_w, near),
+            })
+        }
+    }
+
+    #[test]
+    fn eight_corners_at_once_touch_what_they_touch_one_by_one_at_every_level() {
+        let mut dice = Dice::new(23);
+        let mut seen = 0;
+        let limits = Rect {
+            x0: 10,
+            y0: 0,
+            x1: 90,
+            y1: 77,
+        };
+        for round in 0..20_000 {
+            let mut vector = |most: f64| {
+                let mut odd = || {
+                    if round % 4 == 0 {
+                        dice.odd(most)
+                    } else {
+                        dice.within(most)
+                    }
+                };
+                DVec3::new(odd(), odd(), odd())
+            };
+            let volume = Volume {
+                origin: vector(60.0) + DVec3::new(40.0, 40.0, 1.0),
+                sides: [vector(30.0), vector(30.0), vector(30.0)],
+            };
+            let entry = (round % 3 == 0).then(|| (vector(1.0), 0.5));
+            let expected = volume.touched_one_by_one(&limits, 0.1, entry);
+            seen += u32::from(expected.is_some());
+            for level in levels() {
+                let known = dispatch!(level, simd => volume.touched(simd, &limits, 0.1, entry));
+                // What is no number is as good as itself.
+                assert_eq!(format!("{known:?}"), format!("{expected:?}"), "{volume:?}");
+            }
+        }
+        assert!(seen > 2000, "{seen}");
     }
 }

@@ -72,7 +72,9 @@ impl Band {
         for plane in planes {
             let across = plane.across(columns);
             for (row, held) in (rows[0]..rows[1]).zip(&mut held) {
-                *held &= plane.holds_across(simd, across, f64::from(row) + 0.5).to_bitmask();
+                *held &= plane
+                    .holds_across(simd, across, f64::from(row) + 0.5)
+                    .to_bitmask();
             }
         }
         let mut runs = [[0; 2]; BAND];

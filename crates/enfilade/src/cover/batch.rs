@@ -53,7 +53,11 @@ impl<'a> Triangles<'a> {
     pub(super) fn next_into(&mut self, group: &mut [(u32, [u32; 3])]) -> usize {
         let mut count = 0;
         match self {
-            Triangles::Lone { owner, last, count: all } => {
+            Triangles::Lone {
+                owner,
+                last,
+                count: all,
+            } => {
                 while *last < *all && count < group.len() {
                     group[count] = (*owner, [0, *last - 1, *last]);
                     *last += 1;
@@ -67,7 +71,10 @@ impl<'a> Triangles<'a> {
             } => {
                 let first = *first_position;
                 for (group, corners) in group.iter_mut().zip(corners.chunks_exact(3)) {
-                    *group = (*owner, [corners[0] - first, corners[1] - first, corners[2] - first]);
+                    *group = (
+                        *owner,
+                        [corners[0] - first, corners[1] - first, corners[2] - first],
+                    );
                     *owner += 1;
                     count += 1;
                 }

@@ -67,7 +67,11 @@ impl Block {
         let mut farthest = [COVERED; TILE];
         for row in &self.0[rows[0]..rows[1]] {
             for (lane, (farthest, &sample)) in (0..).zip(farthest.iter_mut().zip(row)) {
-                let sample = if (columns[0] <= lane) & (lane < columns[1]) { sample } else { COVERED };
+                let sample = if (columns[0] <= lane) & (lane < columns[1]) {
+                    sample
+                } else {
+                    COVERED
+                };
                 *farthest = if sample < *farthest { sample } else { *farthest };
             }
         }
@@ -78,7 +82,7 @@ impl Block {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cover::sieve::tests::{Dice, levels};
+    use crate::chance::{Dice, levels};
     use fearless_simd::dispatch;
     use glam::DVec3;
 
@@ -96,7 +100,10 @@ mod tests {
                 std::array::from_fn(|_| match (dice.within(1.0) * 4.0) as i32 {
                     0 => OPEN,
                     1 => COVERED,
-                    _ => Sample::from((dice.within(1.0).abs() as f32).to_bits()) << 32 | Sample::from(lower_half(1)),
+                    _ => {
+                        Sample::from((dice.within(1.0).abs() as f32).to_bits()) << 32
+                            | Sample::from(lower_half(1))
+                    }
                 })
             }));
             let (y, x) = (round as usize % TILE, 8 * (round % 5) as u16);
@@ -104,12 +111,20 @@ mod tests {
             let run = [start, start + 1 + (round / 11 % 20) as u16];
             let row = triangle.row(y as u16);
             let mut expected = before;
-            for (column, sample) in (x..).zip(&mut expected.0[y]).filter(|(column, _)| (run[0]..run[1]).contains(column)) {
-                let new = Sample::from(row.bits(i32::from(column))) << 32 | Sample::from(lower_half(triangle.owner));
+            for (column, sample) in (x..)
+                .zip(&mut expected.0[y])
+                .filter(|(column, _)| (run[0]..run[1]).contains(column))
+            {
+                let new = Sample::from(row.bits(i32::from(column))) << 32
+                    | Sample::from(lower_half(triangle.owner));
                 *sample = new.max(*sample);
             }
             let all = expected.0.iter().flatten().copied().fold(COVERED, Sample::min);
-            let some = expected.0[2..5].iter().flat_map(|row| &row[1..7]).copied().fold(COVERED, Sample::min);
+            let some = expected.0[2..5]
+                .iter()
+                .flat_map(|row| &row[1..7])
+                .copied()
+                .fold(COVERED, Sample::min);
             for level in levels() {
                 let (known, [farthest, part]) = dispatch!(level, _simd => {
                     let mut block = before;

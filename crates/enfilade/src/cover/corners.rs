@@ -140,10 +140,8 @@ impl Corners {
     /// A corner.
     #[inline(always)]
     pub(super) fn get(&self, number: u32) -> Corner {
-        let (Eight([x, y, w, px, py, nearness]), lane) = (
-            &self.eights[number as usize / LANES],
-            number as usize % LANES,
-        );
+        let (Eight([x, y, w, px, py, nearness]), lane) =
+            (&self.eights[number as usize / LANES], number as usize % LANES);
         Corner {
             at: DVec3::new(x[lane], y[lane], w[lane]),
             pixel: [px[lane], py[lane]],
@@ -161,7 +159,7 @@ impl Corners {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use super::super::sieve::tests::{Dice, levels};
+    use crate::chance::{Dice, levels};
     use fearless_simd::dispatch;
 
     #[test]
@@ -177,10 +175,22 @@ mod tests {
                 let mut corners = Corners::default();
                 extents.push(dispatch!(level, simd => corners.fill(simd, positions.len(), |i| positions[i], &matrix, 0.1)));
                 for (number, &position) in positions.iter().enumerate() {
-                    let [one, ours] = [Corner::of(position, &matrix), corners.get(number as u32)]
-                        .map(|corner| [corner.at.x, corner.at.y, corner.at.z, corner.pixel[0], corner.pixel[1], corner.nearness]);
+                    let [one, ours] =
+                        [Corner::of(position, &matrix), corners.get(number as u32)].map(|corner| {
+                            [
+                                corner.at.x,
+                                corner.at.y,
+                                corner.at.z,
+                                corner.pixel[0],
+                                corner.pixel[1],
+                                corner.nearness,
+                            ]
+                        });
                     for (one, ours) in one.into_iter().zip(ours) {
-                        assert!(one.to_bits() == ours.to_bits() || (one.is_nan() && ours.is_nan()), "{one} is not {ours}");
+                        assert!(
+                            one.to_bits() == ours.to_bits() || (one.is_nan() && ours.is_nan()),
+                            "{one} is not {ours}"
+                        );
                     }
                 }
             }

@@ -1,7 +1,7 @@
 //! One side of a line on the screen.
 
-use fearless_simd::{f64x8, mask64x8};
 use fearless_simd::prelude::*;
+use fearless_simd::{f64x8, mask64x8};
 use glam::DVec3;
 
 /// A side of a line on the screen: a·x + b·y + c above zero, or zero where `owns`.

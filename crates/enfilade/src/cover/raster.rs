@@ -22,6 +22,7 @@ use crate::stats::Stats;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
+use std::hint::black_box;
 
 /// Receives the samples of triangles.
 pub(super) trait Sink {
@@ -105,12 +106,21 @@ fn run_batch<S: Simd>(
         // Only a face alone is ever cut.
         cuts: if faces.is_lone() { faces.cuts } else { &[] },
     };
+    if !faces.is_lone() {
+        fetch(faces);
+    }
     let first = faces.first_position as usize;
     let position = |place: usize| faces.positions[place];
     let mut triangles = Triangles::of(faces);
     let extent = if let Triangles::Lone { .. } = triangles {
         let used = |place: usize| position(faces.corners[place] as usize - first);
-        corners.fill(simd, faces.corners.len(), used, faces.screen_from_local, batch.near);
+        corners.fill(
+            simd,
+            faces.corners.len(),
+            used,
+            faces.screen_from_local,
+            batch.near,
+        );
         None
     } else {
         let count = faces.positions.len();
@@ -141,6 +151,19 @@ fn run_batch<S: Simd>(
             let used = [corners.get(used[0]), corners.get(used[1]), corners.get(used[2])];
             batch.triangle(simd, owner, &used, part, planes, sink, stats);
         }
+    }
+}
+
+/// Asks for all of a batch's memory at once, so that one waits for it once: of a large scene every batch lies somewhere
+/// else, and a loop that computes on the way has only a few lines of a cache under way.
+#[inline(always)]
+fn fetch(faces: &Faces) {
+    const LINE: usize = 64;
+    for position in faces.positions.iter().step_by(LINE / size_of::<[f32; 3]>()) {
+        black_box(position[0]);
+    }
+    for &corner in faces.corners.iter().step_by(LINE / size_of::<u32>()) {
+        black_box(corner);
     }
 }
 
@@ -188,8 +211,14 @@ impl Batch<'_> {
             part.rect(&[a, b, c], self.near, self.cuts, &self.rect)
         } else {
             let [p, q, r] = [corners[0].pixel, corners[1].pixel, corners[2].pixel];
-            let low = [smaller(p[0], smaller(q[0], r[0])), smaller(p[1], smaller(q[1], r[1]))];
-            let high = [greater(p[0], greater(q[0], r[0])), greater(p[1], greater(q[1], r[1]))];
+            let low = [
+                smaller(p[0], smaller(q[0], r[0])),
+                smaller(p[1], smaller(q[1], r[1])),
+            ];
+            let high = [
+                greater(p[0], greater(q[0], r[0])),
+                greater(p[1], greater(q[1], r[1])),
+            ];
             Rect::around(low, high, &self.rect)
         };
         if rect.is_empty() {

@@ -105,7 +105,10 @@ impl<'a> Report<'a> {
     #[inline(always)]
     pub(super) fn eight(&mut self, samples: &[Sample; 8]) {
         let first = samples[0] as u32;
-        if samples.iter().fold(true, |same, &sample| same & (sample as u32 == first)) {
+        if samples
+            .iter()
+            .fold(true, |same, &sample| same & (sample as u32 == first))
+        {
             self.some(first, 8);
             return;
         }

@@ -9,8 +9,8 @@
 
 use super::corners::Extent;
 use crate::aperture::Rect;
-use fearless_simd::{f32x16, mask32x16};
 use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, mask32x16};
 
 /// Triangles that are asked about together.
 pub(super) const LANES: usize = 16;
@@ -168,53 +168,13 @@ impl<S: Simd> Edge<S> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
+    use crate::chance::{Dice, levels};
     use crate::cover::corners::Corners;
     use crate::cover::half_plane::HalfPlane;
     use fearless_simd::{Level, dispatch};
     use glam::{DAffine3, DVec3};
-
-    /// Numbers that look random; the same for the same seed.
-    pub(in crate::cover) struct Dice(u64);
-
-    impl Dice {
-        pub(in crate::cover) fn new(seed: u64) -> Dice {
-            Dice(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
-        }
-
-        /// From −`most` to `most`.
-        pub(in crate::cover) fn within(&mut self, most: f64) -> f64 {
-            self.0 ^= self.0 << 13;
-            self.0 ^= self.0 >> 7;
-            self.0 ^= self.0 << 17;
-            most * ((self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0)
-        }
-
-        /// The same, and now and then no number, or one that is not finite, or nothing at all.
-        pub(in crate::cover) fn odd(&mut self, most: f64) -> f64 {
-            match (self.within(1.0) * 40.0) as i32 {
-                39 => f64::NAN,
-                38 => f64::INFINITY,
-                37 => f64::NEG_INFINITY,
-                36 => 0.0,
-                35 => 1e300,
-                _ => self.within(most),
-            }
-        }
-    }
-
-    /// All SIMD levels that this machine has.
-    pub(in crate::cover) fn levels() -> Vec<Level> {
-        let best = Level::new();
-        let mut levels = vec![best, Level::baseline()];
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        {
-            levels.extend(best.as_sse4_2().map(Level::Sse4_2));
-            levels.extend(best.as_avx2().map(Level::Avx2));
-        }
-        levels
-    }
 
     impl Sieve {
         /// Is a triangle dropped, and because it lies between samples? One by one, and in the same order.
@@ -226,7 +186,11 @@ pub(super) mod tests {
                 let low = smaller(a[axis], smaller(b[axis], c[axis]));
                 let high = greater(a[axis], greater(b[axis], c[axis]));
                 let first = greater((low - before).floor() + 1.0, self.first[axis]);
-                [high - low, first, smaller((high + before).floor(), self.end[axis])]
+                [
+                    high - low,
+                    first,
+                    smaller((high + before).floor(), self.end[axis]),
+                ]
             });
             let beside = x[1] >= x[2] || y[1] >= y[2];
             let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(from, to)| [to[0] - from[0], to[1] - from[1]]);
@@ -315,7 +279,11 @@ pub(super) mod tests {
                     // Now and then on the centre of a sample.
                     let [x, y] = middle.map(|at| {
                         let at = at + dice.within(size);
-                        if dice.within(1.0) > 0.8 { at.floor() + 0.5 } else { at }
+                        if dice.within(1.0) > 0.8 {
+                            at.floor() + 0.5
+                        } else {
+                            at
+                        }
                     });
                     [(x * w) as f32, (y * w) as f32, w as f32]
                 })
@@ -350,7 +318,10 @@ pub(super) mod tests {
                 for y in bound(1).filter(|&y| y < rect.y1) {
                     for x in bound(0).filter(|&x| x < rect.x1) {
                         let [x, y] = [x, y].map(|at| f64::from(at) + 0.5);
-                        assert!(!edges.iter().all(|edge| edge.holds(x, y)), "{a} {b} {c} at {x} {y}");
+                        assert!(
+                            !edges.iter().all(|edge| edge.holds(x, y)),
+                            "{a} {b} {c} at {x} {y}"
+                        );
                     }
                 }
             }

@@ -3,8 +3,8 @@
 //! A tile is empty, or one triangle owns all of it, or its samples are written out. Most tiles of a picture of walls
 //! are of the second kind: 64 samples are decided by two depths. What is written out later is the same, bit for bit.
 
-use super::block::{Block, TILE};
 pub(super) use super::block::TILE_SHIFT;
+use super::block::{Block, TILE};
 use super::raster::{BAND, Band};
 use super::report::Report;
 use super::samples::{COVERED, OPEN, lower_half, nearness};
@@ -181,15 +181,13 @@ impl Tiles {
         }
         // Linear, so nearest and farthest at corners.
         let [right, down] = [triangle.nearness.x > 0.0, triangle.nearness.y > 0.0];
+        let [top, bottom] = [y0.max(band.y), y1.min(band.y + TILE as u16) - 1];
+        let nearest_row = triangle.row(if down { bottom } else { top });
+        let farthest_row = triangle.row(if down { top } else { bottom });
         let mut number = None;
         for column in columns {
             let rect = self.rect(column, row);
-            let corner = |right: bool, down: bool| {
-                let x = if right { rect.x1 - 1 } else { rect.x0 };
-                triangle
-                    .row(if down { rect.y1 - 1 } else { rect.y0 })
-                    .bits(i32::from(x))
-            };
+            let nearest = nearest_row.bits(i32::from(if right { rect.x1 - 1 } else { rect.x0 }));
             let index = row * self.columns + column;
             let whole = all[0] <= rect.x0 && all[1] >= rect.x1;
             if whole && self.tiles[index].stale {
@@ -201,7 +199,7 @@ impl Tiles {
                     ..self.tiles[index]
                 };
             }
-            if corner(right, down) < self.tiles[index].farthest {
+            if nearest < self.tiles[index].farthest {
                 continue;
             }
             let owns_it = match self.tiles[index].state {
@@ -221,7 +219,7 @@ impl Tiles {
                 self.triangles.push(*triangle);
                 self.triangles.len() as u32 - 1
             });
-            let farthest = corner(!right, !down);
+            let farthest = farthest_row.bits(i32::from(if right { rect.x0 } else { rect.x1 - 1 }));
             self.tiles[index] = Tile {
                 state: State::Whole(number),
                 farthest,
@@ -359,9 +357,8 @@ impl Tiles {
                 if within == self.rect(column, row) {
                     return dispatch!(self.level, _simd => block.farthest());
                 }
-                let [columns, rows] = [[x0, x1 - 1], [y0, y1 - 1]].map(|[first, last]| {
-                    [usize::from(first) % TILE, usize::from(last) % TILE + 1]
-                });
+                let [columns, rows] = [[x0, x1 - 1], [y0, y1 - 1]]
+                    .map(|[first, last]| [usize::from(first) % TILE, usize::from(last) % TILE + 1]);
                 dispatch!(self.level, _simd => block.farthest_in(columns, rows))
             }
         }

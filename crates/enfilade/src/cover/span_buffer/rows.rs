@@ -82,9 +82,16 @@ impl Rows {
     pub(super) fn sees(&mut self, rect: &Rect, nearest: f32) -> bool {
         // The middle first: where something is seen at all, it mostly is there.
         let middle = (rect.y0 + rect.y1) / 2;
-        let all = &self.rect;
-        let mut sees = |y: u16| self.rows[usize::from(y)].sees(rect, nearest, all);
-        sees(middle) || (rect.y0..rect.y1).any(sees)
+        if self.rows[usize::from(middle)].sees(rect, nearest, &self.rect) {
+            return true;
+        }
+        // A loop by hand: what `any` calls knows no SIMD.
+        for row in &mut self.rows[usize::from(rect.y0)..usize::from(rect.y1)] {
+            if row.sees(rect, nearest, &self.rect) {
+                return true;
+            }
+        }
+        false
     }
 
     /// Lets a face own those samples of a run at which it is nearest.
@@ -170,7 +177,11 @@ impl Row {
     #[inline(always)]
     fn first_beyond(&self, x: u16) -> usize {
         // No more than 2¹⁶ − 1 columns: the count fits.
-        usize::from(self.ends.iter().fold(0_u16, |count, &end| count + u16::from(end <= x)))
+        usize::from(
+            self.ends
+                .iter()
+                .fold(0_u16, |count, &end| count + u16::from(end <= x)),
+        )
     }
 
     /// Puts spans in the place of others.

@@ -42,6 +42,8 @@ pub mod order;
 mod aperture;
 mod blend;
 mod canvas;
+#[cfg(test)]
+mod chance;
 mod content;
 mod detail;
 mod entrance;

@@ -7,6 +7,7 @@ use crate::geom::{Aabb, ConvexPolygon, Transform};
 use crate::region::Region;
 use crate::scene::{FragmentId, Portal, PortalId};
 use crate::view::View;
+use fearless_simd::Level;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// A passage of a look, by its place in [`VisibleSet::passages`](crate::VisibleSet::passages).
@@ -39,6 +40,8 @@ pub struct Passage {
     pub(crate) any_place: bool,
     /// Names the chain of portals: equal for the same way in the next frame.
     pub(crate) chain: u64,
+    /// What boxes are asked about at, known once a look.
+    pub(crate) level: Level,
     eye_from_fragment: DAffine3,
     screen_from_eye: DMat3,
     pub(crate) screen_from_fragment: DAffine3,
@@ -67,6 +70,7 @@ impl Passage {
             flat,
             any_place: false,
             chain: u64::from(fragment.0),
+            level: crate::simd::level(),
             eye_from_fragment,
             screen_from_eye,
             screen_from_fragment: compose(&screen_from_eye, &eye_from_fragment),
@@ -101,6 +105,7 @@ impl Passage {
             flat: self.flat,
             any_place: false,
             chain: self.chain_through(portal_id),
+            level: self.level,
             eye_from_fragment,
             screen_from_eye: self.screen_from_eye,
             screen_from_fragment: compose(&self.screen_from_eye, &eye_from_fragment),
@@ -148,6 +153,7 @@ impl Passage {
             flat: self.flat,
             any_place: true,
             chain: self.chain,
+            level: self.level,
             eye_from_fragment: self.eye_from_fragment,
             screen_from_eye,
             screen_from_fragment: compose(&screen_from_eye, &self.eye_from_fragment),

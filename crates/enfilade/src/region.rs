@@ -3,6 +3,8 @@
 use crate::aperture::Rect;
 use crate::geom::Aabb;
 use crate::passage::Passage;
+use fearless_simd::prelude::*;
+use fearless_simd::{dispatch, f64x8};
 use glam::{DAffine3, DVec3};
 
 /// How much of something can be seen.
@@ -60,61 +62,9 @@ impl Region {
             return None;
         }
         let volume = Volume::new(screen_from_local, bounds);
-        let corners = volume.corners();
-        // From the middle of the rectangle, so that its sides stand at ±half.
-        let middle = [limits.x0 + limits.x1, limits.y0 + limits.y1].map(|sum| 0.5 * f64::from(sum));
-        let half = [limits.x1 - limits.x0, limits.y1 - limits.y0].map(|side| 0.5 * f64::from(side));
-        let mut outside = 0b11_1111_u8;
-        let [mut least, mut greatest] = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-        for corner in &corners {
-            let w = corner.z;
-            let [x, y] = [corner.x - middle[0] * w, corner.y - middle[1] * w];
-            let beyond_entry = passage
-                .entry
-                .is_none_or(|(normal, d)| normal.dot(*corner) >= d * (1.0 - 1e-6));
-            outside &= u8::from(x < -half[0] * w)
-                | u8::from(x > half[0] * w) << 1
-                | u8::from(y < -half[1] * w) << 2
-                | u8::from(y > half[1] * w) << 3
-                | u8::from(w < near) << 4
-                | u8::from(!beyond_entry) << 5;
-            for (axis, value) in [x, y, w].into_iter().enumerate() {
-                least[axis] = smaller(value, least[axis]);
-                greatest[axis] = greater(value, greatest[axis]);
-            }
-        }
-        if outside != 0 {
-            return None;
-        }
-        // What is seen in the rectangle has |x| ≤ half · w, so w is at least |x| / half: a ceiling overhead comes no
-        // nearer than where it enters the picture, however far behind the eye its box reaches.
-        let mut nearest_w = greater(least[2], near);
-        for axis in 0..2 {
-            nearest_w = greater(nearest_w, greater(least[axis], -greatest[axis]) / half[axis]);
-        }
-        let nearest = if nearest_w > near {
-            (ROUND_UP / nearest_w) as f32
-        } else {
-            f32::INFINITY
-        };
-        let [mut min, mut max] = [[0.0; 2], [0.0; 2]];
-        if least[2] > near {
-            [min, max] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-            for corner in &corners {
-                let per_w = 1.0 / corner.z;
-                for (axis, value) in [corner.x * per_w, corner.y * per_w].into_iter().enumerate() {
-                    min[axis] = smaller(value, min[axis]);
-                    max[axis] = greater(value, max[axis]);
-                }
-            }
-        } else {
-            for axis in 0..2 {
-                // w lies between these two, whatever x and y are.
-                let [close, far] = [nearest_w, greatest[2]];
-                min[axis] = middle[axis] + least[axis] / if least[axis] < 0.0 { close } else { far };
-                max[axis] = middle[axis] + greatest[axis] / if greatest[axis] > 0.0 { close } else { far };
-            }
-        }
+        let (level, entry) = (passage.level, passage.entry);
+        let Touched { min, max, nearest } =
+            dispatch!(level, simd => volume.touched(simd, &limits, near, entry))?;
         let rect = if passage.any_place {
             Rect::touched(min, max, &limits)
         } else {
@@ -139,6 +89,83 @@ impl Volume {
         }
     }
 
+    /// What of the screen it may touch, in pixels; `None` where that is nothing of `limits`. All eight corners at once;
+    /// the specification is `touched_one_by_one`, in the tests.
+    #[inline(always)]
+    fn touched<S: Simd>(
+        &self,
+        simd: S,
+        limits: &Rect,
+        near: f64,
+        entry: Option<(DVec3, f64)>,
+    ) -> Option<Touched> {
+        let x = along(
+            simd,
+            self.origin.x,
+            self.sides[0].x,
+            self.sides[1].x,
+            self.sides[2].x,
+        );
+        let y = along(
+            simd,
+            self.origin.y,
+            self.sides[0].y,
+            self.sides[1].y,
+            self.sides[2].y,
+        );
+        let w = along(
+            simd,
+            self.origin.z,
+            self.sides[0].z,
+            self.sides[1].z,
+            self.sides[2].z,
+        );
+        let zero = f64x8::splat(simd, 0.0);
+        // From the middle of the rectangle, so that its sides stand at ±half.
+        let [middle, half] = middle_and_half(limits);
+        let from_middle = [x - w * middle[0], y - w * middle[1]];
+        let [right, below] = [w * half[0], w * half[1]];
+        if from_middle[0].simd_lt(-right).all_true()
+            || from_middle[0].simd_gt(right).all_true()
+            || from_middle[1].simd_lt(-below).all_true()
+            || from_middle[1].simd_gt(below).all_true()
+            || w.simd_lt(near).all_true()
+        {
+            return None;
+        }
+        if let Some((normal, d)) = entry {
+            let at = x * normal.x + y * normal.y + w * normal.z;
+            if at.simd_ge(zero + d * (1.0 - 1e-6)).all_false() {
+                return None;
+            }
+        }
+        let least = [least_of(from_middle[0]), least_of(from_middle[1]), least_of(w)];
+        let greatest = [
+            greatest_of(from_middle[0]),
+            greatest_of(from_middle[1]),
+            greatest_of(w),
+        ];
+        let nearest_w = nearest_w(&least, &greatest, near, &half);
+        let [mut min, mut max] = [[0.0; 2], [0.0; 2]];
+        if least[2] > near {
+            let per_w = f64x8::splat(simd, 1.0) / w;
+            let (x, y) = (x * per_w, y * per_w);
+            (min, max) = ([least_of(x), least_of(y)], [greatest_of(x), greatest_of(y)]);
+        } else {
+            for axis in 0..2 {
+                // w lies between these two, whatever x and y are.
+                let [close, far] = [nearest_w, greatest[2]];
+                min[axis] = middle[axis] + least[axis] / if least[axis] < 0.0 { close } else { far };
+                max[axis] = middle[axis] + greatest[axis] / if greatest[axis] > 0.0 { close } else { far };
+            }
+        }
+        Some(Touched {
+            min,
+            max,
+            nearest: nearest(nearest_w, near),
+        })
+    }
+
     /// The eight corners; bit k of a corner's place says that side k leads to it.
     pub(crate) fn corners(&self) -> [DVec3; 8] {
         let Volume {
@@ -159,6 +186,82 @@ impl Volume {
     }
 }
 
+/// Where on the screen something may be, in pixels, and how near it comes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Touched {
+    min: [f64; 2],
+    max: [f64; 2],
+    nearest: f32,
+}
+
+/// The middle of a rectangle, and half of its sides.
+#[inline(always)]
+fn middle_and_half(limits: &Rect) -> [[f64; 2]; 2] {
+    let Rect { x0, y0, x1, y1 } = *limits;
+    [
+        [0.5 * f64::from(x0 + x1), 0.5 * f64::from(y0 + y1)],
+        [0.5 * f64::from(x1 - x0), 0.5 * f64::from(y1 - y0)],
+    ]
+}
+
+/// What is seen in the rectangle has |x| ≤ half · w, so w is at least |x| / half: a ceiling overhead comes no nearer
+/// than where it enters the picture, however far behind the eye its box reaches.
+#[inline(always)]
+fn nearest_w(least: &[f64; 3], greatest: &[f64; 3], near: f64, half: &[f64; 2]) -> f64 {
+    let mut nearest_w = greater(least[2], near);
+    for axis in 0..2 {
+        nearest_w = greater(nearest_w, greater(least[axis], -greatest[axis]) / half[axis]);
+    }
+    nearest_w
+}
+
+#[inline(always)]
+fn nearest(nearest_w: f64, near: f64) -> f32 {
+    if nearest_w > near {
+        (ROUND_UP / nearest_w) as f32
+    } else {
+        f32::INFINITY
+    }
+}
+
+/// One coordinate of the eight corners of a box, in the order of [`Volume::corners`].
+#[inline(always)]
+fn along<S: Simd>(simd: S, origin: f64, x: f64, y: f64, z: f64) -> f64x8<S> {
+    let (xy, far) = (x + y, origin + z);
+    let from = [origin, origin, origin, origin, far, far, far, far];
+    f64x8::from_slice(simd, &from) + f64x8::from_slice(simd, &[0.0, x, y, xy, 0.0, x, y, xy])
+}
+
+/// The least of eight numbers that are some.
+#[inline(always)]
+fn least_of<S: Simd>(values: f64x8<S>) -> f64 {
+    let mut least: [f64; 8] = values.into();
+    for value in &mut least {
+        *value = smaller(*value, f64::INFINITY);
+    }
+    for width in [4, 2, 1] {
+        for i in 0..width {
+            least[i] = smaller(least[i], least[i + width]);
+        }
+    }
+    least[0]
+}
+
+/// The greatest of eight numbers that are some.
+#[inline(always)]
+fn greatest_of<S: Simd>(values: f64x8<S>) -> f64 {
+    let mut greatest: [f64; 8] = values.into();
+    for value in &mut greatest {
+        *value = greater(*value, f64::NEG_INFINITY);
+    }
+    for width in [4, 2, 1] {
+        for i in 0..width {
+            greatest[i] = greater(greatest[i], greatest[i + width]);
+        }
+    }
+    greatest[0]
+}
+
 #[inline(always)]
 fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
@@ -172,6 +275,7 @@ fn greater(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chance::{Dice, levels};
     use crate::scene::FragmentId;
     use crate::view::View;
 
@@ -227,5 +331,99 @@ mod tests {
     fn a_box_beside_or_behind_the_picture_is_not_seen() {
         assert_eq!(seen([5.0, -1.0, -4.0], [6.0, 1.0, -3.0]), None);
         assert_eq!(seen([-1.0, -1.0, 1.0], [1.0, 1.0, 3.0]), None);
+    }
+
+    impl Volume {
+        fn touched_one_by_one(
+            &self,
+            limits: &Rect,
+            near: f64,
+            entry: Option<(DVec3, f64)>,
+        ) -> Option<Touched> {
+            let corners = self.corners();
+            let [middle, half] = middle_and_half(limits);
+            let mut outside = 0b11_1111_u8;
+            let [mut least, mut greatest] = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+            for corner in &corners {
+                let w = corner.z;
+                let [x, y] = [corner.x - middle[0] * w, corner.y - middle[1] * w];
+                let beyond_entry = entry.is_none_or(|(normal, d)| normal.dot(*corner) >= d * (1.0 - 1e-6));
+                outside &= u8::from(x < -half[0] * w)
+                    | u8::from(x > half[0] * w) << 1
+                    | u8::from(y < -half[1] * w) << 2
+                    | u8::from(y > half[1] * w) << 3
+                    | u8::from(w < near) << 4
+                    | u8::from(!beyond_entry) << 5;
+                for (axis, value) in [x, y, w].into_iter().enumerate() {
+                    least[axis] = smaller(value, least[axis]);
+                    greatest[axis] = greater(value, greatest[axis]);
+                }
+            }
+            if outside != 0 {
+                return None;
+            }
+            let nearest_w = nearest_w(&least, &greatest, near, &half);
+            let [mut min, mut max] = [[0.0; 2], [0.0; 2]];
+            if least[2] > near {
+                [min, max] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+                for corner in &corners {
+                    let per_w = 1.0 / corner.z;
+                    for (axis, value) in [corner.x * per_w, corner.y * per_w].into_iter().enumerate() {
+                        min[axis] = smaller(value, min[axis]);
+                        max[axis] = greater(value, max[axis]);
+                    }
+                }
+            } else {
+                for axis in 0..2 {
+                    // w lies between these two, whatever x and y are.
+                    let [close, far] = [nearest_w, greatest[2]];
+                    min[axis] = middle[axis] + least[axis] / if least[axis] < 0.0 { close } else { far };
+                    max[axis] =
+                        middle[axis] + greatest[axis] / if greatest[axis] > 0.0 { close } else { far };
+                }
+            }
+            Some(Touched {
+                min,
+                max,
+                nearest: nearest(nearest_w, near),
+            })
+        }
+    }
+
+    #[test]
+    fn eight_corners_at_once_touch_what_they_touch_one_by_one_at_every_level() {
+        let mut dice = Dice::new(23);
+        let mut seen = 0;
+        let limits = Rect {
+            x0: 10,
+            y0: 0,
+            x1: 90,
+            y1: 77,
+        };
+        for round in 0..20_000 {
+            let mut vector = |most: f64| {
+                let mut odd = || {
+                    if round % 4 == 0 {
+                        dice.odd(most)
+                    } else {
+                        dice.within(most)
+                    }
+                };
+                DVec3::new(odd(), odd(), odd())
+            };
+            let volume = Volume {
+                origin: vector(60.0) + DVec3::new(40.0, 40.0, 1.0),
+                sides: [vector(30.0), vector(30.0), vector(30.0)],
+            };
+            let entry = (round % 3 == 0).then(|| (vector(1.0), 0.5));
+            let expected = volume.touched_one_by_one(&limits, 0.1, entry);
+            seen += u32::from(expected.is_some());
+            for level in levels() {
+                let known = dispatch!(level, simd => volume.touched(simd, &limits, 0.1, entry));
+                // What is no number is as good as itself.
+                assert_eq!(format!("{known:?}"), format!("{expected:?}"), "{volume:?}");
+            }
+        }
+        assert!(seen > 2000, "{seen}");
     }
 }

@@ -31,6 +31,10 @@ pub struct Seen {
 #[derive(Debug, Default)]
 pub(crate) struct ReportBuffers {
     pub(crate) owners: Vec<(ItemId, u32)>,
+    /// Faces and clusters that are in `owners` already, each at a place that its number says; others come there too, and
+    /// take the place over. Faces by the lower halves of their samples.
+    pub(crate) faces: Vec<u32>,
+    pub(crate) clusters: Vec<(ItemId, u32)>,
     pub(crate) row: Vec<(u16, u16, Owner)>,
     pub(crate) spans: Vec<Span>,
 }
@@ -282,6 +286,11 @@ impl FoundClusters {
         self.clusters.truncate(kept as usize);
         self.runs
             .retain(|run| run.whole || run.clusters[0] < run.clusters[1]);
+    }
+
+    /// Forgets the items kept whole that `stays` says no of.
+    pub(crate) fn retain_whole(&mut self, mut stays: impl FnMut(ItemId) -> bool) {
+        self.runs.retain(|run| !run.whole || stays(run.item));
     }
 
     /// Reports items with their clusters, in order; nothing is left.

@@ -43,7 +43,7 @@ impl Rect {
     }
 
     /// The samples whose centres lie within these bounds, in pixels; a little more where rounding might lose one.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn around(min: [f64; 2], max: [f64; 2], within: &Rect) -> Rect {
         // Screen positions are good to 10⁻⁹ pixel; a sample too many costs a test, one too few a picture.
         const SLACK: f64 = 1e-6;

@@ -8,6 +8,9 @@ use fearless_simd::prelude::*;
 /// Rows are handed out by eights, from a multiple of eight.
 pub(super) const BAND: usize = 8;
 
+/// Of no more rows than this, to ask each sample is cheaper than to find where a line crosses them.
+const FEW_ROWS: u16 = 4;
+
 /// Runs of samples in up to eight rows, from row `y`, a multiple of eight.
 pub(crate) struct Band {
     pub(super) y: u16,
@@ -35,6 +38,53 @@ impl Band {
             if x0[row] < x1[row] {
                 samples += u64::from(x1[row] as u16 - x0[row] as u16);
                 runs[row] = [x0[row] as u16, x1[row] as u16];
+            }
+        }
+        (samples > 0).then_some((Band { y, runs }, samples))
+    }
+
+    /// The same as [`Band::held`], by the cheaper of two ways.
+    #[inline(always)]
+    pub(super) fn of<S: Simd>(simd: S, y: u16, rect: &Rect, planes: &[HalfPlane]) -> Option<(Band, u64)> {
+        let rows = [rect.y0.max(y), rect.y1.min(y + BAND as u16)];
+        let is_small = rect.x1 - rect.x0 <= BAND as u16 && rows[1] - rows[0] <= FEW_ROWS;
+        if is_small && planes.iter().all(HalfPlane::is_plain) {
+            Band::of_few(simd, y, rect, rows, planes)
+        } else {
+            Band::held(simd, y, rect, planes)
+        }
+    }
+
+    /// The same for no more than eight columns: each sample is asked, eight at a time. Where a plane is plain its samples
+    /// in a row are the first of all or the last, so that what is left is a run.
+    #[inline(always)]
+    fn of_few<S: Simd>(
+        simd: S,
+        y: u16,
+        rect: &Rect,
+        rows: [u16; 2],
+        planes: &[HalfPlane],
+    ) -> Option<(Band, u64)> {
+        const COLUMNS: [f64; BAND] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+        let columns = f64x8::from_slice(simd, &COLUMNS) + (f64::from(rect.x0) + 0.5);
+        let all = (1_u64 << (rect.x1 - rect.x0)) - 1;
+        let mut held = [all; FEW_ROWS as usize];
+        for plane in planes {
+            let across = plane.across(columns);
+            for (row, held) in (rows[0]..rows[1]).zip(&mut held) {
+                *held &= plane
+                    .holds_across(simd, across, f64::from(row) + 0.5)
+                    .to_bitmask();
+            }
+        }
+        let mut runs = [[0; 2]; BAND];
+        let mut samples = 0;
+        for (row, held) in (rows[0]..rows[1]).zip(held) {
+            if held != 0 {
+                let x0 = rect.x0 + held.trailing_zeros() as u16;
+                let count = held.count_ones();
+                samples += u64::from(count);
+                runs[usize::from(row - y)] = [x0, x0 + count as u16];
             }
         }
         (samples > 0).then_some((Band { y, runs }, samples))

@@ -1,7 +1,7 @@
 //! One side of a line on the screen.
 
-use fearless_simd::f64x8;
 use fearless_simd::prelude::*;
+use fearless_simd::{f64x8, mask64x8};
 use glam::DVec3;
 
 /// A side of a line on the screen: a·x + b·y + c above zero, or zero where `owns`.
@@ -65,6 +65,33 @@ impl HalfPlane {
         self.a.is_finite() && self.b.is_finite() && self.c.is_finite()
     }
 
+    /// Are the samples of a row that it holds the first or the last of them, whatever the rounding? So where the
+    /// crossing of a row can be computed.
+    #[inline(always)]
+    pub(super) fn is_plain(&self) -> bool {
+        self.a == 0.0 || (self.root.is_finite() && self.root != 0.0)
+    }
+
+    /// What the columns of some samples add to its value, to be used for several rows.
+    #[inline(always)]
+    pub(super) fn across<S: Simd>(&self, columns: f64x8<S>) -> f64x8<S> {
+        columns * self.a
+    }
+
+    /// Of samples whose columns add `across`, in the row whose centre is at `y`: those that it holds, by the same bits as
+    /// [`HalfPlane::holds`].
+    #[inline(always)]
+    pub(super) fn holds_across<S: Simd>(&self, simd: S, across: f64x8<S>, y: f64) -> mask64x8<S> {
+        let value = across + (y * self.b + self.c);
+        value.simd_ge(f64x8::splat(simd, self.least()))
+    }
+
+    /// The least value that is held: above zero, or zero where the line is owned.
+    #[inline(always)]
+    fn least(&self) -> f64 {
+        if self.owns { 0.0 } else { f64::from_bits(1) }
+    }
+
     /// Narrows the columns `x0..x1` of eight rows to those held; `rows` are the y of their centres, and `limits` the
     /// first column of all and the one after the last: from these, not from what other planes leave, so that several are
     /// computed at once.
@@ -80,8 +107,7 @@ impl HalfPlane {
         let at_row = rows * self.b + self.c;
         let [first, end] = limits;
         let [zero, one] = [f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0)];
-        // Above zero, or zero where the line is owned: the least number that is held.
-        let least = if self.owns { 0.0 } else { f64::from_bits(1) };
+        let least = self.least();
         if self.a == 0.0 || self.a.is_nan() {
             *x1 = at_row.simd_ge(f64x8::splat(simd, least)).select(*x1, first);
             return;

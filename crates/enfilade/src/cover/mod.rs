@@ -1,7 +1,10 @@
 //! Covers: what is already hidden. A cover knows nothing of orders; `method` joins the two.
 
 mod band;
+mod batch;
+mod block;
 mod cells;
+mod corners;
 mod depth_buffer;
 mod depth_pyramid;
 mod half_plane;
@@ -14,6 +17,7 @@ mod raster;
 mod report;
 mod samples;
 mod show;
+mod sieve;
 mod span_buffer;
 mod tiles;
 mod trace;
@@ -130,27 +134,13 @@ pub trait Hides: Cover {
     /// Do faces that a walk finds hide what it finds later? Then all that was found is asked about once more at the end.
     const TAKES_FACES: bool = false;
 
-    /// Lets a batch of opaque faces within `region` hide what is behind them, where that is worth it. May any of them be
-    /// seen? `true` when unsure. Only asked where [`Hides::TAKES_FACES`].
-    fn hide_faces(
-        &mut self,
-        _faces: &Faces,
-        _region: &Region,
-        _passage: &Passage,
-        _stats: &mut Stats,
-    ) -> bool {
-        true
-    }
+    /// Lets a batch of opaque faces within `region` hide what is behind them, where that is worth it. Only asked where
+    /// [`Hides::TAKES_FACES`].
+    fn hide_faces(&mut self, _faces: &Faces, _region: &Region, _passage: &Passage, _stats: &mut Stats) {}
 
-    /// May any of the faces within `region` be seen? `true` when unsure. Only asked where [`Hides::TAKES_FACES`].
-    fn sees_faces(
-        &mut self,
-        _faces: &Faces,
-        _region: &Region,
-        _passage: &Passage,
-        _stats: &mut Stats,
-    ) -> bool {
-        true
+    /// Are so many triangles within `region` too fine to hide what is worth it, and to be looked at in parts?
+    fn are_too_fine(_triangles: u64, _region: &Region) -> bool {
+        false
     }
 }
 

@@ -9,8 +9,11 @@
 //! that each sample belongs to exactly one of them. The same bits at every SIMD level: the compiler only widens it.
 
 pub(super) use super::band::{BAND, Band};
+use super::batch::Triangles;
+use super::corners::{Corner, Corners};
 use super::half_plane::HalfPlane;
 use super::part::{Part, greater, smaller};
+use super::sieve::{self, Sieve};
 use super::triangle::Triangle;
 use crate::aperture::Rect;
 use crate::faces::{Cut, Faces, Of};
@@ -20,11 +23,18 @@ use crate::stats::Stats;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
+use std::hint::black_box;
 
 /// Receives the samples of triangles.
 pub(super) trait Sink {
     /// Is all that lies in `rect` and is no nearer than `nearest` hidden already? `false` when unsure.
     fn hides(&mut self, rect: &Rect, nearest: f32) -> bool;
+
+    /// Does it know all that it wants to know of the batch at hand?
+    #[inline(always)]
+    fn is_done(&self) -> bool {
+        false
+    }
 
     /// A triangle that is not hidden comes next; its corners as (X, Y, W).
     #[inline(always)]
@@ -42,7 +52,7 @@ pub(super) struct Raster {
 
 #[derive(Default)]
 struct Buffers {
-    corners: Vec<Corner>,
+    corners: Corners,
     planes: Vec<HalfPlane>,
     part: Part,
 }
@@ -51,15 +61,6 @@ impl Default for Raster {
     fn default() -> Raster {
         Raster::at(level())
     }
-}
-
-#[derive(Clone, Copy)]
-struct Corner {
-    /// X, Y, W.
-    at: DVec3,
-    /// X / W, Y / W and 1 / W; of no meaning where W is not above zero.
-    pixel: [f64; 2],
-    nearness: f64,
 }
 
 impl Raster {
@@ -88,26 +89,11 @@ fn run_batch<S: Simd>(
     sink: &mut impl Sink,
     stats: &mut Stats,
 ) {
-    let matrix = faces.screen_from_local;
-    let on_screen = |&[x, y, z]: &[f32; 3]| {
-        let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
-        let at = matrix.matrix3.x_axis * x
-            + matrix.matrix3.y_axis * y
-            + matrix.matrix3.z_axis * z
-            + matrix.translation;
-        let nearness = 1.0 / at.z;
-        Corner {
-            at,
-            pixel: [at.x * nearness, at.y * nearness],
-            nearness,
-        }
-    };
     let Buffers {
         corners,
         planes,
         part,
     } = buffers;
-    corners.clear();
     let batch = Batch {
         rect: passage.aperture.rect(),
         // An opening that the eye stands in is seen through, however near it is.
@@ -118,63 +104,97 @@ fn run_batch<S: Simd>(
         },
         entry: passage.entry,
         front: faces.front(passage),
+        // Only a face alone is ever cut.
+        cuts: if faces.is_lone() { faces.cuts } else { &[] },
     };
-    let first = faces.first_position;
-    if faces.is_lone() {
-        let used = faces.corners.iter();
-        corners.extend(used.map(|&index| on_screen(&faces.positions[(index - first) as usize])));
-        let cuts = faces.cuts;
-        for last in 2..corners.len() {
-            let used = [&corners[0], &corners[last - 1], &corners[last]];
-            let cut = (!cuts.is_empty()).then_some(Cuts { cuts, planes });
-            batch.triangle(simd, faces.first_owner, used, part, cut, sink, stats);
-        }
-        return;
+    if !faces.is_lone() {
+        fetch(faces);
     }
-    corners.extend(faces.positions.iter().map(on_screen));
-    faces.for_each(
-        #[inline(always)]
-        |owner, face| {
-            for last in 2..face.len() {
-                let used =
-                    [face[0], face[last - 1], face[last]].map(|index| &corners[(index - first) as usize]);
-                batch.triangle(simd, owner, used, part, None, sink, stats);
+    let first = faces.first_position as usize;
+    let position = |place: usize| faces.positions[place];
+    let mut triangles = Triangles::of(faces);
+    let extent = if let Triangles::Lone { .. } = triangles {
+        let used = |place: usize| position(faces.corners[place] as usize - first);
+        corners.fill(
+            simd,
+            faces.corners.len(),
+            used,
+            faces.screen_from_local,
+            batch.near,
+        );
+        None
+    } else {
+        let count = faces.positions.len();
+        corners.fill(simd, count, position, faces.screen_from_local, batch.near)
+    };
+    let sieve = extent.map(|extent| Sieve::new(&extent, &batch.rect, batch.front));
+    let mut group = [(0, [0; 3]); sieve::LANES];
+    loop {
+        let count = triangles.next_into(&mut group);
+        if count == 0 || sink.is_done() {
+            return;
+        }
+        let mut left = (1_u32 << count) - 1;
+        if let Some(sieve) = &sieve {
+            let mut at = [[[0.0; sieve::LANES]; 2]; 3];
+            for (lane, (_, used)) in group[..count].iter().enumerate() {
+                for corner in 0..3 {
+                    [at[corner][0][lane], at[corner][1][lane]] = corners.rounded(used[corner]);
+                }
             }
-        },
-    );
+            let sifted = sieve.sift(simd, &at);
+            stats.triangles += u64::from((sifted.between & left).count_ones());
+            left &= sifted.left;
+        }
+        while left != 0 {
+            let (owner, used) = group[left.trailing_zeros() as usize];
+            left &= left - 1;
+            let used = [corners.get(used[0]), corners.get(used[1]), corners.get(used[2])];
+            batch.triangle(simd, owner, &used, part, planes, sink, stats);
+        }
+    }
+}
+
+/// Asks for all of a batch's memory at once, so that one waits for it once: of a large scene every batch lies somewhere
+/// else, and a loop that computes on the way has only a few lines of a cache under way.
+#[inline(always)]
+fn fetch(faces: &Faces) {
+    const LINE: usize = 64;
+    for position in faces.positions.iter().step_by(LINE / size_of::<[f32; 3]>()) {
+        black_box(position[0]);
+    }
+    for &corner in faces.corners.iter().step_by(LINE / size_of::<u32>()) {
+        black_box(corner);
+    }
 }
 
 /// What holds for all triangles of a batch.
-struct Batch {
+struct Batch<'a> {
     rect: Rect,
     near: f64,
     entry: Option<(DVec3, f64)>,
     front: f64,
-}
-
-/// Planes that cut a face, and room to work with them.
-struct Cuts<'a> {
+    /// Planes that cut the face.
     cuts: &'a [Cut],
-    planes: &'a mut Vec<HalfPlane>,
 }
 
-impl Batch {
-    /// A triangle, or what is left of it behind `cuts`. Most have none, and the compiler knows where.
+impl Batch<'_> {
+    /// A triangle, or what is left of it behind cuts.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "what one triangle needs, never kept")]
     fn triangle<S: Simd>(
         &self,
         simd: S,
         owner: u32,
-        corners: [&Corner; 3],
+        corners: &[Corner; 3],
         part: &mut Part,
-        cut: Option<Cuts>,
+        all_planes: &mut Vec<HalfPlane>,
         sink: &mut impl Sink,
         stats: &mut Stats,
     ) {
-        let [a, b, c] = corners.map(|corner| corner.at);
+        let [a, b, c] = [corners[0].at, corners[1].at, corners[2].at];
         let crosses_near = a.z <= self.near || b.z <= self.near || c.z <= self.near;
-        let [p, q, r] = corners.map(|corner| corner.nearness);
+        let [p, q, r] = [corners[0].nearness, corners[1].nearness, corners[2].nearness];
         let [mut least, mut greatest] = [smaller(p, smaller(q, r)), greater(p, greater(q, r))];
         if crosses_near {
             let farthest = greater(a.z, greater(b.z, c.z));
@@ -188,13 +208,18 @@ impl Batch {
                 f64::from(f32::MAX)
             };
         }
-        let rect = if crosses_near || cut.is_some() {
-            let cuts = cut.as_ref().map_or(&[][..], |cut| cut.cuts);
-            part.rect(&[a, b, c], self.near, cuts, &self.rect)
+        let rect = if crosses_near || !self.cuts.is_empty() {
+            part.rect(&[a, b, c], self.near, self.cuts, &self.rect)
         } else {
-            let [p, q, r] = corners.map(|corner| corner.pixel);
-            let low = [0, 1].map(|axis| smaller(p[axis], smaller(q[axis], r[axis])));
-            let high = [0, 1].map(|axis| greater(p[axis], greater(q[axis], r[axis])));
+            let [p, q, r] = [corners[0].pixel, corners[1].pixel, corners[2].pixel];
+            let low = [
+                smaller(p[0], smaller(q[0], r[0])),
+                smaller(p[1], smaller(q[1], r[1])),
+            ];
+            let high = [
+                greater(p[0], greater(q[0], r[0])),
+                greater(p[1], greater(q[1], r[1])),
+            ];
             Rect::around(low, high, &self.rect)
         };
         if rect.is_empty() {
@@ -233,17 +258,14 @@ impl Batch {
             greatest,
         };
         sink.begin(&triangle, &[a, b, c]);
-        match cut {
-            None => walk_rows(simd, &rect, &planes[..count], &triangle, sink, stats),
-            Some(Cuts { cuts, planes: all }) => {
-                all.clear();
-                all.extend_from_slice(&planes[..count]);
-                all.extend(
-                    cuts.iter()
-                        .map(|cut| HalfPlane::new(cut.normal - nearness * cut.distance)),
-                );
-                walk_rows(simd, &rect, all, &triangle, sink, stats);
-            }
+        if self.cuts.is_empty() {
+            walk_rows(simd, &rect, &planes[..count], &triangle, sink, stats);
+        } else {
+            let cut = |cut: &Cut| HalfPlane::new(cut.normal - nearness * cut.distance);
+            all_planes.clear();
+            all_planes.extend_from_slice(&planes[..count]);
+            all_planes.extend(self.cuts.iter().map(cut));
+            walk_rows(simd, &rect, all_planes, &triangle, sink, stats);
         }
     }
 }
@@ -260,7 +282,7 @@ fn walk_rows<S: Simd>(
 ) {
     let mut y = rect.y0 - rect.y0 % BAND as u16;
     while y < rect.y1 {
-        if let Some((band, samples)) = Band::held(simd, y, rect, planes) {
+        if let Some((band, samples)) = Band::of(simd, y, rect, planes) {
             stats.samples += samples;
             sink.band(&band, triangle);
         }

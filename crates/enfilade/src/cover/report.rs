@@ -4,7 +4,7 @@ use super::samples::{OPEN, Sample, owner_of};
 use super::trace::Trace;
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, Span};
-use crate::content::{Content, Owner};
+use crate::content::{Content, ItemId, Owner};
 use crate::seen::{GlassSample, ReportBuffers, Seen, report_owners};
 
 /// Gathers runs of owners, left to right and row after row.
@@ -20,15 +20,23 @@ pub(super) struct Report<'a> {
     buffers: ReportBuffers,
 }
 
+/// Faces that are remembered as reported, and clusters: more is remembered of what comes later.
+const REMEMBERED: usize = 4096;
+
 impl<'a> Report<'a> {
     pub(super) fn new(
         content: &'a Content,
         seen: &'a mut Seen,
         canvas: Option<&'a mut dyn Canvas>,
     ) -> Report<'a> {
+        let mut buffers = std::mem::take(&mut seen.report);
+        buffers.faces.clear();
+        buffers.faces.resize(REMEMBERED, OPEN as u32);
+        buffers.clusters.clear();
+        buffers.clusters.resize(REMEMBERED, (ItemId(u32::MAX), 0));
         Report {
             content,
-            buffers: std::mem::take(&mut seen.report),
+            buffers,
             seen,
             canvas,
             lower_half: OPEN as u32,
@@ -66,24 +74,80 @@ impl<'a> Report<'a> {
         (self.x0, self.x1, self.lower_half) = (x0, x1, lower_half);
     }
 
+    #[inline]
     fn end_run(&mut self) {
-        if self.x0 < self.x1
-            && let Some(number) = owner_of(self.lower_half)
-        {
-            let owner = self.content.owner(number, self.last);
-            if let Owner::Face(item, face) = owner
-                && self.last != Some(owner)
+        if self.x0 < self.x1 && owner_of(self.lower_half).is_some() {
+            let samples = u64::from(self.x1 - self.x0);
+            if (self.canvas.is_some() || !self.is_known(self.lower_half, samples))
+                && let Some(owner) = self.meet(self.lower_half)
             {
-                let cluster = self.content.mesh_of(item).cluster_of(face) as u32;
-                let owners = &mut self.buffers.owners;
-                if owners.last() != Some(&(item, cluster)) {
-                    owners.push((item, cluster));
-                }
+                self.buffers.row.push((self.x0, self.x1, owner));
             }
-            self.last = Some(owner);
-            self.buffers.row.push((self.x0, self.x1, owner));
         }
         self.x0 = self.x1;
+    }
+
+    /// Must samples come row after row? Else they may come in any order, by [`Report::some`] and [`Report::eight`].
+    pub(super) fn wants_rows(&self) -> bool {
+        self.canvas.is_some() || !self.content.openings().is_empty()
+    }
+
+    /// Some samples have this lower half. Only where rows are not wanted.
+    #[inline(always)]
+    pub(super) fn some(&mut self, lower_half: u32, samples: u64) {
+        if owner_of(lower_half).is_some() && !self.is_known(lower_half, samples) {
+            self.meet(lower_half);
+            self.seen.samples_owned += samples;
+        }
+    }
+
+    /// Eight samples. Only where rows are not wanted.
+    #[inline(always)]
+    pub(super) fn eight(&mut self, samples: &[Sample; 8]) {
+        let first = samples[0] as u32;
+        if samples
+            .iter()
+            .fold(true, |same, &sample| same & (sample as u32 == first))
+        {
+            self.some(first, 8);
+            return;
+        }
+        for &sample in samples {
+            self.some(sample as u32, 1);
+        }
+    }
+
+    /// Was this face reported already? Then its samples are counted.
+    #[inline(always)]
+    fn is_known(&mut self, lower_half: u32, samples: u64) -> bool {
+        let known = self.buffers.faces[lower_half as usize % REMEMBERED] == lower_half;
+        self.seen.samples_owned += if known { samples } else { 0 };
+        known
+    }
+
+    /// Reports who owns a sample that is neither open nor covered.
+    #[inline(never)]
+    fn meet(&mut self, lower_half: u32) -> Option<Owner> {
+        let owner = self.content.owner(owner_of(lower_half)?, self.last);
+        if let Owner::Face(item, face) = owner
+            && self.last != Some(owner)
+        {
+            let cluster = self.content.mesh_of(item).cluster_of(face) as u32;
+            let ReportBuffers {
+                owners,
+                faces,
+                clusters,
+                ..
+            } = &mut self.buffers;
+            faces[lower_half as usize % REMEMBERED] = lower_half;
+            let place = item.0.wrapping_mul(0x9E37_79B1).wrapping_add(cluster) as usize % REMEMBERED;
+            if clusters[place] != (item, cluster) {
+                clusters[place] = (item, cluster);
+                owners.push((item, cluster));
+            }
+        }
+        self.last = Some(owner);
+        Some(owner)
     }
 
     /// The row at hand is complete: it is row `y`.

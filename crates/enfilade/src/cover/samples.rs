@@ -10,9 +10,7 @@ use crate::content::{Content, ItemId};
 use crate::faces::{Faces, Of};
 use crate::passage::Passage;
 use crate::seen::Seen;
-use crate::simd::level;
 use crate::stats::Stats;
-use fearless_simd::{Level, dispatch};
 
 /// Nearness in the upper half, the complement of the face's number in the lower: the greater number is what is
 /// seen, so that of equally near faces the lower one owns, whatever comes first.
@@ -42,26 +40,13 @@ pub(super) fn nearness(sample: Sample) -> u32 {
 }
 
 /// Samples of a passage's rectangle, row after row.
+#[derive(Default)]
 pub(super) struct Samples {
-    level: Level,
     pub(super) width: usize,
     pub(super) rect: Rect,
     samples: Vec<Sample>,
     runs: Vec<[u16; 2]>,
     pub(super) trace: Option<Trace>,
-}
-
-impl Default for Samples {
-    fn default() -> Samples {
-        Samples {
-            level: level(),
-            width: 0,
-            rect: Rect::default(),
-            samples: Vec::new(),
-            runs: Vec::new(),
-            trace: None,
-        }
-    }
 }
 
 impl Samples {
@@ -109,23 +94,6 @@ impl Samples {
     pub(super) fn row_mut(&mut self, y: u16, x0: u16, x1: u16) -> &mut [Sample] {
         let start = usize::from(y) * self.width;
         &mut self.samples[start + usize::from(x0)..start + usize::from(x1)]
-    }
-
-    /// Bits of the farthest nearness in `rect`.
-    pub(super) fn farthest(&self, rect: &Rect) -> u32 {
-        dispatch!(self.level, _simd => self.farthest_here(rect))
-    }
-
-    /// The same, for callers that run at the SIMD level already.
-    #[inline(always)]
-    pub(super) fn farthest_here(&self, rect: &Rect) -> u32 {
-        let mut farthest = COVERED;
-        for y in rect.y0..rect.y1 {
-            for &sample in self.row(y, rect.x0, rect.x1) {
-                farthest = if sample < farthest { sample } else { farthest };
-            }
-        }
-        nearness(farthest)
     }
 
     /// Reports and paints the owners that are left.
@@ -231,6 +199,7 @@ pub(super) fn look_through(
     if let Of::Item(item, _) = faces.of {
         let mut glass = Glass {
             depth,
+            is_seen: false,
             seen,
             item,
             item_start: faces.item_start,
@@ -241,6 +210,8 @@ pub(super) fn look_through(
 
 struct Glass<'a, D> {
     depth: D,
+    /// Is any of the batch seen? Who does not paint wants to know no more.
+    is_seen: bool,
     seen: &'a mut Seen,
     item: ItemId,
     item_start: u32,
@@ -248,15 +219,24 @@ struct Glass<'a, D> {
 
 impl<D: Fn(u16, u16) -> u32> Sink for Glass<'_, D> {
     fn hides(&mut self, _rect: &Rect, _nearest: f32) -> bool {
-        false
+        self.is_done()
+    }
+
+    #[inline(always)]
+    fn is_done(&self) -> bool {
+        self.is_seen && !self.seen.paints
     }
 
     fn band(&mut self, band: &Band, triangle: &Triangle) {
+        if self.is_done() {
+            return;
+        }
         for (y, [x0, x1]) in band.rows() {
             let row = triangle.row(y);
             for x in x0..x1 {
                 let bits = row.bits(i32::from(x));
                 if bits >= (self.depth)(x, y) {
+                    self.is_seen = true;
                     self.seen.glass(
                         x,
                         y,

@@ -3,29 +3,52 @@
 //! A tile is empty, or one triangle owns all of it, or its samples are written out. Most tiles of a picture of walls
 //! are of the second kind: 64 samples are decided by two depths. What is written out later is the same, bit for bit.
 
+pub(super) use super::block::TILE_SHIFT;
+use super::block::{Block, TILE};
 use super::raster::{BAND, Band};
 use super::report::Report;
-use super::samples::{OPEN, Sample, Samples, lower_half, nearness};
+use super::samples::{COVERED, OPEN, lower_half, nearness};
+use super::trace::Trace;
 use super::triangle::Triangle;
 use crate::aperture::Rect;
 use crate::passage::Passage;
+use fearless_simd::{Level, dispatch};
 use std::cmp::Ordering;
 
-/// Samples along a tile's side, as a power of two.
-pub(super) const TILE_SHIFT: usize = 3;
-pub(super) const TILE: usize = 1 << TILE_SHIFT;
 const _: () = assert!(TILE == BAND);
 
-#[derive(Default)]
 pub(super) struct Tiles {
-    pub(super) samples: Samples,
+    level: Level,
+    /// The aperture's rectangle. What a tile holds beside it is covered.
+    pub(super) rect: Rect,
     pub(super) columns: usize,
     pub(super) rows: usize,
     tiles: Vec<Tile>,
+    /// The samples of tiles that are written out.
+    blocks: Vec<Block>,
     /// Triangles that own whole tiles.
     triangles: Vec<Triangle>,
-    /// For each row of tiles, the columns that are open in all its rows.
+    /// The open runs of a row, and for each row of tiles the columns that are open in all its rows.
+    runs: Vec<[u16; 2]>,
     open: Vec<[u16; 2]>,
+    pub(super) trace: Option<Trace>,
+}
+
+impl Default for Tiles {
+    fn default() -> Tiles {
+        Tiles {
+            level: crate::simd::level(),
+            rect: Rect::default(),
+            columns: 0,
+            rows: 0,
+            tiles: Vec::new(),
+            blocks: Vec::new(),
+            triangles: Vec::new(),
+            runs: Vec::new(),
+            open: Vec::new(),
+            trace: None,
+        }
+    }
 }
 
 #[derive(Clone, Copy)]
@@ -49,8 +72,9 @@ enum State {
 
 impl Tiles {
     pub(super) fn clear(&mut self, passage: &Passage, trace: bool) {
-        self.samples.shape(passage, trace);
-        let Rect { x0, x1, y0, y1 } = self.samples.rect;
+        self.rect = passage.aperture.rect();
+        self.trace = trace.then(|| Trace::new(&self.rect));
+        let Rect { x0, x1, y0, y1 } = self.rect;
         [self.columns, self.rows] = [x1, y1].map(|side| usize::from(side).div_ceil(TILE));
         self.tiles.clear();
         self.tiles.resize(
@@ -61,6 +85,9 @@ impl Tiles {
                 stale: false,
             },
         );
+        if self.blocks.len() < self.tiles.len() {
+            self.blocks.resize(self.tiles.len(), Block::OPEN);
+        }
         self.triangles.clear();
         // Behind a portal some samples are covered from the start, and a trace wants each sample.
         if passage.parent.is_none() && !trace {
@@ -71,21 +98,29 @@ impl Tiles {
             farthest: 0,
             stale: true,
         });
-        let mut open = std::mem::take(&mut self.open);
-        open.clear();
-        open.resize(self.rows, [x0, x1]);
-        self.samples.open(passage, |y, runs| {
-            let band = &mut open[usize::from(y) >> TILE_SHIFT];
-            *band = match *runs {
+        self.blocks[..self.tiles.len()].fill(Block::COVERED);
+        self.open.clear();
+        self.open.resize(self.rows, [x0, x1]);
+        for y in y0..y1 {
+            passage.aperture.open_in_row(y, &mut self.runs);
+            let row = usize::from(y) >> TILE_SHIFT;
+            let band = &mut self.open[row];
+            *band = match *self.runs {
                 [[start, end]] => [band[0].max(start), band[1].min(end)],
                 _ => [x1, x0],
             };
-        });
-        self.open = open;
+            for &[start, end] in &self.runs {
+                for x in usize::from(start)..usize::from(end) {
+                    let block = &mut self.blocks[row * self.columns + (x >> TILE_SHIFT)];
+                    block.0[usize::from(y) % TILE][x % TILE] = OPEN;
+                }
+            }
+        }
         if trace {
             return;
         }
-        for (row, open) in self.open.iter().enumerate().skip(usize::from(y0) >> TILE_SHIFT) {
+        for row in usize::from(y0) >> TILE_SHIFT..self.rows {
+            let open = self.open[row];
             for column in usize::from(x0) >> TILE_SHIFT..self.columns {
                 let tile = self.rect(column, row);
                 if open[0] <= tile.x0 && tile.x1 <= open[1] {
@@ -109,7 +144,7 @@ impl Tiles {
             x1: x0 + TILE as u16,
             y1: y0 + TILE as u16,
         }
-        .intersection(&self.samples.rect)
+        .intersection(&self.rect)
     }
 
     /// Lets a triangle own those samples of a band at which it is nearest. `nearer` is told of each tile in which a
@@ -137,7 +172,7 @@ impl Tiles {
             return;
         }
         // The columns that all rows of the rectangle hold.
-        let Rect { x0, y0, x1, y1 } = self.samples.rect;
+        let Rect { x0, y0, x1, y1 } = self.rect;
         let mut all = [x0, x1];
         for (y, &[start, end]) in (band.y..).zip(&band.runs) {
             if (y0..y1).contains(&y) {
@@ -146,27 +181,25 @@ impl Tiles {
         }
         // Linear, so nearest and farthest at corners.
         let [right, down] = [triangle.nearness.x > 0.0, triangle.nearness.y > 0.0];
+        let [top, bottom] = [y0.max(band.y), y1.min(band.y + TILE as u16) - 1];
+        let nearest_row = triangle.row(if down { bottom } else { top });
+        let farthest_row = triangle.row(if down { top } else { bottom });
         let mut number = None;
         for column in columns {
             let rect = self.rect(column, row);
-            let corner = |right: bool, down: bool| {
-                let x = if right { rect.x1 - 1 } else { rect.x0 };
-                triangle
-                    .row(if down { rect.y1 - 1 } else { rect.y0 })
-                    .bits(i32::from(x))
-            };
+            let nearest = nearest_row.bits(i32::from(if right { rect.x1 - 1 } else { rect.x0 }));
             let index = row * self.columns + column;
             let whole = all[0] <= rect.x0 && all[1] >= rect.x1;
             if whole && self.tiles[index].stale {
                 // To bring it up to date costs less than going through all its samples for nothing.
-                let farthest = self.samples.farthest_here(&rect);
+                let farthest = self.blocks[index].farthest();
                 self.tiles[index] = Tile {
                     farthest,
                     stale: false,
                     ..self.tiles[index]
                 };
             }
-            if corner(right, down) < self.tiles[index].farthest {
+            if nearest < self.tiles[index].farthest {
                 continue;
             }
             let owns_it = match self.tiles[index].state {
@@ -186,7 +219,7 @@ impl Tiles {
                 self.triangles.push(*triangle);
                 self.triangles.len() as u32 - 1
             });
-            let farthest = corner(!right, !down);
+            let farthest = farthest_row.bits(i32::from(if right { rect.x0 } else { rect.x1 - 1 }));
             self.tiles[index] = Tile {
                 state: State::Whole(number),
                 farthest,
@@ -206,16 +239,20 @@ impl Tiles {
         triangle: &Triangle,
         nearer: &mut impl FnMut(usize, usize),
     ) {
-        let rect = self.rect(column, row);
         let index = row * self.columns + column;
         if self.tiles[index].state != State::Written {
             self.write_out(column, row);
         }
-        for (y, [start, end]) in band.rows() {
-            let [start, end] = [start.max(rect.x0), end.min(rect.x1)];
-            if start < end {
-                self.samples.keep_nearest(y, start, end, triangle);
+        let x = (column << TILE_SHIFT) as u16;
+        let block = &mut self.blocks[index];
+        for (place, y) in (band.y..).take(BAND).enumerate() {
+            let run = band.runs[place];
+            if run[0] < run[1] {
+                block.keep_nearest(place, x, run, &triangle.row(y), triangle.owner);
             }
+        }
+        if self.trace.is_some() {
+            self.count(column, row, band, triangle.owner);
         }
         if !self.tiles[index].stale {
             self.tiles[index].stale = true;
@@ -224,22 +261,57 @@ impl Tiles {
     }
 
     /// Writes the samples of a tile out.
-    #[inline(never)]
+    #[inline(always)]
     fn write_out(&mut self, column: usize, row: usize) {
-        let Rect { x0, y0, x1, y1 } = self.rect(column, row);
-        let tile = &mut self.tiles[row * self.columns + column];
-        let state = std::mem::replace(&mut tile.state, State::Written);
-        for y in y0..y1 {
-            match state {
-                State::Whole(number) => {
-                    let triangle = self.triangles[number as usize];
-                    let (row, owner) = (triangle.row(y), Sample::from(lower_half(triangle.owner)));
-                    for (x, sample) in (i32::from(x0)..).zip(self.samples.row_mut(y, x0, x1)) {
-                        *sample = Sample::from(row.bits(x)) << 32 | owner;
-                    }
+        let index = row * self.columns + column;
+        let state = std::mem::replace(&mut self.tiles[index].state, State::Written);
+        let block = &mut self.blocks[index];
+        let [x, y] = [column, row].map(|place| (place << TILE_SHIFT) as u16);
+        match state {
+            State::Whole(number) => block.fill(x, y, &self.triangles[number as usize]),
+            _ => *block = Block::OPEN,
+        }
+        let within = self.rect(column, row);
+        if [within.x1 - within.x0, within.y1 - within.y0] != [TILE as u16; 2] {
+            self.cover_beside(index, [x, y], &within);
+        }
+    }
+
+    /// Covers what a tile, whose first column and row are given, holds beside the aperture's rectangle.
+    #[cold]
+    fn cover_beside(&mut self, index: usize, [x, y]: [u16; 2], within: &Rect) {
+        for (y, samples) in (y..).zip(&mut self.blocks[index].0) {
+            for (x, sample) in (x..).zip(samples) {
+                if !((within.x0..within.x1).contains(&x) && (within.y0..within.y1).contains(&y)) {
+                    *sample = COVERED;
                 }
-                _ => self.samples.row_mut(y, x0, x1).fill(OPEN),
             }
+        }
+    }
+
+    /// Counts a test of each sample of a band in one tile; those that `owner` owns came with the batch at hand.
+    #[cold]
+    fn count(&mut self, column: usize, row: usize, band: &Band, owner: u32) {
+        let Rect { x0, x1, .. } = self.rect(column, row);
+        let (block, Some(trace)) = (&self.blocks[row * self.columns + column], &mut self.trace) else {
+            return;
+        };
+        for (y, [start, end]) in band.rows() {
+            let [start, end] = [start.max(x0), end.min(x1).max(start.max(x0))];
+            trace.test(y, start, end);
+            for x in start..end {
+                let sample = block.0[usize::from(y) % TILE][usize::from(x) % TILE];
+                if sample as u32 == lower_half(owner) {
+                    trace.own(y, x, x + 1, trace.batch);
+                }
+            }
+        }
+    }
+
+    /// A new batch of faces begins.
+    pub(super) fn begin_batch(&mut self) {
+        if let Some(trace) = &mut self.trace {
+            trace.batch += 1;
         }
     }
 
@@ -280,7 +352,15 @@ impl Tiles {
                     .row(if triangle.nearness.y > 0.0 { y0 } else { y1 - 1 })
                     .bits(i32::from(x))
             }
-            State::Written => self.samples.farthest(&within),
+            State::Written => {
+                let block = &self.blocks[row * self.columns + column];
+                if within == self.rect(column, row) {
+                    return dispatch!(self.level, _simd => block.farthest());
+                }
+                let [columns, rows] = [[x0, x1 - 1], [y0, y1 - 1]]
+                    .map(|[first, last]| [usize::from(first) % TILE, usize::from(last) % TILE + 1]);
+                dispatch!(self.level, _simd => block.farthest_in(columns, rows))
+            }
         }
     }
 
@@ -290,7 +370,7 @@ impl Tiles {
         match self.tiles[index].state {
             State::Empty => 0,
             State::Whole(number) => self.triangles[number as usize].row(y).bits(i32::from(x)),
-            State::Written => nearness(self.samples.row(y, x, x + 1)[0]),
+            State::Written => nearness(self.blocks[index].0[usize::from(y) % TILE][usize::from(x) % TILE]),
         }
     }
 
@@ -302,29 +382,64 @@ impl Tiles {
         }
     }
 
-    /// Reports all owners, row by row.
+    /// Reports all owners: tile by tile where that is enough, else row by row.
     pub(super) fn report(&self, report: &mut Report) {
-        let Rect { x0, y0, x1, y1 } = self.samples.rect;
+        if report.wants_rows() {
+            self.report_rows(report);
+        } else {
+            dispatch!(self.level, _simd => self.report_tiles(report));
+        }
+    }
+
+    #[inline(always)]
+    fn report_tiles(&self, report: &mut Report) {
+        let Rect { x0, y0, x1, y1 } = self.rect;
+        for row in usize::from(y0) >> TILE_SHIFT..usize::from(y1).div_ceil(TILE) {
+            for column in usize::from(x0) >> TILE_SHIFT..usize::from(x1).div_ceil(TILE) {
+                let index = row * self.columns + column;
+                match self.tiles[index].state {
+                    State::Empty => {}
+                    State::Whole(number) => {
+                        let Rect { x0, y0, x1, y1 } = self.rect(column, row);
+                        let samples = u64::from(x1 - x0) * u64::from(y1 - y0);
+                        report.some(lower_half(self.triangles[number as usize].owner), samples);
+                    }
+                    State::Written => {
+                        for samples in &self.blocks[index].0 {
+                            report.eight(samples);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn report_rows(&self, report: &mut Report) {
+        let Rect { x0, y0, x1, y1 } = self.rect;
         for y in y0..y1 {
             let row = usize::from(y) >> TILE_SHIFT;
             for column in usize::from(x0) >> TILE_SHIFT..usize::from(x1).div_ceil(TILE) {
                 let Rect { x0, x1, .. } = self.rect(column, row);
-                match self.tiles[row * self.columns + column].state {
+                let index = row * self.columns + column;
+                match self.tiles[index].state {
                     State::Empty => report.run(x0, x1, OPEN as u32),
                     State::Whole(number) => {
                         report.run(x0, x1, lower_half(self.triangles[number as usize].owner));
                     }
-                    State::Written => report.samples(x0, self.samples.row(y, x0, x1)),
+                    State::Written => {
+                        let samples = &self.blocks[index].0[usize::from(y) % TILE];
+                        let first = usize::from(x0) % TILE;
+                        report.samples(x0, &samples[first..first + usize::from(x1 - x0)]);
+                    }
                 }
             }
-            report.end_row(y, &self.samples.rect, self.samples.trace.as_ref());
+            report.end_row(y, &self.rect, self.trace.as_ref());
         }
     }
 
     /// Memory in bytes for a screen of this size.
     pub(super) fn needs_bytes(size: [u32; 2]) -> u64 {
         let tiles = u64::from(size[0].div_ceil(TILE as u32)) * u64::from(size[1].div_ceil(TILE as u32));
-        let samples = u64::from(size[0]) * u64::from(size[1]) * size_of::<Sample>() as u64;
-        samples + tiles * (size_of::<Tile>() + size_of::<Triangle>()) as u64
+        tiles * (size_of::<Tile>() + size_of::<Block>() + size_of::<Triangle>()) as u64
     }
 }

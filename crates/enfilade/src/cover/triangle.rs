@@ -6,13 +6,14 @@ use std::cmp::Ordering;
 
 /// A triangle whose samples are being handed out.
 #[derive(Clone, Copy)]
+#[repr(C)]
 pub(crate) struct Triangle {
-    /// The number of its face.
-    pub(super) owner: u32,
     /// Nearness at a sample is `nearness · (x + ½, y + ½, 1)`, kept within `least` and `greatest`.
-    pub(super) nearness: DVec3,
     pub(super) least: f64,
     pub(super) greatest: f64,
+    /// The number of its face.
+    pub(super) owner: u32,
+    pub(super) nearness: DVec3,
 }
 
 /// Nearness along one row.
@@ -97,6 +98,17 @@ impl Row {
     #[inline(always)]
     pub(super) fn bits(&self, x: i32) -> u32 {
         (self.within(self.base + self.step * f64::from(x)) as f32).to_bits()
+    }
+
+    /// The same at eight columns, from `x` on.
+    #[inline(always)]
+    pub(super) fn eight_bits(&self, x: u16) -> [u32; 8] {
+        const COLUMNS: [f64; 8] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+        let mut bits = [0; 8];
+        for (bits, column) in bits.iter_mut().zip(COLUMNS) {
+            *bits = (self.within(self.base + self.step * (f64::from(x) + column)) as f32).to_bits();
+        }
+        bits
     }
 
     /// Unlike `clamp`, nothing here can panic.

@@ -116,11 +116,18 @@ impl<C: Hides> Against for InSamples<'_, C> {
     }
 
     fn take_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool {
-        !faces.may_be_chosen || self.0.hide_faces(faces, region, passage, stats)
+        if faces.may_be_chosen {
+            self.0.hide_faces(faces, region, passage, stats);
+        }
+        true
     }
 
-    fn sees_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool {
-        self.0.sees_faces(faces, region, passage, stats)
+    fn sees_faces(&mut self, _: &Faces, _: &Region, _: &Passage, _: &mut Stats) -> bool {
+        true
+    }
+
+    fn is_enough(&self, triangles: u64, region: &Region) -> bool {
+        C::are_too_fine(triangles, region)
     }
 }
 

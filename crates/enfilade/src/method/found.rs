@@ -34,9 +34,17 @@ pub(super) trait Against {
     /// where [`Against::TAKES_FACES`], as is the next.
     fn take_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool;
 
+    /// Is it enough to know that an item of so many triangles may be seen within `region`, whichever of its clusters?
+    fn is_enough(&self, _triangles: u64, _region: &Region) -> bool {
+        false
+    }
+
     /// May any of the faces within `region` be seen? `true` when unsure.
     fn sees_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool;
 }
+
+/// An item of more clusters than these is looked at cluster by cluster in any case: it may be a city.
+const FEW_CLUSTERS: usize = 64;
 
 /// Clusters and openings that nothing hides.
 #[derive(Default)]
@@ -97,20 +105,33 @@ impl<A: Against> Walk<'_, A> {
         Region::of(self.passage, faces.screen_from_local, bounds)
     }
 
-    /// Holds openings, and clusters that came before all that hides them, against all that does.
+    /// Holds openings, and what came before all that hides it, against all that does. Of an item of which one cluster is seen
+    /// the others stay: they are drawn or not by whoever draws it, at hardly more cost.
     fn look_again(&mut self) {
         let Found {
             mut clusters,
             mut openings,
         } = std::mem::take(self.found);
         if A::TAKES_FACES {
+            let mut seen = None;
             clusters.retain(|item, cluster| {
+                if seen == Some(item) {
+                    return true;
+                }
                 let screen_from_item = self.passage.screen_from(&self.content.item(item).transform());
                 let faces = Faces::of_cluster(self.content, item, cluster, &screen_from_item);
-                self.region_of(&faces, item, cluster).is_some_and(|region| {
+                let stays = self.region_of(&faces, item, cluster).is_some_and(|region| {
                     self.enter(&region) != Sight::Hidden
                         && self.against.sees_faces(&faces, &region, self.passage, self.stats)
-                })
+                });
+                seen = stays.then_some(item).or(seen);
+                stays
+            });
+            clusters.retain_whole(|item| {
+                let screen_from_item = self.passage.screen_from(&self.content.item(item).transform());
+                let bounds = self.content.mesh_of(item).bounds();
+                let region = Region::of(self.passage, &screen_from_item, &bounds);
+                region.is_some_and(|region| self.enter(&region) != Sight::Hidden)
             });
         }
         openings.retain(|opening| {
@@ -145,6 +166,15 @@ impl<A: Against> Visit for Walk<'_, A> {
 
     fn first_time(&mut self, item: ItemId) -> bool {
         self.marks.first_time(item)
+    }
+
+    fn is_enough(&mut self, item: ItemId, region: &Region) -> bool {
+        let mesh = self.content.mesh_of(item);
+        let enough = mesh.clusters().len() <= FEW_CLUSTERS && self.against.is_enough(mesh.triangle_count(), region);
+        if enough && self.marks.first_time(item) {
+            self.found.clusters.push_whole(item);
+        }
+        enough
     }
 
     fn faces(&mut self, faces: &Faces) {

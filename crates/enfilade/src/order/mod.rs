@@ -104,6 +104,11 @@ pub trait Visit {
     /// From now on boxes lie anywhere again.
     fn go_back(&mut self) {}
 
+    /// Is it enough that an item, within `region`, was met? Then its clusters are not handed out.
+    fn is_enough(&mut self, _item: ItemId, _region: &Region) -> bool {
+        false
+    }
+
     /// Is it the first time that this item is met in this walk? An item may stand in several nodes.
     fn first_time(&mut self, item: ItemId) -> bool;
 

@@ -113,7 +113,11 @@ pub(super) fn walk(
         }
         match what {
             What::Node(node) => enter_node(tree, node, content, passage, queue),
-            What::Item(item) => enter_item(ItemId(item), content, passage, queue, visit),
+            What::Item(item) => {
+                if !visit.is_enough(ItemId(item), &queue.regions[region as usize]) {
+                    enter_item(ItemId(item), content, passage, queue, visit);
+                }
+            }
             What::MeshNode { entered, node } => enter_mesh_node(entered, node, content, passage, queue),
             What::Cluster { entered, cluster } => {
                 let (item, screen_from_item) = &queue.entered[entered as usize];

@@ -90,7 +90,7 @@ impl Paints for DepthPyramid {
     }
 
     fn add(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, _canvas: Option<&mut dyn Canvas>) {
-        self.depths.tiles.samples.begin_batch();
+        self.depths.tiles.begin_batch();
         self.raster.run(faces, passage, &mut self.depths, stats);
     }
 
@@ -137,7 +137,7 @@ impl Coarse for DepthPyramid {
     }
 
     fn cover_cells(&mut self, cells: &Band, nearness: &Triangle) {
-        self.depths.tiles.samples.begin_batch();
+        self.depths.tiles.begin_batch();
         self.depths.band(cells, nearness);
     }
 }
@@ -219,7 +219,7 @@ impl Depths {
     /// Does `rect` hold every sample of a cell that the aperture's rectangle holds?
     fn is_whole(&self, level: usize, column: usize, row: usize, rect: &Rect) -> bool {
         let shift = TILE_SHIFT + level;
-        let all = &self.tiles.samples.rect;
+        let all = &self.tiles.rect;
         let [x0, y0] = [column << shift, row << shift];
         let [x1, y1] = [(column + 1) << shift, (row + 1) << shift];
         usize::from(rect.x0) <= x0.max(usize::from(all.x0))

@@ -46,9 +46,8 @@ use mesh::block;
 pub use mesh::OccluderMesh;
 use tile::{COLUMNS, ROWS, Tile};
 
-/// Samples of its box, for each face of a cluster, from which on its faces are looked at one by one. Where they have fewer,
-/// what they hide is not worth setting them up: a kitchen of small things takes half as long for three items in a hundred
-/// more.
+/// Samples of a box, for each face in it, from which on its faces are let in. Where they have fewer, what they hide is not
+/// worth setting them up.
 const WORTH: u64 = 4;
 
 /// A masked occlusion buffer.
@@ -127,16 +126,15 @@ impl Hides for MaskedDepth {
 
     const TAKES_FACES: bool = true;
 
-    fn hide_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool {
-        if is_worth(faces, region) {
+    fn hide_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) {
+        if !Self::are_too_fine(faces.count() as u64, region) {
             self.hide_batch(faces, passage, stats);
         }
-        true
     }
 
-    fn sees_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool {
-        let _ = (faces, region, passage, stats);
-        true
+    fn are_too_fine(triangles: u64, region: &Region) -> bool {
+        let Rect { x0, y0, x1, y1 } = region.rect;
+        u64::from(x1 - x0) * u64::from(y1 - y0) < WORTH * triangles
     }
 }
 
@@ -204,10 +202,4 @@ impl MaskedDepth {
         }
         dispatch!(*level, simd => waiting.cover(simd, grid));
     }
-}
-
-/// Are the faces large enough on the screen, on the average, to be looked at one by one?
-fn is_worth(faces: &Faces, region: &Region) -> bool {
-    let Rect { x0, y0, x1, y1 } = region.rect;
-    u64::from(x1 - x0) * u64::from(y1 - y0) >= WORTH * faces.count() as u64
 }

@@ -230,7 +230,7 @@ impl<A: Asks> Hides for OcclusionTree<A> {
 impl<A> Default for OcclusionTree<A> {
     fn default() -> OcclusionTree<A> {
         OcclusionTree {
-            level: Level::new(),
+            level: crate::simd::level(),
             start: Start::default(),
             within: Start::default(),
             tree: Tree::default(),

@@ -49,7 +49,7 @@ pub(super) enum Relation {
 
 /// The face that is going in.
 pub(super) struct Newcomer<'a> {
-    pub(super) face: Face,
+    pub(super) face: &'a Face,
     /// Its turn, from 1.
     turn: u32,
     /// The turns of its neighbours across its edges; 0: not met.
@@ -65,8 +65,9 @@ pub(super) struct Newcomer<'a> {
 }
 
 impl<'a> Newcomer<'a> {
+    #[inline(always)]
     pub(super) fn new(
-        face: Face,
+        face: &'a Face,
         turn: u32,
         neighbours: [u32; 3],
         kept: &'a mut Vec<Face>,
@@ -91,7 +92,7 @@ impl<'a> Newcomer<'a> {
         self.place
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn begin_run(&mut self, y: u16) {
         self.y = y;
         self.row = self.face.triangle.row(y);
@@ -99,14 +100,13 @@ impl<'a> Newcomer<'a> {
     }
 
     /// A span of its own in the row at hand.
-    #[inline]
+    #[inline(always)]
     pub(super) fn span(&mut self, x0: u16, x1: u16) -> Span {
-        let place = *self.place.get_or_insert_with(|| {
-            self.kept.push(self.face);
-            self.answers.push(Answer::default());
-            self.kept.len() as u32 - 1
-        });
-        let [a, b] = [self.row.at(x0), self.row.at(x1 - 1)].map(|value| value as f32);
+        let place = match self.place {
+            Some(place) => place,
+            None => self.keep(),
+        };
+        let [a, b] = [self.row.at(x0) as f32, self.row.at(x1 - 1) as f32];
         let [farthest, nearest] = if a < b { [a, b] } else { [b, a] };
         Span {
             x0,
@@ -117,8 +117,17 @@ impl<'a> Newcomer<'a> {
         }
     }
 
+    #[inline(never)]
+    fn keep(&mut self) -> u32 {
+        let place = self.kept.len() as u32;
+        self.kept.push(*self.face);
+        self.answers.push(Answer::default());
+        self.place = Some(place);
+        place
+    }
+
     /// How it lies to columns `x0..x1` of a span.
-    #[inline]
+    #[inline(always)]
     pub(super) fn beside(&mut self, span: &Span, x0: u16, x1: u16, stats: &mut SpanStats) -> Relation {
         if span.face == COVERED {
             self.left = None;
@@ -145,9 +154,9 @@ impl<'a> Newcomer<'a> {
         }
     }
 
-    #[inline]
+    #[inline(never)]
     fn find_out(&self, span: &Span, known: Answer, stats: &mut SpanStats) -> Order {
-        let new = &self.face;
+        let new = self.face;
         let old = &self.kept[span.face as usize];
         let apart = new.is_apart_from(old);
         if apart {
@@ -218,7 +227,7 @@ impl<'a> Newcomer<'a> {
             return None;
         }
         let edge = self.neighbours.iter().position(|&turn| turn == known.by)?;
-        old.is_met_by_edge(&self.face, edge).then_some(known.order)
+        old.is_met_by_edge(self.face, edge).then_some(known.order)
     }
 
     /// Compares nearness at both ends; where they disagree, finds the column at which it turns.

@@ -4,13 +4,11 @@ use crate::cover::triangle::Triangle;
 use glam::DVec3;
 
 /// A triangle in the space of (X, Y, W), in which the eye is at the origin.
+///
+/// What is asked first stands first, in one line of a cache: most faces are told apart by their boxes and ranges.
 #[derive(Clone, Copy)]
+#[repr(C, align(64))]
 pub(super) struct Face {
-    pub(super) triangle: Triangle,
-    corners: [DVec3; 3],
-    normal: DVec3,
-    /// Its sign says on which side of the plane the eye is.
-    determinant: f64,
     /// The box around the corners, rounded outwards.
     low: [f32; 3],
     high: [f32; 3],
@@ -19,6 +17,11 @@ pub(super) struct Face {
     pub(super) number: u8,
     /// The faces of the batch across its edges.
     pub(super) neighbours: [u8; 3],
+    pub(super) triangle: Triangle,
+    corners: [DVec3; 3],
+    normal: DVec3,
+    /// Its sign says on which side of the plane the eye is.
+    determinant: f64,
 }
 
 /// Where something lies, as seen from the eye.

@@ -194,7 +194,7 @@ impl Coarse for SpanBuffer {
         // Of no corners: which of two is before the other is told by their nearness alone.
         let face = Face::new(*nearness, [DVec3::NAN; 3], 0);
         let (kept, answers) = (&mut self.kept, &mut self.answers);
-        let mut new = Newcomer::new(face, self.turn, [0; 3], kept, answers, None);
+        let mut new = Newcomer::new(&face, self.turn, [0; 3], kept, answers, None);
         for (y, run) in cells.rows() {
             self.rows.insert(y, run, &mut new, &mut SpanStats::default());
         }
@@ -235,7 +235,7 @@ struct Insertion<'a> {
 }
 
 impl Sink for Insertion<'_> {
-    #[inline]
+    #[inline(always)]
     fn hides(&mut self, rect: &Rect, nearest: f32) -> bool {
         !self.buffer.rows.sees(rect, nearest)
     }
@@ -264,7 +264,7 @@ impl Sink for Insertion<'_> {
         self.now = Some((face, neighbours, None));
     }
 
-    #[inline]
+    #[inline(always)]
     fn band(&mut self, band: &Band, _triangle: &Triangle) {
         let Some((face, neighbours, place)) = &mut self.now else {
             return;
@@ -277,7 +277,7 @@ impl Sink for Insertion<'_> {
             trace,
             ..
         } = self.buffer;
-        let mut new = Newcomer::new(*face, *turn, *neighbours, kept, answers, *place);
+        let mut new = Newcomer::new(face, *turn, *neighbours, kept, answers, *place);
         for (y, run) in band.rows() {
             rows.insert(y, run, &mut new, &mut self.counts);
             if let Some(trace) = trace {

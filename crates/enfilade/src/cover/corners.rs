@@ -1,0 +1,205 @@
+//! Corners of a batch on the screen: eight at a time, by the same operations as one.
+//!
+//! Kept by eights and number after number, so that SIMD takes all eight in one go; beside them rounded pairs for the
+//! sieve, and what holds of all of them.
+//! Source: ours; the map to (X, Y, W) is that of `raster.rs`.
+//! Cost: O(corners); nothing is allocated once the lists have grown.
+//! The same bits at every SIMD level: no sum is fused or reordered. [`Corner::of`] is the specification.
+
+use fearless_simd::f64x8;
+use fearless_simd::prelude::*;
+use glam::{DAffine3, DVec3};
+
+/// Corners that are computed together.
+const LANES: usize = 8;
+
+/// A corner on the screen.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corner {
+    /// X, Y, W.
+    pub(super) at: DVec3,
+    /// X / W, Y / W and 1 / W; of no meaning where W is not above zero.
+    pub(super) pixel: [f64; 2],
+    pub(super) nearness: f64,
+}
+
+impl Corner {
+    /// One corner by itself.
+    #[cfg(test)]
+    fn of(position: [f32; 3], matrix: &DAffine3) -> Corner {
+        let [x, y, z] = position.map(f64::from);
+        let at = matrix.matrix3.x_axis * x
+            + matrix.matrix3.y_axis * y
+            + matrix.matrix3.z_axis * z
+            + matrix.translation;
+        let nearness = 1.0 / at.z;
+        Corner {
+            at,
+            pixel: [at.x * nearness, at.y * nearness],
+            nearness,
+        }
+    }
+}
+
+/// X, Y, W, X / W, Y / W and 1 / W of eight corners.
+#[derive(Clone, Copy)]
+struct Eight([[f64; LANES]; 6]);
+
+/// The corners of a batch.
+#[derive(Default)]
+pub(super) struct Corners {
+    eights: Vec<Eight>,
+    /// X / W and Y / W of each, rounded.
+    rounded: Vec<[f32; 2]>,
+}
+
+/// What holds of all corners of a batch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Extent {
+    /// The least and the greatest W, all beyond the near distance.
+    pub(super) w: [f64; 2],
+    /// The greatest |X / W| and |Y / W|.
+    pub(super) pixel: f64,
+}
+
+/// Farther off than this, in pixels, f32 says too little.
+const FAR_OFF: f64 = 16384.0;
+
+impl Corners {
+    /// Puts `count` positions on the screen; `None` where one of them is not beyond `near`, or far off the screen, or
+    /// no number.
+    #[inline(always)]
+    pub(super) fn fill<S: Simd>(
+        &mut self,
+        simd: S,
+        count: usize,
+        position: impl Fn(usize) -> [f32; 3],
+        matrix: &DAffine3,
+        near: f64,
+    ) -> Option<Extent> {
+        self.eights.clear();
+        self.rounded.clear();
+        // Arrays of SIMD are taken apart by hand: `map` over one is not inlined, and what it calls knows no SIMD.
+        let rows = matrix.matrix3.transpose();
+        let [x_row, y_row, z_row] = [rows.x_axis, rows.y_axis, rows.z_axis];
+        let origin = matrix.translation;
+        let (mut least, mut greatest) = (f64x8::splat(simd, f64::INFINITY), f64x8::splat(simd, 0.0));
+        let mut pixel = greatest;
+        let mut tame = true;
+        let mut first = 0;
+        while first < count {
+            let mut at = [[0.0; LANES]; 3];
+            for lane in 0..LANES {
+                // The last corner again where there are no more: it changes nothing of what holds of all.
+                let [x, y, z] = position((first + lane).min(count - 1));
+                [at[0][lane], at[1][lane], at[2][lane]] = [f64::from(x), f64::from(y), f64::from(z)];
+            }
+            let x = f64x8::from_slice(simd, &at[0]);
+            let y = f64x8::from_slice(simd, &at[1]);
+            let z = f64x8::from_slice(simd, &at[2]);
+            let (x, y, w) = (
+                x * x_row.x + y * x_row.y + z * x_row.z + origin.x,
+                x * y_row.x + y * y_row.y + z * y_row.z + origin.y,
+                x * z_row.x + y * z_row.y + z * z_row.z + origin.z,
+            );
+            let nearness = f64x8::splat(simd, 1.0) / w;
+            let (px, py) = (x * nearness, y * nearness);
+            let (ax, ay) = (px.abs(), py.abs());
+            let ok = w.simd_gt(near) & ax.simd_le(FAR_OFF) & ay.simd_le(FAR_OFF);
+            tame &= ok.all_true();
+            let most = ax.simd_gt(ay).select(ax, ay);
+            pixel = most.simd_gt(pixel).select(most, pixel);
+            least = w.simd_lt(least).select(w, least);
+            greatest = w.simd_gt(greatest).select(w, greatest);
+            let eight = Eight([
+                x.into(),
+                y.into(),
+                w.into(),
+                px.into(),
+                py.into(),
+                nearness.into(),
+            ]);
+            let mut rounded = [[0.0; 2]; LANES];
+            for (lane, rounded) in rounded.iter_mut().enumerate() {
+                *rounded = [eight.0[3][lane] as f32, eight.0[4][lane] as f32];
+            }
+            self.eights.push(eight);
+            self.rounded.extend_from_slice(&rounded);
+            first += LANES;
+        }
+        let [least, greatest, pixel]: [[f64; LANES]; 3] = [least.into(), greatest.into(), pixel.into()];
+        tame.then(|| Extent {
+            w: [
+                least.into_iter().fold(f64::INFINITY, f64::min),
+                greatest.into_iter().fold(0.0, f64::max),
+            ],
+            pixel: pixel.into_iter().fold(0.0, f64::max),
+        })
+    }
+
+    /// A corner.
+    #[inline(always)]
+    pub(super) fn get(&self, number: u32) -> Corner {
+        let (Eight([x, y, w, px, py, nearness]), lane) =
+            (&self.eights[number as usize / LANES], number as usize % LANES);
+        Corner {
+            at: DVec3::new(x[lane], y[lane], w[lane]),
+            pixel: [px[lane], py[lane]],
+            nearness: nearness[lane],
+        }
+    }
+
+    /// Where a corner is on the screen, in pixels, rounded.
+    #[inline(always)]
+    pub(super) fn rounded(&self, number: u32) -> [f32; 2] {
+        self.rounded[number as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chance::{Dice, levels};
+    use fearless_simd::dispatch;
+
+    #[test]
+    fn eight_corners_are_the_bits_of_one_at_every_level() {
+        let mut dice = Dice::new(7);
+        for round in 0..200 {
+            let matrix = DAffine3::from_cols_array(&std::array::from_fn(|_| dice.within(50.0)));
+            let positions: Vec<[f32; 3]> = (0..1 + round % 21)
+                .map(|_| std::array::from_fn(|_| dice.odd(9.0) as f32))
+                .collect();
+            let mut extents = Vec::new();
+            for level in levels() {
+                let mut corners = Corners::default();
+                extents.push(dispatch!(level, simd => corners.fill(simd, positions.len(), |i| positions[i], &matrix, 0.1)));
+                for (number, &position) in positions.iter().enumerate() {
+                    let [one, ours] =
+                        [Corner::of(position, &matrix), corners.get(number as u32)].map(|corner| {
+                            [
+                                corner.at.x,
+                                corner.at.y,
+                                corner.at.z,
+                                corner.pixel[0],
+                                corner.pixel[1],
+                                corner.nearness,
+                            ]
+                        });
+                    for (one, ours) in one.into_iter().zip(ours) {
+                        assert!(
+                            one.to_bits() == ours.to_bits() || (one.is_nan() && ours.is_nan()),
+                            "{one} is not {ours}"
+                        );
+                    }
+                }
+            }
+            assert!(extents.windows(2).all(|pair| pair[0] == pair[1]), "{extents:?}");
+            let tame = positions.iter().all(|&position| {
+                let corner = Corner::of(position, &matrix);
+                corner.at.z > 0.1 && corner.pixel.iter().all(|at| at.abs() <= FAR_OFF)
+            });
+            assert_eq!(extents[0].is_some(), tame);
+        }
+    }
+}

@@ -2,6 +2,7 @@
 
 mod agree;
 mod cases;
+mod meshes;
 mod oracle;
 
 use super::*;

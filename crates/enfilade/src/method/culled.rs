@@ -66,7 +66,8 @@ where
         let set = &self.occluders;
         let mut choosing = set.choosing(&self.content, passage, C::MEASURE, &mut choice);
         for _ in 0..budget {
-            let Some(chosen) = choosing.next(|screen_from_local, bounds| !cover.hides(passage, screen_from_local, bounds))
+            let Some(chosen) =
+                choosing.next(|screen_from_local, bounds| !cover.hides(passage, screen_from_local, bounds))
             else {
                 break;
             };

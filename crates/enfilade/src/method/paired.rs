@@ -100,7 +100,9 @@ where
         }
         memory.stats.samples_owned += seen.samples_owned;
         if primes {
-            memory.recall.remember(passage, seen.clusters_of_items(&self.content), last);
+            memory
+                .recall
+                .remember(passage, seen.clusters_of_items(&self.content), last);
         } else {
             memory.recall.give_back(last);
         }

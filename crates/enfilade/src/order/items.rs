@@ -100,4 +100,3 @@ pub(super) fn sight(
 ) -> Sight {
     visit.enter_box(passage, screen_from_local, bounds)
 }
-

@@ -21,8 +21,8 @@ pub use unordered::Unordered;
 use crate::content::{Content, ItemId, Moved};
 use crate::faces::Faces;
 use crate::fragment::Built;
-use crate::passage::Passage;
 use crate::geom::Aabb;
+use crate::passage::Passage;
 use crate::region::{Region, Sight};
 use glam::DAffine3;
 

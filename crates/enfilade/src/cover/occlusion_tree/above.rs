@@ -129,12 +129,9 @@ mod tests {
         };
         let Edge { from, to, .. } = edge;
         keep(from.z, to.z)
-            || above.iter().any(|line| {
-                keep(
-                    line.height(*from) - SLIT * from.z,
-                    line.height(*to) - SLIT * to.z,
-                )
-            })
+            || above
+                .iter()
+                .any(|line| keep(line.height(*from) - SLIT * from.z, line.height(*to) - SLIT * to.z))
     }
 
     #[test]

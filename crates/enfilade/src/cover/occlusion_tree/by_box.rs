@@ -9,8 +9,8 @@
 use super::corners::{ALL, Bits, Corners};
 use super::{Link, OcclusionTree, Plane, Tree};
 use crate::region::{Sight, Volume};
-use fearless_simd::prelude::*;
 use fearless_simd::dispatch;
+use fearless_simd::prelude::*;
 
 /// What the leaves that a box came to say of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -218,6 +218,9 @@ impl<A: Asks> Hides for OcclusionTree<A> {
 
     fn hides(&mut self, _passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> bool {
         // By its faces it would cost more than most occluders save; and so both kinds of tree take the same ones.
+        if bounds.is_empty() {
+            return true;
+        }
         let found = self.ask(&Volume::new(screen_from_local, bounds), Wanted::Lit);
         !found.is_some_and(|found| found.lit)
     }

@@ -120,7 +120,7 @@ fn ask(criterion: &mut Criterion) {
         let camera = built.cameras.iter().find(|camera| camera.name == name);
         let passage = passage(&built.scene, &camera.expect("a camera of that scene").view(SIZE));
         let mut rooms = Vec::new();
-        let occluders = occluders(content, &passage, MaskedDepth::OCCLUDERS as usize, &mut rooms);
+        let occluders = occluders(content, &passage, 16, &mut rooms);
         let mut cover = MaskedDepth::default();
         filled(&mut cover, &passage, &occluders);
         let mut boxes = Boxes::default();

@@ -390,6 +390,13 @@ mod tests {
         }
     }
 
+    /// What counts of it: zero has no sign, and what is no number is as good as itself.
+    fn spoken(touched: Touched) -> String {
+        let Touched { min, max, nearest } = touched;
+        let sides = [min[0], min[1], max[0], max[1]].map(|value| value + 0.0);
+        format!("{sides:?} {nearest:?}")
+    }
+
     #[test]
     fn eight_corners_at_once_touch_what_they_touch_one_by_one_at_every_level() {
         let mut dice = Dice::new(23);
@@ -420,8 +427,7 @@ mod tests {
             seen += u32::from(expected.is_some());
             for level in levels() {
                 let known = dispatch!(level, simd => volume.touched(simd, &limits, 0.1, entry));
-                // What is no number is as good as itself.
-                assert_eq!(format!("{known:?}"), format!("{expected:?}"), "{volume:?}");
+                assert_eq!(known.map(spoken), expected.map(spoken), "{volume:?}");
             }
         }
         assert!(seen > 2000, "{seen}");

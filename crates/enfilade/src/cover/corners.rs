@@ -88,15 +88,14 @@ impl Corners {
         let mut tame = true;
         let mut first = 0;
         while first < count {
-            let mut at = [[0.0; LANES]; 3];
-            for lane in 0..LANES {
+            let [mut x, mut y, mut z] = [[0.0; LANES]; 3];
+            for (lane, ((x, y), z)) in x.iter_mut().zip(&mut y).zip(&mut z).enumerate() {
                 // The last corner again where there are no more: it changes nothing of what holds of all.
-                let [x, y, z] = position((first + lane).min(count - 1));
-                [at[0][lane], at[1][lane], at[2][lane]] = [f64::from(x), f64::from(y), f64::from(z)];
+                [*x, *y, *z] = position((first + lane).min(count - 1)).map(f64::from);
             }
-            let x = f64x8::from_slice(simd, &at[0]);
-            let y = f64x8::from_slice(simd, &at[1]);
-            let z = f64x8::from_slice(simd, &at[2]);
+            let x = f64x8::from_slice(simd, &x);
+            let y = f64x8::from_slice(simd, &y);
+            let z = f64x8::from_slice(simd, &z);
             let (x, y, w) = (
                 x * x_row.x + y * x_row.y + z * x_row.z + origin.x,
                 x * y_row.x + y * y_row.y + z * y_row.z + origin.y,

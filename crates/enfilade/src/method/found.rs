@@ -170,7 +170,8 @@ impl<A: Against> Visit for Walk<'_, A> {
 
     fn is_enough(&mut self, item: ItemId, region: &Region) -> bool {
         let mesh = self.content.mesh_of(item);
-        let enough = mesh.clusters().len() <= FEW_CLUSTERS && self.against.is_enough(mesh.triangle_count(), region);
+        let enough =
+            mesh.clusters().len() <= FEW_CLUSTERS && self.against.is_enough(mesh.triangle_count(), region);
         if enough && self.marks.first_time(item) {
             self.found.clusters.push_whole(item);
         }

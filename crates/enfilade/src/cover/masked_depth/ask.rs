@@ -83,7 +83,10 @@ impl Grid {
     /// May the sample in the middle of `rect` show something as near as `nearest`? What is seen mostly is by it.
     #[inline(always)]
     pub(super) fn shows_middle_of(&self, rect: &Rect, nearest: f32) -> bool {
-        let [x, y] = [usize::from(rect.x0.midpoint(rect.x1)), usize::from(rect.y0.midpoint(rect.y1))];
+        let [x, y] = [
+            usize::from(rect.x0.midpoint(rect.x1)),
+            usize::from(rect.y0.midpoint(rect.y1)),
+        ];
         let index = y / ROWS * self.columns + x / COLUMNS;
         nearest >= self.farthest[index] && nearest >= self.tiles[index].known(x % COLUMNS, y % ROWS)
     }

@@ -8,9 +8,7 @@
 
 use super::grid::Grid;
 use super::rows::{Slopes, Waiting};
-use super::tile::{
-    ACROSS, Across, COLUMNS, Nearness, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND,
-};
+use super::tile::{ACROSS, Across, COLUMNS, Nearness, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND};
 use crate::aperture::Rect;
 use crate::cover::band::{BAND, Band};
 use crate::cover::half_plane::HalfPlane;
@@ -223,7 +221,11 @@ impl Slope {
         let most = |nearness: f64| smaller(nearness, f64::from(f32::MAX));
         let least = (most(self.least) * ROUND_DOWN) as f32;
         let greatest = most(self.greatest) as f32 * ROUND_UP as f32;
-        Slopes::new(z - self.rounding, [x, y], [if least < f32::MIN_POSITIVE { 0.0 } else { least }, greatest])
+        Slopes::new(
+            z - self.rounding,
+            [x, y],
+            [if least < f32::MIN_POSITIVE { 0.0 } else { least }, greatest],
+        )
     }
 
     /// The least nearness over each sub-tile of the band of a tile at column and row `at`, rounded down. Of a plane that is no

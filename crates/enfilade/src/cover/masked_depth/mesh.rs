@@ -181,7 +181,12 @@ impl MaskedDepth {
         };
         let eye = passage.eye().map(|at| at as f32);
         let mut facing = std::mem::take(&mut self.room.corners);
-        for Part { blocks, corners, planes } in &mesh.parts {
+        for Part {
+            blocks,
+            corners,
+            planes,
+        } in &mesh.parts
+        {
             let corners = &mesh.corners[corners.clone()];
             facing.clear();
             dispatch!(self.level, simd => keep_facing(simd, &mesh.planes[planes.clone()], eye, corners, &mut facing));

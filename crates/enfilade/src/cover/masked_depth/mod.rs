@@ -42,8 +42,8 @@ use faces::OneByOne;
 use fearless_simd::{Level, dispatch};
 use fill::Fill;
 use grid::Grid;
-use mesh::block;
 pub use mesh::OccluderMesh;
+use mesh::block;
 use tile::{COLUMNS, ROWS, Tile};
 
 /// Samples of a box, for each face in it, from which on its faces are let in. Where they have fewer, what they hide is not
@@ -141,13 +141,18 @@ impl Hides for MaskedDepth {
 impl MaskedDepth {
     /// Lets faces hide what is behind them.
     fn hide_batch(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats) {
-        let Room { mut blocks, mut corners } = std::mem::take(&mut self.room);
+        let Room {
+            mut blocks,
+            mut corners,
+        } = std::mem::take(&mut self.room);
         blocks.clear();
         blocks.extend(faces.positions.chunks(LANES).map(block));
         corners.clear();
         faces.for_each(|_, face| {
             for last in 2..face.len() {
-                corners.extend([face[0], face[last - 1], face[last]].map(|corner| corner - faces.first_position));
+                corners.extend(
+                    [face[0], face[last - 1], face[last]].map(|corner| corner - faces.first_position),
+                );
             }
         });
         stats.batches += 1;
@@ -173,7 +178,9 @@ impl MaskedDepth {
             near,
             ..
         } = self;
-        let entry = passage.entry.map(|(normal, distance)| (normal, distance * BEYOND));
+        let entry = passage
+            .entry
+            .map(|(normal, distance)| (normal, distance * BEYOND));
         let frame = Frame::new(faces.screen_from_local, *near, entry, faces.front(passage), grid);
         stats.triangles += corners.len() as u64 / 3;
         dispatch!(*level, simd => batch.hide(simd, &frame, blocks, corners, grid));
@@ -198,7 +205,7 @@ impl MaskedDepth {
                 neighbours: &[],
                 ..*faces
             };
-            raster.run(&one, passage, &mut OneByOne::new(grid, waiting, true), stats);
+            raster.run(&one, passage, &mut OneByOne::new(grid, waiting), stats);
         }
         dispatch!(*level, simd => waiting.cover(simd, grid));
     }

@@ -130,7 +130,9 @@ impl Waiting {
         let [some, whole] = &mut self.parts;
         for Part { tile, column, runs } in whole.drain(..) {
             let runs = &self.runs[runs as usize];
-            let nearness = runs.slopes.over_tile(simd, [column, (runs.row * ROWS as u32) as i32]);
+            let nearness = runs
+                .slopes
+                .over_tile(simd, [column, (runs.row * ROWS as u32) as i32]);
             let (tile, farthest) = (&mut grid.tiles[tile as usize], &mut grid.farthest[tile as usize]);
             cover_whole(simd, tile, farthest, nearness);
         }
@@ -138,7 +140,9 @@ impl Waiting {
             let runs = &self.runs[runs as usize];
             let starts = i32x16::from_slice(simd, &runs.starts) - column;
             let stops = i32x16::from_slice(simd, &runs.stops) - column;
-            let nearness = runs.slopes.over_tile(simd, [column, (runs.row * ROWS as u32) as i32]);
+            let nearness = runs
+                .slopes
+                .over_tile(simd, [column, (runs.row * ROWS as u32) as i32]);
             let (tile, farthest) = (&mut grid.tiles[tile as usize], &mut grid.farthest[tile as usize]);
             cover_tile(simd, tile, farthest, masks_of_rows(simd, starts, stops), nearness);
         }
@@ -219,7 +223,11 @@ impl Slopes {
     #[inline(always)]
     pub(super) fn new(at: f64, [by_column, by_row]: [f64; 2], [least, greatest]: [f32; 2]) -> Slopes {
         // The least over a sub-tile is at one of its corners.
-        let column = if by_column < 0.0 { SUB_COLUMNS as f64 - 0.5 } else { 0.5 };
+        let column = if by_column < 0.0 {
+            SUB_COLUMNS as f64 - 0.5
+        } else {
+            0.5
+        };
         let row = if by_row < 0.0 { SUB_ROWS as f64 - 0.5 } else { 0.5 };
         let rounding = (by_column.abs() * COLUMNS as f64 + by_row.abs() * ROWS as f64) * f64::from(ROUNDING);
         let mut by_sub_tile = [0.0; SUB_TILES];

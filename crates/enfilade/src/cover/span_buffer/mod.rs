@@ -195,8 +195,11 @@ impl Coarse for SpanBuffer {
         let face = Face::new(*nearness, [DVec3::NAN; 3], 0);
         let (kept, answers) = (&mut self.kept, &mut self.answers);
         let mut new = Newcomer::new(&face, self.turn, [0; 3], kept, answers, None);
+        let places = self.rows.places(cells);
         for (y, run) in cells.rows() {
-            self.rows.insert(y, run, &mut new, &mut SpanStats::default());
+            let place = places[usize::from(y - cells.y)];
+            self.rows
+                .insert(y, run, place, &mut new, &mut SpanStats::default());
         }
     }
 }
@@ -278,8 +281,10 @@ impl Sink for Insertion<'_> {
             ..
         } = self.buffer;
         let mut new = Newcomer::new(face, *turn, *neighbours, kept, answers, *place);
+        let places = rows.places(band);
         for (y, run) in band.rows() {
-            rows.insert(y, run, &mut new, &mut self.counts);
+            let place = places[usize::from(y - band.y)];
+            rows.insert(y, run, place, &mut new, &mut self.counts);
             if let Some(trace) = trace {
                 trace.test(y, run[0], run[1]);
             }

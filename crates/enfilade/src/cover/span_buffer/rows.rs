@@ -3,8 +3,10 @@
 use super::compare::{Newcomer, Relation};
 use super::face::Face;
 use crate::aperture::Rect;
+use crate::cover::raster::{BAND, Band};
 use crate::passage::Passage;
 use crate::stats::SpanStats;
+use std::hint::black_box;
 
 /// Samples of one row that one face owns.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,15 +96,37 @@ impl Rows {
         false
     }
 
-    /// Lets a face own those samples of a run at which it is nearest.
+    /// Where runs of eight rows from `y` on go in: the places of the first spans that they may meet.
+    ///
+    /// Asked for all rows before any is changed: each lies somewhere else in memory, and so one waits for them together.
     #[inline(always)]
-    pub(super) fn insert(&mut self, y: u16, run: [u16; 2], new: &mut Newcomer, stats: &mut SpanStats) {
+    pub(super) fn places(&self, band: &Band) -> [u16; BAND] {
+        let mut places = [0; BAND];
+        for (y, [x0, _]) in band.rows() {
+            let row = &self.rows[usize::from(y)];
+            let place = row.first_beyond(x0);
+            black_box(row.spans.get(place).map_or(0, |span| span.x0));
+            places[usize::from(y - band.y)] = place as u16;
+        }
+        places
+    }
+
+    /// Lets a face own those samples of a run at which it is nearest; `place` is that of the first span that it may meet.
+    #[inline(always)]
+    pub(super) fn insert(
+        &mut self,
+        y: u16,
+        run: [u16; 2],
+        place: u16,
+        new: &mut Newcomer,
+        stats: &mut SpanStats,
+    ) {
         let [x0, x1] = run;
         let row = &mut self.rows[usize::from(y)];
         let made = &mut self.made;
         made.clear();
         new.begin_run(y);
-        let mut next = row.first_beyond(x0);
+        let mut next = usize::from(place);
         // The spans before this one stay as they are; those from it to `next` become `made`.
         let mut first = next;
         let (mut x, mut changed) = (x0, false);

@@ -82,11 +82,20 @@ impl<S: Simd> Lanes<S> {
         let (n1, n2) = (turned.select(n2, n1), turned.select(n1, n2));
 
         let [left_of, above] = [origin[0] << ONE_SHIFT, origin[1] << ONE_SHIFT];
-        let px = [in_pixels(x0 - left_of), in_pixels(x1 - left_of), in_pixels(x2 - left_of)];
-        let py = [in_pixels(y0 - above), in_pixels(y1 - above), in_pixels(y2 - above)];
+        let px = [
+            in_pixels(x0 - left_of),
+            in_pixels(x1 - left_of),
+            in_pixels(x2 - left_of),
+        ];
+        let py = [
+            in_pixels(y0 - above),
+            in_pixels(y1 - above),
+            in_pixels(y2 - above),
+        ];
         let dx = [in_pixels(x1 - x0), in_pixels(x2 - x1), in_pixels(x0 - x2)];
         let dy = [in_pixels(y1 - y0), in_pixels(y2 - y1), in_pixels(y0 - y2)];
-        let size = px[0].abs().max(px[1].abs()).max(px[2].abs()) + py[0].abs().max(py[1].abs()).max(py[2].abs());
+        let size =
+            px[0].abs().max(px[1].abs()).max(px[2].abs()) + py[0].abs().max(py[1].abs()).max(py[2].abs());
         let unit = size * EXACTNESS + PER_UNIT * 2.0;
         let edges = [
             Edge::new(simd, px[0], py[0], dx[0], dy[0], unit),
@@ -101,7 +110,14 @@ impl<S: Simd> Lanes<S> {
             left,
             right,
             third,
-            plane: Plane::new(simd, [px[0], py[0]], [dx[0], dx[2], dy[0], dy[2]], [n0, n1, n2], area.abs(), size),
+            plane: Plane::new(
+                simd,
+                [px[0], py[0]],
+                [dx[0], dx[2], dy[0], dy[2]],
+                [n0, n1, n2],
+                area.abs(),
+                size,
+            ),
             unsure,
         }
     }
@@ -167,7 +183,10 @@ fn sort<S: Simd>(simd: S, edges: &[Edge<S>; 3], dy: &[f32x16<S>; 3]) -> (Edge<S>
     (
         left,
         right,
-        [third.or_at(simd, third_up, -FAR), third.or_at(simd, third_down, FAR)],
+        [
+            third.or_at(simd, third_up, -FAR),
+            third.or_at(simd, third_down, FAR),
+        ],
     )
 }
 

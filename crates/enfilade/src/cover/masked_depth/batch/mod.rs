@@ -163,7 +163,11 @@ fn work_off<S: Simd>(
     grid: &mut Grid,
     least: usize,
 ) {
-    let Queues { small, wide, uncertain } = queues;
+    let Queues {
+        small,
+        wide,
+        uncertain,
+    } = queues;
     let mut from = 0;
     while wide.count >= from + least {
         let triangles = wide.sixteen(simd, from);

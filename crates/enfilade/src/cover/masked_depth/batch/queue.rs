@@ -171,9 +171,7 @@ impl Queues {
         let wide = sure & !small;
 
         let number = u32x16::from_slice(simd, &COUNT) + first;
-        let fields = [
-            a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2], number,
-        ];
+        let fields = [a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2], number];
         if small.any_true() {
             self.small.push(small, &fields);
         }

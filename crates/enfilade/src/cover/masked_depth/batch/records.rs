@@ -47,7 +47,10 @@ impl Records {
         for &place in &self.places[..count] {
             self.touched ^= grid.tiles[place as usize / SUB_TILES].reference[place as usize % SUB_TILES];
         }
-        let all = self.places[..count].iter().zip(&self.masks[..count]).zip(&self.nearness[..count]);
+        let all = self.places[..count]
+            .iter()
+            .zip(&self.masks[..count])
+            .zip(&self.nearness[..count]);
         for ((&place, &mask), &nearness) in all {
             let index = place as usize / SUB_TILES;
             let tile = &mut grid.tiles[index];
@@ -113,9 +116,14 @@ impl<S: Simd> Places<S> {
         let nearness = self.nearness + self.by_column * right as f32 + self.by_row * down as f32;
         let nearness: u32x16<S> = nearness.max(self.least).bitcast();
         let start = records.count.min(MOST);
-        place.compress(some).store_slice(&mut records.places[start..start + 16]);
-        mask.compress(some).store_slice(&mut records.masks[start..start + 16]);
-        nearness.compress(some).store_slice(&mut records.nearness[start..start + 16]);
+        place
+            .compress(some)
+            .store_slice(&mut records.places[start..start + 16]);
+        mask.compress(some)
+            .store_slice(&mut records.masks[start..start + 16]);
+        nearness
+            .compress(some)
+            .store_slice(&mut records.nearness[start..start + 16]);
         records.count = start + found;
     }
 }

@@ -30,14 +30,21 @@ pub(super) fn draw<S: Simd>(
 ) {
     let lanes = Lanes::new(simd, frame, triangles, [SUB_COLUMNS as i32, SUB_ROWS as i32]);
     let there: mask32x16<S> = mask32x16::from_bitmask(simd, (1_u64 << triangles.lanes) - 1);
-    let [first, end] = [lanes.columns[0].to_float::<f32x16<S>>() - 0.5, lanes.columns[1].to_float::<f32x16<S>>() - 0.5];
+    let [first, end] = [
+        lanes.columns[0].to_float::<f32x16<S>>() - 0.5,
+        lanes.columns[1].to_float::<f32x16<S>>() - 0.5,
+    ];
     let most = f32x16::splat(simd, 30.5);
     let least = f32x16::splat(simd, -0.5);
     let none = u32x16::splat(simd, 0);
     let zero = i32x16::splat(simd, 0);
     // Lanes of no meaning may hold anything.
-    let down = there.select((lanes.rows[1] + (SUB_ROWS as i32 - 1)) >> 2, zero).reduce_max();
-    let across = there.select((lanes.columns[1] + (SUB_COLUMNS as i32 - 1)) >> 3, zero).reduce_max();
+    let down = there
+        .select((lanes.rows[1] + (SUB_ROWS as i32 - 1)) >> 2, zero)
+        .reduce_max();
+    let across = there
+        .select((lanes.columns[1] + (SUB_COLUMNS as i32 - 1)) >> 3, zero)
+        .reduce_max();
     let (down, across) = ((down as usize).min(DOWN), (across as usize).min(ACROSS));
     let all = u32x16::splat(simd, u32::MAX);
     let last = i32x16::splat(simd, 31);

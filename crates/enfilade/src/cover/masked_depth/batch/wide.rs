@@ -36,7 +36,13 @@ pub(super) fn draw<S: Simd>(
     uncertain: &mut Vec<u32>,
 ) {
     let lanes = Lanes::new(simd, frame, triangles, [COLUMNS as i32, ROWS as i32]);
-    let edge = |edge: &Edge<S>| [edge.slope.to_array(), edge.least.to_array(), edge.greatest.to_array()];
+    let edge = |edge: &Edge<S>| {
+        [
+            edge.slope.to_array(),
+            edge.least.to_array(),
+            edge.greatest.to_array(),
+        ]
+    };
     let unsure = lanes.unsure.to_bitmask();
     let stored = Stored {
         origin: [
@@ -140,7 +146,12 @@ fn draw_one<S: Simd>(
             } else {
                 [0; 2]
             };
-            waiting.push(((above + row) / ROWS as i32) as usize, [starts, stops], whole, &slopes);
+            waiting.push(
+                ((above + row) / ROWS as i32) as usize,
+                [starts, stops],
+                whole,
+                &slopes,
+            );
         }
         row += LANES as i32;
     }

@@ -82,7 +82,11 @@ fn passage_of(seed: u64, dice: &mut Dice) -> Passage {
     if seed % 2 == 0 {
         return passages(seed, dice);
     }
-    let mut view = View::new([0.5, 1.0, 2.0], dice.unit().to_array().map(|v| v as f32), [701, 333]);
+    let mut view = View::new(
+        [0.5, 1.0, 2.0],
+        dice.unit().to_array().map(|v| v as f32),
+        [701, 333],
+    );
     view.near = dice.by_ratio(1e-3, 0.5) as f32;
     Passage::at_the_eye(&view, FragmentId(0), false)
 }
@@ -103,15 +107,26 @@ fn a_mesh_hides_the_very_samples_that_it_owns_and_is_nowhere_nearer() {
         let count = 1 + (300.0 * dice.roll() * dice.roll()) as usize;
         let (positions, corners) = soup(&mut dice, &passage, count);
         let exact = exact(&positions, &corners, &passage);
-        let cover = hidden_by(Level::new(), &OccluderMesh::triangles(&positions, &corners), &passage);
+        let cover = hidden_by(
+            Level::new(),
+            &OccluderMesh::triangles(&positions, &corners),
+            &passage,
+        );
         for (x, y) in samples(cover.grid.rect) {
             let known = cover.nearness_at(x, y);
             if known == f32::INFINITY {
                 continue;
             }
             let truth = exact.nearness[usize::from(y) * exact.width + usize::from(x)];
-            assert_eq!(known > 0.0, truth > 0.0, "{x}, {y} of scene {seed}: {known} for {truth}");
-            assert!(f64::from(known) <= truth, "{x}, {y} of scene {seed}: {known} for {truth}");
+            assert_eq!(
+                known > 0.0,
+                truth > 0.0,
+                "{x}, {y} of scene {seed}: {known} for {truth}"
+            );
+            assert!(
+                f64::from(known) <= truth,
+                "{x}, {y} of scene {seed}: {known} for {truth}"
+            );
             covered += u64::from(known > 0.0);
             apart += u64::from(f64::from(known) < 0.5 * truth);
         }
@@ -145,7 +160,11 @@ fn a_mesh_leaves_the_same_bits_at_every_simd_level() {
             let cover = hidden_by(level, &mesh, &passage);
             let all = expected.grid.tiles.iter().zip(&cover.grid.tiles);
             for (number, (a, b)) in all.enumerate() {
-                assert_eq!((a.mask, a.reference, a.working), (b.mask, b.reference, b.working), "tile {number} of scene {seed}");
+                assert_eq!(
+                    (a.mask, a.reference, a.working),
+                    (b.mask, b.reference, b.working),
+                    "tile {number} of scene {seed}"
+                );
             }
             assert_eq!(expected.grid.farthest, cover.grid.farthest, "scene {seed}");
         }
@@ -158,11 +177,19 @@ fn a_triangle_with_a_corner_that_is_no_number_hides_nothing() {
     let passage = Passage::at_the_eye(&view, FragmentId(0), false);
     let sound = [[-90.0, -90.0, -2.0], [90.0, -90.0, -2.0], [0.0, 90.0, -2.0]];
     let all_hidden = |positions: &[[f32; 3]], corners: &[u32]| {
-        let cover = hidden_by(Level::new(), &OccluderMesh::triangles(positions, corners), &passage);
+        let cover = hidden_by(
+            Level::new(),
+            &OccluderMesh::triangles(positions, corners),
+            &passage,
+        );
         samples(cover.grid.rect).all(|(x, y)| cover.nearness_at(x, y) > 0.0)
     };
     let none_hidden = |positions: &[[f32; 3]], corners: &[u32]| {
-        let cover = hidden_by(Level::new(), &OccluderMesh::triangles(positions, corners), &passage);
+        let cover = hidden_by(
+            Level::new(),
+            &OccluderMesh::triangles(positions, corners),
+            &passage,
+        );
         samples(cover.grid.rect).all(|(x, y)| cover.nearness_at(x, y) == 0.0)
     };
     assert!(all_hidden(&sound, &[0, 1, 2]));
@@ -180,8 +207,17 @@ fn a_triangle_with_a_corner_that_is_no_number_hides_nothing() {
 fn quads_hide_what_their_triangles_hide() {
     let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [128, 96]);
     let passage = Passage::at_the_eye(&view, FragmentId(0), false);
-    let corners = [[-1.0, -1.0, -3.0], [1.0, -1.0, -3.5], [1.0, 1.0, -3.5], [-1.0, 1.0, -3.0]];
-    let quad = hidden_by(Level::new(), &OccluderMesh::quads(&corners, &[0, 1, 2, 3]), &passage);
+    let corners = [
+        [-1.0, -1.0, -3.0],
+        [1.0, -1.0, -3.5],
+        [1.0, 1.0, -3.5],
+        [-1.0, 1.0, -3.0],
+    ];
+    let quad = hidden_by(
+        Level::new(),
+        &OccluderMesh::quads(&corners, &[0, 1, 2, 3]),
+        &passage,
+    );
     let exact = exact(&corners, &[0, 1, 2, 0, 2, 3], &passage);
     let mut covered = 0;
     for (x, y) in samples(quad.grid.rect) {

@@ -242,22 +242,43 @@ pub(crate) struct FoundClusters {
 struct Run {
     item: ItemId,
     clusters: [u32; 2],
-    /// All that the item has, whether or not they are written down.
-    whole: bool,
+    what: What,
+}
+
+/// What stands together in a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum What {
+    /// Clusters that are asked about one by one.
+    Each,
+    /// Those of a node of the item's mesh.
+    Group(u32),
+    /// All that the item has, without being written down.
+    Whole,
 }
 
 impl FoundClusters {
     pub(crate) fn push(&mut self, item: ItemId, cluster: u32) {
         let end = self.clusters.len() as u32;
         match self.runs.last_mut() {
-            Some(last) if last.item == item => last.clusters[1] += 1,
+            Some(last) if last.item == item && last.what == What::Each => last.clusters[1] += 1,
             _ => self.runs.push(Run {
                 item,
                 clusters: [end, end + 1],
-                whole: false,
+                what: What::Each,
             }),
         }
         self.clusters.push(cluster);
+    }
+
+    /// The clusters of a node of the item's mesh, to be kept or forgotten together.
+    pub(crate) fn push_group(&mut self, item: ItemId, node: u32, clusters: &[u32]) {
+        let start = self.clusters.len() as u32;
+        self.clusters.extend_from_slice(clusters);
+        self.runs.push(Run {
+            item,
+            clusters: [start, self.clusters.len() as u32],
+            what: What::Group(node),
+        });
     }
 
     pub(crate) fn push_whole(&mut self, item: ItemId) {
@@ -265,18 +286,18 @@ impl FoundClusters {
         self.runs.push(Run {
             item,
             clusters: [end; 2],
-            whole: true,
+            what: What::Whole,
         });
     }
 
-    /// Forgets the clusters that `stays` says no of; items that are whole stay so.
+    /// Forgets the clusters that `stays` says no of; groups and items that are whole stay so.
     pub(crate) fn retain(&mut self, mut stays: impl FnMut(ItemId, u32) -> bool) {
         let mut kept = 0;
         for run in &mut self.runs {
             let [first, end] = std::mem::replace(&mut run.clusters, [kept; 2]);
             for place in first..end {
                 let cluster = self.clusters[place as usize];
-                if stays(run.item, cluster) {
+                if run.what != What::Each || stays(run.item, cluster) {
                     self.clusters[kept as usize] = cluster;
                     kept += 1;
                 }
@@ -285,12 +306,15 @@ impl FoundClusters {
         }
         self.clusters.truncate(kept as usize);
         self.runs
-            .retain(|run| run.whole || run.clusters[0] < run.clusters[1]);
+            .retain(|run| run.what == What::Whole || run.clusters[0] < run.clusters[1]);
     }
 
-    /// Forgets the items kept whole that `stays` says no of.
-    pub(crate) fn retain_whole(&mut self, mut stays: impl FnMut(ItemId) -> bool) {
-        self.runs.retain(|run| !run.whole || stays(run.item));
+    /// Forgets the groups that `stays` says no of, by node.
+    pub(crate) fn retain_groups(&mut self, mut stays: impl FnMut(ItemId, u32) -> bool) {
+        self.runs.retain(|run| match run.what {
+            What::Group(node) => stays(run.item, node),
+            What::Each | What::Whole => true,
+        });
     }
 
     /// Reports items with their clusters, in order; nothing is left.
@@ -299,7 +323,7 @@ impl FoundClusters {
         for same in self.runs.chunk_by(|a, b| a.item == b.item) {
             let item = same[0].item;
             let start = seen.clusters.len();
-            if content.mesh_of(item).clusters().len() > 1 && !same.iter().any(|run| run.whole) {
+            if content.mesh_of(item).clusters().len() > 1 && !same.iter().any(|run| run.what == What::Whole) {
                 for run in same {
                     let [first, end] = run.clusters.map(|place| place as usize);
                     seen.clusters.extend_from_slice(&self.clusters[first..end]);

@@ -127,7 +127,7 @@ impl<C: Hides> Against for InSamples<'_, C> {
         true
     }
 
-    fn is_enough(&self, triangles: u64, region: &Region) -> bool {
+    fn are_enough(&self, triangles: u64, region: &Region) -> bool {
         C::are_too_fine(triangles, region)
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::content::{Content, ItemId, OpeningId};
 use crate::faces::{Faces, Of};
-use crate::geom::Aabb;
+use crate::geom::{Aabb, Octree};
 use crate::memory::{Marks, Memory};
 use crate::order::{Order, Visit};
 use crate::passage::Passage;
@@ -10,6 +10,7 @@ use crate::region::{Region, Sight};
 use crate::seen::{FoundClusters, Seen};
 use crate::stats::Stats;
 use glam::DAffine3;
+use smallvec::SmallVec;
 
 /// What a walk holds things against: a cover, in samples or in cells.
 pub(super) trait Against {
@@ -34,8 +35,8 @@ pub(super) trait Against {
     /// where [`Against::TAKES_FACES`], as is the next.
     fn take_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool;
 
-    /// Is it enough to know that an item of so many triangles may be seen within `region`, whichever of its clusters?
-    fn is_enough(&self, _triangles: u64, _region: &Region) -> bool {
+    /// Is it enough to know that some of so many triangles may be seen within `region`, whichever of them?
+    fn are_enough(&self, _triangles: u64, _region: &Region) -> bool {
         false
     }
 
@@ -43,7 +44,7 @@ pub(super) trait Against {
     fn sees_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool;
 }
 
-/// An item of more clusters than these is looked at cluster by cluster in any case: it may be a city.
+/// More clusters than these are looked at in parts in any case: they may be a city.
 const FEW_CLUSTERS: usize = 64;
 
 /// Clusters and openings that nothing hides.
@@ -81,6 +82,16 @@ pub(super) fn find<O: Order>(
     }
     memory.put_back(scratch);
     memory.put_back(found);
+}
+
+/// Adds the clusters of a node of a mesh and all below it; `false` where they are more than few.
+fn add_few(tree: &Octree, node: u32, clusters: &mut SmallVec<[u32; FEW_CLUSTERS]>) -> bool {
+    let own = tree.things(node);
+    if clusters.len() + own.len() > FEW_CLUSTERS {
+        return false;
+    }
+    clusters.extend_from_slice(own);
+    tree.children(node).all(|child| add_few(tree, child, clusters))
 }
 
 /// Joins an order's walk to what it is held against.
@@ -127,10 +138,10 @@ impl<A: Against> Walk<'_, A> {
                 seen = stays.then_some(item).or(seen);
                 stays
             });
-            clusters.retain_whole(|item| {
+            clusters.retain_groups(|item, node| {
                 let screen_from_item = self.passage.screen_from(&self.content.item(item).transform());
-                let bounds = self.content.mesh_of(item).bounds();
-                let region = Region::of(self.passage, &screen_from_item, &bounds);
+                let bounds = self.content.mesh_of(item).tree().bounds(node);
+                let region = Region::of(self.passage, &screen_from_item, bounds);
                 region.is_some_and(|region| self.enter(&region) != Sight::Hidden)
             });
         }
@@ -168,12 +179,16 @@ impl<A: Against> Visit for Walk<'_, A> {
         self.marks.first_time(item)
     }
 
-    fn is_enough(&mut self, item: ItemId, region: &Region) -> bool {
+    fn are_enough(&mut self, item: ItemId, node: u32, region: &Region) -> bool {
         let mesh = self.content.mesh_of(item);
-        let enough =
-            mesh.clusters().len() <= FEW_CLUSTERS && self.against.is_enough(mesh.triangle_count(), region);
-        if enough && self.marks.first_time(item) {
-            self.found.clusters.push_whole(item);
+        let mut below = SmallVec::<[u32; FEW_CLUSTERS]>::new();
+        if !A::TAKES_FACES || !add_few(mesh.tree(), node, &mut below) {
+            return false;
+        }
+        let triangles = below.iter().map(|&cluster| mesh.triangles_in(cluster as usize));
+        let enough = self.against.are_enough(triangles.sum(), region);
+        if enough {
+            self.found.clusters.push_group(item, node, &below);
         }
         enough
     }

@@ -104,8 +104,8 @@ pub trait Visit {
     /// From now on boxes lie anywhere again.
     fn go_back(&mut self) {}
 
-    /// Is it enough that an item, within `region`, was met? Then its clusters are not handed out.
-    fn is_enough(&mut self, _item: ItemId, _region: &Region) -> bool {
+    /// Is it enough that a node of an item's mesh, within `region`, was met? Then its clusters are not handed out.
+    fn are_enough(&mut self, _item: ItemId, _node: u32, _region: &Region) -> bool {
         false
     }
 

@@ -114,11 +114,15 @@ pub(super) fn walk(
         match what {
             What::Node(node) => enter_node(tree, node, content, passage, queue),
             What::Item(item) => {
-                if !visit.is_enough(ItemId(item), &queue.regions[region as usize]) {
-                    enter_item(ItemId(item), content, passage, queue, visit);
+                let region = queue.regions[region as usize];
+                enter_item(ItemId(item), &region, content, passage, queue, visit);
+            }
+            What::MeshNode { entered, node } => {
+                let (item, _) = queue.entered[entered as usize];
+                if !visit.are_enough(item, node, &queue.regions[region as usize]) {
+                    enter_mesh_node(entered, node, content, passage, queue);
                 }
             }
-            What::MeshNode { entered, node } => enter_mesh_node(entered, node, content, passage, queue),
             What::Cluster { entered, cluster } => {
                 let (item, screen_from_item) = &queue.entered[entered as usize];
                 visit.faces(&Faces::of_cluster(content, *item, cluster, screen_from_item));
@@ -143,7 +147,14 @@ fn enter_node(tree: &impl Tree, node: u32, content: &Content, passage: &Passage,
     }
 }
 
-fn enter_item(item: ItemId, content: &Content, passage: &Passage, queue: &mut Queue, visit: &mut impl Visit) {
+fn enter_item(
+    item: ItemId,
+    region: &Region,
+    content: &Content,
+    passage: &Passage,
+    queue: &mut Queue,
+    visit: &mut impl Visit,
+) {
     let mesh = content.mesh_of(item);
     if !visit.first_time(item) {
         return;
@@ -151,7 +162,11 @@ fn enter_item(item: ItemId, content: &Content, passage: &Passage, queue: &mut Qu
     let screen_from_item = passage.screen_from(&content.item(item).transform());
     if mesh.clusters().len() == 1 {
         visit.faces(&Faces::of_cluster(content, item, 0, &screen_from_item));
-    } else if let Some(root) = mesh.tree().root() {
+    } else if let Some(root) = mesh
+        .tree()
+        .root()
+        .filter(|&root| !visit.are_enough(item, root, region))
+    {
         queue.entered.push((item, screen_from_item));
         enter_mesh_node(queue.entered.len() as u32 - 1, root, content, passage, queue);
     }

@@ -76,7 +76,7 @@ fn place_eight<S: Simd>(simd: S, frame: &Frame, [x, y, z]: [f64x8<S>; 3]) -> [f6
         & column.abs().simd_lt(farthest)
         & row.abs().simd_lt(farthest);
     if let Some(([a, b, c], distance)) = frame.entry {
-        sound = sound & (at_x * a + at_y * b + w * c).simd_gt(f64x8::splat(simd, distance));
+        sound &= (at_x * a + at_y * b + w * c).simd_gt(f64x8::splat(simd, distance));
     }
     [
         column + TO_INTEGER,

@@ -71,7 +71,7 @@ pub(super) fn draw<S: Simd>(
                     right[0].min(third_right[0]).min(end).max(least).ceil(),
                     right[1].min(third_right[1]).min(end).max(least).ceil(),
                 ];
-                unsure = unsure | !(start[0].simd_eq(start[1]) & stop[0].simd_eq(stop[1]));
+                unsure |= !(start[0].simd_eq(start[1]) & stop[0].simd_eq(stop[1]));
                 let start = start[0].to_int::<i32x16<S>>().bitcast::<u32x16<S>>();
                 let stop = stop[0].to_int::<i32x16<S>>().bitcast::<u32x16<S>>();
                 *held = (all << start) & !(all << stop);
@@ -94,7 +94,7 @@ pub(super) fn draw<S: Simd>(
             uncertain.push(triangles.number[lane]);
             left &= left - 1;
         }
-        sure = sure & !unsure;
+        sure &= !unsure;
         records.count = start;
     }
 }

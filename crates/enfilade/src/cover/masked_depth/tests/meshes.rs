@@ -79,7 +79,7 @@ fn soup(dice: &mut Dice, passage: &Passage, count: usize) -> (Vec<[f32; 3]>, Vec
 
 /// A screen on which triangles may be wide, or the passage of another test.
 fn passage_of(seed: u64, dice: &mut Dice) -> Passage {
-    if seed % 2 == 0 {
+    if seed.is_multiple_of(2) {
         return passages(seed, dice);
     }
     let mut view = View::new(

@@ -5,7 +5,8 @@
 //! of all, one has to give way; whatever gives way, both sentences stay true.
 //! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 3.2. Theirs
 //!     drops the working layer where it is farther from the new one than from the reference, by difference of depths;
-//!     ours by ratio of nearnesses, whichever of the two came first, and never drops where nothing is behind.
+//!     ours by ratio of nearnesses, whichever of the two came first, and never drops where nothing is behind, unless that
+//!     layer is farther than 10¹⁹.
 //! Cost: O(1) for each sub-tile; [`rows`](super::rows) does all sixteen at once.
 //! Conservative: nearness is only ever less than the truth.
 

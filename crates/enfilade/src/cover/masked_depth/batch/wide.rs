@@ -1,10 +1,10 @@
 //! Wide triangles: one after the other, sixteen rows at a time.
 //!
-//! Rows are in the lanes, and then sub-tiles: two tiles side by side are covered at once. Tiles that are nearer than all of
-//! the triangle are left before anything is computed for them.
+//! Rows are in the lanes, and then the sub-tiles of a tile. Tiles that are nearer than all of the triangle are left before
+//! anything is computed for them.
 //! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, sections 3.1 to 3.3.
 //! Cost: a triangle O(rows / 16) + O(tiles it reaches into).
-//! Exact: rows whose ends are not certain go to f64.
+//! Exact: a triangle with a row whose ends are not certain goes to f64.
 
 use super::lanes::{Edge, Lanes};
 use super::queue::Sixteen;

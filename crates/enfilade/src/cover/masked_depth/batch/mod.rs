@@ -10,6 +10,7 @@
 //! Conservative: covers the very samples that the exact covers do, and is nowhere nearer than they.
 
 mod corners;
+mod huge;
 mod lanes;
 mod queue;
 mod records;

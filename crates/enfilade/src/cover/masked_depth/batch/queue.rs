@@ -122,9 +122,6 @@ pub(super) struct Queues {
 /// The most columns of a small triangle.
 const SMALL: i32 = 31;
 
-/// No wider nor higher, in units, else f64 costs no more.
-const WIDEST: i32 = 512 * ONE;
-
 impl Queues {
     /// Lets in up to sixteen triangles, from number `first` on; `lanes` are there.
     #[inline(always)]
@@ -162,8 +159,7 @@ impl Queues {
         let certain = area.abs().simd_gt(slack);
         let turned = (area * frame.front).simd_lt(zero);
         let seen = sound & any & !(certain & turned);
-        let fits = columns.extent.simd_lt(WIDEST) & rows.extent.simd_lt(WIDEST);
-        let sure = seen & certain & fits;
+        let sure = seen & certain;
         let unsure = (there & !sound) | (seen & !sure);
         let small = sure
             & (columns.end - (columns.first & !7)).simd_le(SMALL)
@@ -196,8 +192,6 @@ pub(super) struct Samples<S: Simd> {
     /// The first that may be between them and the one after the last, from the middle, within the limits.
     pub(super) first: i32x16<S>,
     pub(super) end: i32x16<S>,
-    /// From the least to the greatest, in units.
-    pub(super) extent: i32x16<S>,
 }
 
 impl<S: Simd> Samples<S> {
@@ -211,7 +205,6 @@ impl<S: Simd> Samples<S> {
         Samples {
             first: first.max(i32x16::splat(simd, limits[0])),
             end: end.min(i32x16::splat(simd, limits[1])),
-            extent: greatest - least,
         }
     }
 }

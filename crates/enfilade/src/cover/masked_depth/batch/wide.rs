@@ -6,9 +6,10 @@
 //! Cost: a triangle O(rows / 16) + O(tiles it reaches into).
 //! Exact: a triangle with a row whose ends are not certain goes to f64.
 
+use super::huge::Sides;
 use super::lanes::{Edge, Lanes};
 use super::queue::Sixteen;
-use super::{Frame, LANES};
+use super::{Frame, LANES, ONE};
 use crate::cover::masked_depth::grid::Grid;
 use crate::cover::masked_depth::rows::{Slopes, Waiting};
 use crate::cover::masked_depth::tile::{COLUMNS, ROWS};
@@ -22,6 +23,8 @@ struct Stored {
     rows: [[i32; LANES]; 2],
     edges: [[[f32; LANES]; 3]; 4],
     plane: [[f32; LANES]; 5],
+    /// Columns and rows of the corners, in units.
+    corners: [[[i32; LANES]; 2]; 3],
     number: [u32; LANES],
 }
 
@@ -64,14 +67,31 @@ pub(super) fn draw<S: Simd>(
             lanes.plane.least.to_array(),
             lanes.plane.greatest.to_array(),
         ],
+        corners: [0, 1, 2].map(|corner| [triangles.x[corner].to_array(), triangles.y[corner].to_array()]),
         number: triangles.number.to_array(),
     };
     for lane in 0..triangles.lanes.min(LANES) {
         if unsure >> lane & 1 != 0 {
             uncertain.push(stored.number[lane]);
         } else {
-            draw_one(simd, &stored, lane, grid, waiting, uncertain);
+            draw_one(simd, frame, &stored, lane, grid, waiting, uncertain);
         }
+    }
+}
+
+/// Wider or higher than this, in units, rows are crossed in f64.
+const HUGE: i32 = 512 * ONE;
+
+impl Stored {
+    /// The edges of a triangle that is too large for f32.
+    fn huge_sides(&self, lane: usize, frame: &Frame) -> Option<Sides> {
+        let corners = self.corners.map(|[x, y]| [x[lane], y[lane]]);
+        let is_huge = [0, 1].into_iter().any(|axis| {
+            let [a, b, c] = corners.map(|corner| corner[axis]);
+            a.max(b).max(c) - a.min(b).min(c) >= HUGE
+        });
+        let origin = [0, 1].map(|axis| self.origin[axis][lane] - frame.middle_sample[axis]);
+        is_huge.then(|| Sides::new(corners, origin))
     }
 }
 
@@ -82,6 +102,7 @@ const CENTRES: [f32; LANES] = [
 #[inline(always)]
 fn draw_one<S: Simd>(
     simd: S,
+    frame: &Frame,
     stored: &Stored,
     lane: usize,
     grid: &mut Grid,
@@ -97,12 +118,8 @@ fn draw_one<S: Simd>(
     ];
     let [first, end] = [stored.columns[0][lane], stored.columns[1][lane]];
     let [first_row, end_row] = [stored.rows[0][lane], stored.rows[1][lane]];
-    let [first_at, end_at] = [
-        f32x16::splat(simd, first as f32 - 0.5),
-        f32x16::splat(simd, end as f32 - 0.5),
-    ];
-    let centres = f32x16::from_slice(simd, &CENTRES);
-    let [left, right, third_left, third_right] = &stored.edges;
+    let between = [f64::from(first) - 0.5, f64::from(end) - 0.5];
+    let huge = stored.huge_sides(lane, frame);
     // Counted from the corner of the screen, as all runs are.
     let [left_of, above] = [stored.origin[0][lane], stored.origin[1][lane]];
     let [by_column, by_row] = [f64::from(by_column), f64::from(by_row)];
@@ -113,19 +130,10 @@ fn draw_one<S: Simd>(
     }
     let mut row = 0;
     while row < end_row {
-        let y = centres + row as f32;
-        let left = crossing(simd, left, lane, y);
-        let right = crossing(simd, right, lane, y);
-        let third_left = crossing(simd, third_left, lane, y);
-        let third_right = crossing(simd, third_right, lane, y);
-        let start = [
-            left[0].max(third_left[0]).max(first_at).min(end_at).ceil(),
-            left[1].max(third_left[1]).max(first_at).min(end_at).ceil(),
-        ];
-        let stop = [
-            right[0].min(third_right[0]).min(end_at).max(first_at).ceil(),
-            right[1].min(third_right[1]).min(end_at).max(first_at).ceil(),
-        ];
+        let [start, stop] = match &huge {
+            Some(sides) => sides.ends(simd, row, between),
+            None => ends(simd, &stored.edges, lane, row, between),
+        };
         let number = i32x16::from_slice(simd, &NUMBERS) + row;
         let inside = number.simd_ge(first_row) & number.simd_lt(end_row);
         let sure = start[0].simd_eq(start[1]) & stop[0].simd_eq(stop[1]);
@@ -158,6 +166,37 @@ fn draw_one<S: Simd>(
 }
 
 const NUMBERS: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+
+/// The first column of each of sixteen rows from `row` on, and the one after the last, between two; each as the least and
+/// the greatest that it may be.
+#[inline(always)]
+fn ends<S: Simd>(
+    simd: S,
+    edges: &[[[f32; LANES]; 3]; 4],
+    lane: usize,
+    row: i32,
+    between: [f64; 2],
+) -> [[f32x16<S>; 2]; 2] {
+    let y = f32x16::from_slice(simd, &CENTRES) + row as f32;
+    let [first, end] = [
+        f32x16::splat(simd, between[0] as f32),
+        f32x16::splat(simd, between[1] as f32),
+    ];
+    let left = crossing(simd, &edges[0], lane, y);
+    let right = crossing(simd, &edges[1], lane, y);
+    let third_left = crossing(simd, &edges[2], lane, y);
+    let third_right = crossing(simd, &edges[3], lane, y);
+    [
+        [
+            left[0].max(third_left[0]).max(first).min(end).ceil(),
+            left[1].max(third_left[1]).max(first).min(end).ceil(),
+        ],
+        [
+            right[0].min(third_right[0]).min(end).max(first).ceil(),
+            right[1].min(third_right[1]).min(end).max(first).ceil(),
+        ],
+    ]
+}
 
 /// The least and the greatest that the crossing of rows may be.
 #[inline(always)]

@@ -88,6 +88,30 @@ impl<'a> Faces<'a> {
         }
     }
 
+    /// Opaque triangles seen from their front, of no item.
+    pub(crate) fn of_triangles(
+        positions: &'a [[f32; 3]],
+        corners: &'a [u32],
+        screen_from_local: &'a DAffine3,
+    ) -> Faces<'a> {
+        Faces {
+            of: Of::Item(ItemId(0), 0),
+            first_owner: 0,
+            item_start: 0,
+            positions,
+            first_position: 0,
+            corners,
+            starts: None,
+            neighbours: &[],
+            screen_from_local,
+            mirrored: false,
+            double_sided: false,
+            alpha: Alpha::Opaque,
+            may_be_chosen: true,
+            cuts: &[],
+        }
+    }
+
     /// One face of an item, or what `cuts` leave of it.
     pub(crate) fn of_face(
         content: &'a Content,

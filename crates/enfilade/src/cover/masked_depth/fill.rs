@@ -74,12 +74,13 @@ impl Fill {
         let Some((rect, slope)) = self.set_up(occluder, passage, &grid.rect) else {
             return 0;
         };
+        let slopes = slope.slopes();
         let mut covered = 0;
         let mut y = rect.y0 - rect.y0 % BAND as u16;
         while y < rect.y1 {
             if let Some((band, samples)) = Band::held(simd, y, &rect, &self.planes) {
                 covered += samples;
-                self.waiting.push_band(&band, &slope.slopes());
+                self.waiting.push_band(&band, &slopes);
             }
             y += BAND as u16;
         }

@@ -10,8 +10,7 @@ use super::MaskedDepth;
 use super::batch::{Block, LANES};
 use super::tile::{COLUMNS, ROWS};
 use crate::aperture::Rect;
-use crate::content::{Alpha, ItemId};
-use crate::faces::{Faces, Of};
+use crate::faces::Faces;
 use crate::passage::Passage;
 use crate::stats::Stats;
 use fearless_simd::prelude::*;
@@ -163,22 +162,7 @@ fn keep_facing<S: Simd>(
 impl MaskedDepth {
     /// Lets a mesh, in the space of the passage's fragment, hide what is behind it.
     pub fn hide_mesh(&mut self, mesh: &OccluderMesh, passage: &Passage, stats: &mut Stats) {
-        let faces = Faces {
-            of: Of::Item(ItemId(0), 0),
-            first_owner: 0,
-            item_start: 0,
-            positions: &[],
-            first_position: 0,
-            corners: &[],
-            starts: None,
-            neighbours: &[],
-            screen_from_local: &passage.screen_from_fragment,
-            mirrored: false,
-            double_sided: false,
-            alpha: Alpha::Opaque,
-            may_be_chosen: true,
-            cuts: &[],
-        };
+        let faces = Faces::of_triangles(&[], &[], &passage.screen_from_fragment);
         let eye = passage.eye().map(|at| at as f32);
         let mut facing = std::mem::take(&mut self.room.corners);
         for Part {

@@ -214,6 +214,9 @@ pub(super) struct Slopes {
     greatest: f32,
 }
 
+/// Times the columns of any screen still an f32.
+const LARGE: f64 = 1e30;
+
 /// Twice what rounding to f32 may come to, relatively.
 const ROUNDING: f32 = 1.0 / (1_u32 << 22) as f32;
 
@@ -221,7 +224,10 @@ impl Slopes {
     /// Of a plane with nearness `at + by_column · column + by_row · row` at samples, lowered by what rounding to f32 may
     /// add to it, but no less than `least`; nowhere more than `greatest`.
     #[inline(always)]
-    pub(super) fn new(at: f64, [by_column, by_row]: [f64; 2], [least, greatest]: [f32; 2]) -> Slopes {
+    pub(super) fn new(at: f64, slopes: [f64; 2], [least, greatest]: [f32; 2]) -> Slopes {
+        // Where f32 could overflow, or something is no number already, no more is known than the least.
+        let is_small = [at, slopes[0], slopes[1]].iter().all(|value| value.abs() < LARGE);
+        let (at, [by_column, by_row]) = if is_small { (at, slopes) } else { (0.0, [0.0; 2]) };
         // The least over a sub-tile is at one of its corners.
         let column = if by_column < 0.0 {
             SUB_COLUMNS as f64 - 0.5

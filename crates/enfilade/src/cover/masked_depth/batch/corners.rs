@@ -17,6 +17,10 @@ pub(in crate::cover::masked_depth) type Corner = [u32; 4];
 /// A corner farther than this from the middle is odd, in units: sums and differences of two fit 32 bits.
 const FARTHEST: f64 = (1_u32 << 30) as f64;
 
+/// A corner farther than this along the line of sight, or nearer than its inverse, is odd: what is computed in f32 from
+/// others stays a number.
+pub(super) const DEEPEST: f64 = 1e18;
+
 /// What rounds an f64 to the nearest integer when added, and leaves it in the lower half of the bits.
 const TO_INTEGER: f64 = 1.5 * (1_u64 << 52) as f64;
 
@@ -74,7 +78,8 @@ fn place_eight<S: Simd>(simd: S, frame: &Frame, [x, y, z]: [f64x8<S>; 3]) -> [f6
     let farthest = f64x8::splat(simd, FARTHEST);
     let mut sound: mask64x8<S> = w.simd_gt(f64x8::splat(simd, frame.near))
         & column.abs().simd_lt(farthest)
-        & row.abs().simd_lt(farthest);
+        & row.abs().simd_lt(farthest)
+        & w.simd_lt(f64x8::splat(simd, DEEPEST));
     if let Some(([a, b, c], distance)) = frame.entry {
         sound &= (at_x * a + at_y * b + w * c).simd_gt(f64x8::splat(simd, distance));
     }

@@ -22,7 +22,7 @@ use super::rows::Waiting;
 use super::tile::{COLUMNS, ROWS};
 use crate::aperture::Rect;
 pub(super) use corners::Block;
-use corners::Corner;
+use corners::{Corner, DEEPEST};
 use fearless_simd::prelude::*;
 use glam::{DAffine3, DVec3};
 use queue::Queues;
@@ -79,7 +79,7 @@ impl Frame {
                 row(rows.y_axis, offset.y),
                 row(rows.z_axis, offset.z),
             ],
-            near: near * SURELY,
+            near: (near * SURELY).max(1.0 / DEEPEST),
             entry: entry.map(|(normal, distance)| (normal.into(), distance * SURELY)),
             front: front as f32,
             middle: middle_sample.map(f64::from),

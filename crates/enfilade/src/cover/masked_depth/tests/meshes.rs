@@ -1,10 +1,8 @@
 //! Meshes that the kernels let in, against the rasteriser of the exact covers.
 
 use super::*;
-use crate::content::{Alpha, ItemId};
 use crate::cover::raster::{Band, Raster, Sink};
 use crate::cover::triangle::Triangle;
-use crate::faces::Of;
 
 /// The nearest that the rasteriser gives each sample, from the corner of the screen; 0 where nothing is.
 struct Nearest {
@@ -34,22 +32,7 @@ fn exact(positions: &[[f32; 3]], corners: &[u32], passage: &Passage) -> Nearest 
         width,
         nearness: vec![0.0; width * height],
     };
-    let faces = Faces {
-        of: Of::Item(ItemId(0), 0),
-        first_owner: 0,
-        item_start: 0,
-        positions,
-        first_position: 0,
-        corners,
-        starts: None,
-        neighbours: &[],
-        screen_from_local: &passage.screen_from_fragment,
-        mirrored: false,
-        double_sided: false,
-        alpha: Alpha::Opaque,
-        may_be_chosen: true,
-        cuts: &[],
-    };
+    let faces = Faces::of_triangles(positions, corners, &passage.screen_from_fragment);
     Raster::default().run(&faces, passage, &mut nearest, &mut Stats::default());
     nearest
 }
@@ -226,4 +209,35 @@ fn quads_hide_what_their_triangles_hide() {
         covered += u32::from(truth > 0.0);
     }
     assert!(covered > 500, "{covered}");
+}
+
+#[test]
+fn worlds_as_small_as_atoms_and_as_large_as_the_sky_are_held_as_others() {
+    for (number, scale) in [1e-25_f32, 1e-19, 1e-9, 1e9, 1e19, 1e25].into_iter().enumerate() {
+        let mut covered = 0;
+        for seed in 0..6 {
+            let mut dice = Dice::new(seed + 10 * number as u64 + 5000);
+            let mut view = View::new([0.0; 3], dice.unit().to_array().map(|v| v as f32), [160, 90]);
+            view.near = 0.05 * scale;
+            let passage = Passage::at_the_eye(&view, FragmentId(0), false);
+            let (positions, corners) = soup(&mut dice, &passage, 60);
+            let positions: Vec<[f32; 3]> = positions.iter().map(|at| at.map(|v| v * scale)).collect();
+            let exact = exact(&positions, &corners, &passage);
+            let cover = hidden_by(
+                Level::new(),
+                &OccluderMesh::triangles(&positions, &corners),
+                &passage,
+            );
+            for (x, y) in samples(cover.grid.rect) {
+                let known = f64::from(cover.nearness_at(x, y));
+                let truth = exact.nearness[usize::from(y) * exact.width + usize::from(x)];
+                assert!(
+                    known <= truth,
+                    "{x}, {y} of scene {seed} at {scale}: {known} for {truth}"
+                );
+                covered += u32::from(known > 0.0);
+            }
+        }
+        assert!(covered > 1000, "{covered} at {scale}");
+    }
 }

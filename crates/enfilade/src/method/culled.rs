@@ -25,13 +25,14 @@ use crate::seen::Seen;
 use crate::stats::Stats;
 use glam::DAffine3;
 use std::marker::PhantomData;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Content seen by an order and a cover that holds no picture.
 pub struct Culled<O, C> {
     method: Method,
     content: Arc<Content>,
-    occluders: Arc<OccluderSet>,
+    /// Found when first asked for: a cover may do without.
+    occluders: OnceLock<Arc<OccluderSet>>,
     order: O,
     cover: PhantomData<fn() -> C>,
 }
@@ -48,22 +49,34 @@ where
             return Err(TooLarge::new(method, needs_bytes, limit));
         }
         let order = O::build(&content, limit).ok_or_else(|| TooLarge::new(method, needs_bytes, limit))?;
-        Ok(Culled {
+        let culled = Culled {
             method,
-            occluders: content.share(|| OccluderSet::build(&content)),
+            occluders: OnceLock::new(),
             order,
             content,
             cover: PhantomData,
-        })
+        };
+        if C::OCCLUDERS > 0 {
+            culled.occluders();
+        }
+        Ok(culled)
+    }
+
+    fn occluders(&self) -> &OccluderSet {
+        let find = || OccluderSet::build(&self.content);
+        self.occluders.get_or_init(|| self.content.share(find))
     }
 
     /// Starts a cover over, with the occluders that are worth most.
     fn fill(&self, cover: &mut C, passage: &Passage, memory: &mut Memory) {
-        let mut choice = memory.take::<Choice>();
-        let mut room = memory.take::<OccluderRoom>();
         cover.clear(passage);
         let budget = memory.occluders.unwrap_or(C::OCCLUDERS) as usize;
-        let set = &self.occluders;
+        if budget == 0 {
+            return;
+        }
+        let mut choice = memory.take::<Choice>();
+        let mut room = memory.take::<OccluderRoom>();
+        let set = self.occluders();
         let mut choosing = set.choosing(&self.content, passage, C::MEASURE, &mut choice);
         for _ in 0..budget {
             let Some(chosen) =
@@ -190,7 +203,8 @@ where
     }
 
     fn bytes(&self) -> u64 {
-        self.content.bytes() + self.order.bytes() + self.occluders.bytes()
+        let occluders = self.occluders.get().map_or(0, |set| set.bytes());
+        self.content.bytes() + self.order.bytes() + occluders
     }
 }
 
@@ -213,7 +227,9 @@ where
             OccluderSet::needs_bytes,
         )
         .map_err(|needs_bytes| TooLarge::new(self.method, needs_bytes, limit))?;
-        edited.nodes += Arc::make_mut(&mut self.occluders).follow(&self.content, &done);
+        if let Some(occluders) = self.occluders.get_mut() {
+            edited.nodes += Arc::make_mut(occluders).follow(&self.content, &done);
+        }
         Ok(edited)
     }
 }

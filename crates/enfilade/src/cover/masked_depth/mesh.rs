@@ -116,6 +116,9 @@ impl OccluderMesh {
 
 /// Positions as a kernel takes them; what is missing is no number.
 pub(super) fn block(positions: &[[f32; 3]]) -> Block {
+    if let Some(whole) = positions.as_array::<LANES>() {
+        return [0, 1, 2].map(|axis| whole.map(|position| position[axis]));
+    }
     let mut block = [[f32::NAN; LANES]; 3];
     for (lane, position) in positions.iter().enumerate() {
         for (axis, &value) in position.iter().enumerate() {

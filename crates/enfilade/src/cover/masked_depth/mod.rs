@@ -147,21 +147,23 @@ impl MaskedDepth {
         } = std::mem::take(&mut self.room);
         blocks.clear();
         blocks.extend(faces.positions.chunks(LANES).map(block));
-        corners.clear();
-        faces.for_each(|_, face| {
-            for last in 2..face.len() {
-                corners.extend(
-                    [face[0], face[last - 1], face[last]].map(|corner| corner - faces.first_position),
-                );
-            }
-        });
         stats.batches += 1;
-        self.hide_triangles(faces, &blocks, &corners, passage, stats);
+        if faces.starts.is_none() {
+            self.hide_triangles(faces, &blocks, faces.corners, passage, stats);
+        } else {
+            corners.clear();
+            faces.for_each(|_, face| {
+                for last in 2..face.len() {
+                    corners.extend([face[0], face[last - 1], face[last]]);
+                }
+            });
+            self.hide_triangles(faces, &blocks, &corners, passage, stats);
+        }
         self.room = Room { blocks, corners };
     }
 
-    /// Lets triangles that are otherwise as `faces` hide what is behind them: most by the kernels, and those of which these
-    /// are not certain one by one.
+    /// Lets triangles that are otherwise as `faces` hide what is behind them, also in what their corners are counted from:
+    /// most by the kernels, and those of which these are not certain one by one.
     fn hide_triangles(
         &mut self,
         faces: &Faces,
@@ -183,7 +185,7 @@ impl MaskedDepth {
             .map(|(normal, distance)| (normal, distance * BEYOND));
         let frame = Frame::new(faces.screen_from_local, *near, entry, faces.front(passage), grid);
         stats.triangles += corners.len() as u64 / 3;
-        dispatch!(*level, simd => batch.hide(simd, &frame, blocks, corners, grid));
+        dispatch!(*level, simd => batch.hide(simd, &frame, blocks, corners, faces.first_position, grid));
         let (uncertain, waiting) = batch.uncertain();
         if uncertain.is_empty() {
             return;
@@ -191,8 +193,8 @@ impl MaskedDepth {
         for &number in uncertain {
             let at = 3 * number as usize;
             let three = [at, at + 1, at + 2].map(|at| {
-                let [block, lane] = [corners[at] as usize / LANES, corners[at] as usize % LANES];
-                blocks[block].map(|axis| axis[lane])
+                let place = (corners[at] - faces.first_position) as usize;
+                blocks[place / LANES].map(|axis| axis[place % LANES])
             });
             if !three.as_flattened().iter().all(|value| value.is_finite()) {
                 continue;

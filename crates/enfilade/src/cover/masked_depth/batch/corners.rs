@@ -2,7 +2,7 @@
 //!
 //! A place on the screen is kept in units of 2⁻¹⁷ pixel from the frame's middle, so that differences of places are exact
 //! integers; a corner of which that cannot be told (behind the near distance, before the last portal, far off the screen,
-//! no number) is odd, and whatever has it is left to f64.
+//! no number) is odd, and whatever has it is left to f64, unless all of it is out of view on one side.
 //! Source: fixed point as in graphics hardware, but 512 times as fine, and never trusted beyond its unit.
 //! Cost: O(corners).
 //! Exact within a unit: places are computed in f64, as everywhere, and rounded once.
@@ -11,8 +11,21 @@ use super::{Frame, LANES, ONE};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, f64x8, mask64x8, u32x16};
 
-/// Column, row (in units, from the frame's middle) and the bits of the nearness, above 0; all 0 where odd.
-pub(in crate::cover::masked_depth) type Corner = [u32; 4];
+/// Column, row (in units, from the frame's middle) and the bits of the nearness, above 0, or 0 where odd; then a bit for
+/// each side of what is in view that an odd corner is surely beyond.
+pub(super) type Corner = [u32; 4];
+
+/// The most corners of a batch.
+pub(super) const MOST_CORNERS: usize = 1024;
+
+/// Corners of a batch.
+pub(super) struct Corners(pub(super) Box<[Corner; MOST_CORNERS]>);
+
+impl Default for Corners {
+    fn default() -> Corners {
+        Corners(Box::new([[0; 4]; MOST_CORNERS]))
+    }
+}
 
 /// A corner farther than this from the middle is odd, in units: sums and differences of two fit 32 bits.
 const FARTHEST: f64 = (1_u32 << 30) as f64;
@@ -27,25 +40,24 @@ const TO_INTEGER: f64 = 1.5 * (1_u64 << 52) as f64;
 /// Sixteen positions: x of each, y of each, z of each.
 pub(in crate::cover::masked_depth) type Block = [[f32; LANES]; 3];
 
-/// Puts positions on the screen.
+/// Puts positions on the screen, as far as there is room.
 #[inline(always)]
-pub(super) fn place<S: Simd>(simd: S, frame: &Frame, positions: &[Block], corners: &mut Vec<Corner>) {
-    let needed = positions.len() * LANES;
-    if corners.len() < needed {
-        corners.resize(needed, [0; 4]);
-    }
-    for (block, placed) in positions.iter().zip(corners.chunks_exact_mut(LANES)) {
+pub(super) fn place<S: Simd>(simd: S, frame: &Frame, positions: &[Block], corners: &mut Corners) {
+    for (block, placed) in positions.iter().zip(corners.0.as_chunks_mut().0) {
         place_sixteen(simd, frame, block, placed);
     }
 }
 
 #[inline(always)]
-fn place_sixteen<S: Simd>(simd: S, frame: &Frame, at: &Block, placed: &mut [Corner]) {
+fn place_sixteen<S: Simd>(simd: S, frame: &Frame, at: &Block, placed: &mut [Corner; LANES]) {
     let (xs, xs_above) = f32x16::from_slice(simd, &at[0]).widen();
     let (ys, ys_above) = f32x16::from_slice(simd, &at[1]).widen();
     let (zs, zs_above) = f32x16::from_slice(simd, &at[2]).widen();
-    let below = place_eight(simd, frame, [xs, ys, zs]);
-    let above = place_eight(simd, frame, [xs_above, ys_above, zs_above]);
+    let eight = [
+        Eight::new(frame, [xs, ys, zs]),
+        Eight::new(frame, [xs_above, ys_above, zs_above]),
+    ];
+    let [below, above] = [eight[0].place(simd, frame), eight[1].place(simd, frame)];
     // The lower half of each.
     let columns = below[0]
         .bitcast::<u32x16<S>>()
@@ -54,8 +66,14 @@ fn place_sixteen<S: Simd>(simd: S, frame: &Frame, at: &Block, placed: &mut [Corn
         .bitcast::<u32x16<S>>()
         .unzip_low(above[1].bitcast::<u32x16<S>>());
     let nearness = below[2].narrow(above[2]).bitcast::<u32x16<S>>();
-    let spare = u32x16::splat(simd, 0);
-    let (first, second) = (columns.interleave(nearness), rows.interleave(spare));
+    let zero = u32x16::splat(simd, 0);
+    let outside = if nearness.simd_eq(zero).any_true() {
+        let [below, above] = [eight[0].outside(simd, frame), eight[1].outside(simd, frame)];
+        below.unzip_low(above)
+    } else {
+        zero
+    };
+    let (first, second) = (columns.interleave(nearness), rows.interleave(outside));
     let all = [first.0.interleave(second.0), first.1.interleave(second.1)];
     let placed = placed.as_flattened_mut();
     all[0].0.store_slice(&mut placed[..16]);
@@ -64,28 +82,77 @@ fn place_sixteen<S: Simd>(simd: S, frame: &Frame, at: &Block, placed: &mut [Corn
     all[1].1.store_slice(&mut placed[48..64]);
 }
 
-/// Column and row with [`TO_INTEGER`] added, and nearness; 0 where odd.
-#[inline(always)]
-fn place_eight<S: Simd>(simd: S, frame: &Frame, [x, y, z]: [f64x8<S>; 3]) -> [f64x8<S>; 3] {
-    let [to_x, to_y, to_w] = &frame.matrix;
-    let at_x = x * to_x[0] + y * to_x[1] + z * to_x[2] + to_x[3];
-    let at_y = x * to_y[0] + y * to_y[1] + z * to_y[2] + to_y[3];
-    let w = x * to_w[0] + y * to_w[1] + z * to_w[2] + to_w[3];
-    let zero = f64x8::splat(simd, 0.0);
-    let nearness = f64x8::splat(simd, 1.0) / w;
-    let column = (at_x * nearness - frame.middle[0]) * ONE as f64;
-    let row = (at_y * nearness - frame.middle[1]) * ONE as f64;
-    let farthest = f64x8::splat(simd, FARTHEST);
-    let mut sound: mask64x8<S> = w.simd_gt(f64x8::splat(simd, frame.near))
-        & column.abs().simd_lt(farthest)
-        & row.abs().simd_lt(farthest)
-        & w.simd_lt(f64x8::splat(simd, DEEPEST));
-    if let Some(([a, b, c], distance)) = frame.entry {
-        sound &= (at_x * a + at_y * b + w * c).simd_gt(f64x8::splat(simd, distance));
-    }
-    [
-        column + TO_INTEGER,
-        row + TO_INTEGER,
-        sound.select(nearness, zero),
-    ]
+/// (X, Y, W) of eight corners.
+struct Eight<S: Simd> {
+    x: f64x8<S>,
+    y: f64x8<S>,
+    w: f64x8<S>,
 }
+
+impl<S: Simd> Eight<S> {
+    #[inline(always)]
+    fn new(frame: &Frame, [x, y, z]: [f64x8<S>; 3]) -> Eight<S> {
+        let [to_x, to_y, to_w] = &frame.matrix;
+        Eight {
+            x: x * to_x[0] + y * to_x[1] + z * to_x[2] + to_x[3],
+            y: x * to_y[0] + y * to_y[1] + z * to_y[2] + to_y[3],
+            w: x * to_w[0] + y * to_w[1] + z * to_w[2] + to_w[3],
+        }
+    }
+
+    /// Column and row with [`TO_INTEGER`] added, and nearness; 0 where odd.
+    #[inline(always)]
+    fn place(&self, simd: S, frame: &Frame) -> [f64x8<S>; 3] {
+        let Eight { x, y, w } = *self;
+        let zero = f64x8::splat(simd, 0.0);
+        let nearness = f64x8::splat(simd, 1.0) / w;
+        let column = (x * nearness - frame.middle[0]) * ONE as f64;
+        let row = (y * nearness - frame.middle[1]) * ONE as f64;
+        let farthest = f64x8::splat(simd, FARTHEST);
+        let mut sound: mask64x8<S> = w.simd_gt(f64x8::splat(simd, frame.near))
+            & column.abs().simd_lt(farthest)
+            & row.abs().simd_lt(farthest)
+            & w.simd_lt(f64x8::splat(simd, DEEPEST));
+        if let Some(([a, b, c], distance)) = frame.entry {
+            sound &= (x * a + y * b + w * c).simd_gt(f64x8::splat(simd, distance));
+        }
+        [
+            column + TO_INTEGER,
+            row + TO_INTEGER,
+            sound.select(nearness, zero),
+        ]
+    }
+
+    /// A bit for each side of what is in view that a corner is surely beyond. If all corners of a face are beyond the same
+    /// one, nothing of it is seen: that holds also of those behind the eye. In the lower half of the bits.
+    #[inline(always)]
+    fn outside(&self, simd: S, frame: &Frame) -> u32x16<S> {
+        /// What f64 rounds, and ample: samples are half a pixel within.
+        const ROUNDING: f64 = 1.0 / (1_u64 << 40) as f64;
+        let Eight { x, y, w } = *self;
+        let mut sides = f64x8::splat(simd, TO_INTEGER);
+        for (axis, at) in [x, y].into_iter().enumerate() {
+            let [low, high] = [w * frame.limits[axis][0], w * frame.limits[axis][1]];
+            let slack = (at.abs() + low.abs() + high.abs()) * ROUNDING;
+            sides += bit(simd, (at + slack).simd_lt(low), 1 << (2 * axis));
+            sides += bit(simd, (at - slack).simd_gt(high), 2 << (2 * axis));
+        }
+        sides += bit(simd, w.simd_lt(f64x8::splat(simd, frame.behind)), 16);
+        if let Some(([a, b, c], distance)) = frame.entry {
+            let at = [x * a, y * b, w * c];
+            let slack = (at[0].abs() + at[1].abs() + at[2].abs()) * ROUNDING;
+            let before = (at[0] + at[1] + at[2] + slack).simd_lt(f64x8::splat(simd, distance * BEFORE));
+            sides += bit(simd, before, 32);
+        }
+        sides.bitcast()
+    }
+}
+
+/// A bit where it is so, as a number.
+#[inline(always)]
+fn bit<S: Simd>(simd: S, so: mask64x8<S>, bit: u32) -> f64x8<S> {
+    so.select(f64x8::splat(simd, f64::from(bit)), f64x8::splat(simd, 0.0))
+}
+
+/// What lies before the last portal by more than this factor is surely so.
+const BEFORE: f64 = 1.0 - 1.0 / (1_u64 << 20) as f64;

@@ -22,10 +22,10 @@ use super::rows::Waiting;
 use super::tile::{COLUMNS, ROWS};
 use crate::aperture::Rect;
 pub(super) use corners::Block;
-use corners::{Corner, DEEPEST};
+use corners::{Corners, DEEPEST, MOST_CORNERS};
 use fearless_simd::prelude::*;
 use glam::{DAffine3, DVec3};
-use queue::Queues;
+use queue::{Group, Queues};
 use records::Records;
 
 /// Lanes of a kernel, at every level.
@@ -41,6 +41,8 @@ pub(super) struct Frame {
     /// Rows of the map from positions to (X, Y, W).
     matrix: [[f64; 4]; 3],
     near: f64,
+    /// What is nearer is surely before the near distance.
+    behind: f64,
     /// What lies surely beyond the last portal.
     entry: Option<([f64; 3], f64)>,
     /// −1 or 1: the sign of a triangle's area where it is seen from its front; 0 where both sides are seen.
@@ -48,6 +50,8 @@ pub(super) struct Frame {
     /// Where fixed point is counted from, in pixels.
     middle: [f64; 2],
     middle_sample: [i32; 2],
+    /// The first column of the rectangle and the one after the last, and its rows, on the screen.
+    limits: [[f64; 2]; 2],
     /// Samples of the rectangle, from the middle.
     columns: [i32; 2],
     rows: [i32; 2],
@@ -80,9 +84,11 @@ impl Frame {
                 row(rows.z_axis, offset.z),
             ],
             near: (near * SURELY).max(1.0 / DEEPEST),
+            behind: near / SURELY,
             entry: entry.map(|(normal, distance)| (normal.into(), distance * SURELY)),
             front: front as f32,
             middle: middle_sample.map(f64::from),
+            limits: [[x0, x1], [y0, y1]].map(|limits| limits.map(f64::from)),
             columns: [i32::from(x0) - middle_sample[0], i32::from(x1) - middle_sample[0]],
             rows: [i32::from(y0) - middle_sample[1], i32::from(y1) - middle_sample[1]],
             middle_sample,
@@ -94,15 +100,15 @@ impl Frame {
 /// Room to work in.
 #[derive(Default)]
 pub(super) struct Batch {
-    corners: Vec<Corner>,
+    corners: Corners,
     queues: Queues,
     records: Records,
     waiting: Waiting,
 }
 
 impl Batch {
-    /// Lets triangles hide what is behind them: `which` names three corners each, as places in `positions`.
-    /// What is not certain is left in [`Batch::uncertain`].
+    /// Lets triangles hide what is behind them: `which` names three corners each, as places in `positions` counted from
+    /// `first_position`. What is not certain is left in [`Batch::uncertain`].
     #[inline(always)]
     pub(super) fn hide<S: Simd>(
         &mut self,
@@ -110,9 +116,9 @@ impl Batch {
         frame: &Frame,
         positions: &[Block],
         which: &[u32],
+        first_position: u32,
         grid: &mut Grid,
     ) {
-        corners::place(simd, frame, positions, &mut self.corners);
         let Batch {
             corners,
             queues,
@@ -120,25 +126,24 @@ impl Batch {
             waiting,
         } = self;
         queues.uncertain.clear();
-        let corners = &corners[..positions.len() * LANES];
+        if positions.len() * LANES > MOST_CORNERS {
+            queues.uncertain.extend(0..which.len() as u32 / 3);
+            return;
+        }
+        corners::place(simd, frame, positions, corners);
+        let (groups, rest) = which.as_chunks::<{ 3 * LANES }>();
+        let mut last = [first_position; 3 * LANES];
+        last[..rest.len()].copy_from_slice(rest);
         let mut first = 0;
-        for group in which.chunks(3 * LANES) {
-            let lanes = group.len() / 3;
-            let mut places = [[0; LANES]; 3];
-            if let Some(group) = group.as_array::<{ 3 * LANES }>() {
-                for (lane, face) in group.as_chunks::<3>().0.iter().enumerate() {
-                    places[0][lane] = face[0];
-                    places[1][lane] = face[1];
-                    places[2][lane] = face[2];
-                }
-            } else {
-                for (lane, face) in group.as_chunks::<3>().0.iter().enumerate() {
-                    places[0][lane] = face[0];
-                    places[1][lane] = face[1];
-                    places[2][lane] = face[2];
-                }
-            }
-            queues.let_in(simd, frame, corners, &places, first, lanes);
+        let lanes = groups.iter().map(|group| (group, LANES));
+        for (group, lanes) in lanes.chain([(&last, rest.len() / 3)]) {
+            let group = Group {
+                corners: group,
+                first_position,
+                first,
+                lanes,
+            };
+            queues.let_in(simd, frame, corners, &group);
             first += lanes as u32;
             if queues.small.is_full() || queues.wide.is_full() {
                 work_off(simd, frame, queues, records, waiting, grid, LANES);

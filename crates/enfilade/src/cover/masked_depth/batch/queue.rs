@@ -7,7 +7,7 @@
 //! Cost: O(triangles).
 //! Exact: what is not certain within a unit of fixed point goes to f64.
 
-use super::corners::Corner;
+use super::corners::{Corners, MOST_CORNERS};
 use super::{Frame, HALF, LANES, ONE, ONE_SHIFT};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16, u32x4, u32x16};
@@ -87,26 +87,41 @@ pub(super) struct Sixteen<S: Simd> {
     pub(super) lanes: usize,
 }
 
-/// Columns, rows and nearness of one corner of sixteen triangles.
-#[inline(always)]
-fn gather<S: Simd>(simd: S, corners: &[Corner], which: &[u32; LANES]) -> [u32x16<S>; 3] {
-    let zero = u32x16::splat(simd, 0);
-    let mut quarters = [zero; 4];
-    for (quarter, four) in quarters.iter_mut().zip(which.as_chunks::<4>().0) {
-        let a = u32x4::from_slice(simd, &corners[four[0] as usize]);
-        let b = u32x4::from_slice(simd, &corners[four[1] as usize]);
-        let c = u32x4::from_slice(simd, &corners[four[2] as usize]);
-        let d = u32x4::from_slice(simd, &corners[four[3] as usize]);
-        *quarter = a.combine(b).combine(c.combine(d));
+/// Up to sixteen triangles that are looked at together.
+pub(super) struct Group<'a> {
+    /// Three corners each, as places counted from `first_position`.
+    pub(super) corners: &'a [u32; 3 * LANES],
+    pub(super) first_position: u32,
+    /// The number of the first triangle.
+    pub(super) first: u32,
+    /// How many there are.
+    pub(super) lanes: usize,
+}
+
+impl Group<'_> {
+    /// The fields of one corner of each triangle.
+    #[inline(always)]
+    fn gather<S: Simd>(&self, simd: S, corners: &Corners, which: usize) -> [u32x16<S>; 4] {
+        let mut quarters = [u32x16::splat(simd, 0); 4];
+        for (quarter, four) in quarters.iter_mut().zip(self.corners.as_chunks::<12>().0) {
+            // A remainder instead of a check that would have to be made, and stand, before every load.
+            let at = |corner: u32| (corner - self.first_position) as usize % MOST_CORNERS;
+            let a = u32x4::simd_from(simd, corners.0[at(four[which])]);
+            let b = u32x4::simd_from(simd, corners.0[at(four[3 + which])]);
+            let c = u32x4::simd_from(simd, corners.0[at(four[6 + which])]);
+            let d = u32x4::simd_from(simd, corners.0[at(four[9 + which])]);
+            *quarter = a.combine(b).combine(c.combine(d));
+        }
+        let [a, b, c, d] = quarters;
+        let [even, odd] = [a.unzip_low(b), a.unzip_high(b)];
+        let [even_above, odd_above] = [c.unzip_low(d), c.unzip_high(d)];
+        [
+            even.unzip_low(even_above),
+            odd.unzip_low(odd_above),
+            even.unzip_high(even_above),
+            odd.unzip_high(odd_above),
+        ]
     }
-    let [a, b, c, d] = quarters;
-    let [even, odd] = [a.unzip_low(b), a.unzip_high(b)];
-    let [even_above, odd_above] = [c.unzip_low(d), c.unzip_high(d)];
-    [
-        even.unzip_low(even_above),
-        odd.unzip_low(odd_above),
-        even.unzip_high(even_above),
-    ]
 }
 
 /// Queues, and what goes to f64.
@@ -123,21 +138,15 @@ pub(super) struct Queues {
 const SMALL: i32 = 31;
 
 impl Queues {
-    /// Lets in up to sixteen triangles, from number `first` on; `lanes` are there.
+    /// Lets in triangles.
     #[inline(always)]
-    pub(super) fn let_in<S: Simd>(
-        &mut self,
-        simd: S,
-        frame: &Frame,
-        corners: &[Corner],
-        which: &[[u32; LANES]; 3],
-        first: u32,
-        lanes: usize,
-    ) {
-        let a = gather(simd, corners, &which[0]);
-        let b = gather(simd, corners, &which[1]);
-        let c = gather(simd, corners, &which[2]);
-        let there: mask32x16<S> = mask32x16::from_bitmask(simd, (1_u64 << lanes) - 1);
+    pub(super) fn let_in<S: Simd>(&mut self, simd: S, frame: &Frame, corners: &Corners, group: &Group) {
+        let &Group { first, lanes, .. } = group;
+        let a = group.gather(simd, corners, 0);
+        let b = group.gather(simd, corners, 1);
+        let c = group.gather(simd, corners, 2);
+        let within = (a[3] & b[3] & c[3]).simd_eq(u32x16::splat(simd, 0));
+        let there: mask32x16<S> = mask32x16::from_bitmask(simd, (1_u64 << lanes) - 1) & within;
         let zero = f32x16::splat(simd, 0.0);
         let nearness: [f32x16<S>; 3] = [a[2].bitcast(), b[2].bitcast(), c[2].bitcast()];
         let sound = nearness[0].min(nearness[1]).min(nearness[2]).simd_gt(zero) & there;

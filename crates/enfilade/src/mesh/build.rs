@@ -1,6 +1,7 @@
 //! Checks faces, and sorts them into clusters by place and material.
 
 use super::attributes::Carried;
+use super::below::Below;
 use super::neighbours::{NONE, SmallMap, neighbours, neighbours_together};
 use super::{Cluster, Mesh, Part};
 use crate::geom::{Aabb, ConvexPolygon, Octree, PolygonError};
@@ -169,6 +170,7 @@ pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
         neighbours: Vec::new(),
         clusters: Vec::new(),
         tree: Octree::build(&bounds, CLUSTER_FACES),
+        below: Below::default(),
         bounds: bounds.iter().fold(Aabb::EMPTY, |sum, b| sum.union(b)),
     };
     // Where a position of the input stands in the cluster being made, if it does: (cluster + 1, new index).
@@ -223,6 +225,7 @@ pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
             }
         }
     });
+    mesh.below = Below::new(&tree, |cluster| mesh.triangles_in(cluster));
     mesh.tree = tree;
     mesh.carried = Carried::gather(parts, &sources);
     if polygons {

@@ -1,6 +1,7 @@
 //! Meshes: flat indexed arrays of faces, shared by all items that are copies of one thing.
 
 mod attributes;
+mod below;
 mod build;
 mod neighbours;
 
@@ -11,6 +12,7 @@ pub(crate) use neighbours::NONE;
 use crate::content::MaterialId;
 use crate::geom::{Aabb, Octree, Step};
 use attributes::Carried;
+use below::Below;
 use build::{build, check};
 use std::ops::Range;
 
@@ -28,6 +30,7 @@ pub struct Mesh {
     neighbours: Vec<u8>,
     clusters: Vec<Cluster>,
     tree: Octree,
+    below: Below,
     bounds: Aabb,
 }
 
@@ -170,6 +173,7 @@ impl Mesh {
             + size_of_val(&*self.starts)
             + size_of_val(&*self.neighbours)
             + size_of_val(&*self.clusters)
+            + self.below.bytes()
             + self.carried.bytes()) as u64
             + self.tree.bytes()
     }
@@ -183,6 +187,11 @@ impl Mesh {
     /// The tree over the clusters.
     pub(crate) fn tree(&self) -> &Octree {
         &self.tree
+    }
+
+    /// What is in the nodes of [`Mesh::tree`] and below them.
+    pub(crate) fn below(&self) -> &Below {
+        &self.below
     }
 
     /// For each corner of a run of faces, the face across the edge that begins there, as a number within the cluster.

@@ -2,7 +2,7 @@
 
 use crate::content::{Content, ItemId, OpeningId};
 use crate::faces::{Faces, Of};
-use crate::geom::{Aabb, Octree};
+use crate::geom::Aabb;
 use crate::memory::{Marks, Memory};
 use crate::order::{Order, Visit};
 use crate::passage::Passage;
@@ -10,7 +10,6 @@ use crate::region::{Region, Sight};
 use crate::seen::{FoundClusters, Seen};
 use crate::stats::Stats;
 use glam::DAffine3;
-use smallvec::SmallVec;
 
 /// What a walk holds things against: a cover, in samples or in cells.
 pub(super) trait Against {
@@ -82,16 +81,6 @@ pub(super) fn find<O: Order>(
     }
     memory.put_back(scratch);
     memory.put_back(found);
-}
-
-/// Adds the clusters of a node of a mesh and all below it; `false` where they are more than few.
-fn add_few(tree: &Octree, node: u32, clusters: &mut SmallVec<[u32; FEW_CLUSTERS]>) -> bool {
-    let own = tree.things(node);
-    if clusters.len() + own.len() > FEW_CLUSTERS {
-        return false;
-    }
-    clusters.extend_from_slice(own);
-    tree.children(node).all(|child| add_few(tree, child, clusters))
 }
 
 /// Joins an order's walk to what it is held against.
@@ -180,15 +169,14 @@ impl<A: Against> Visit for Walk<'_, A> {
     }
 
     fn are_enough(&mut self, item: ItemId, node: u32, region: &Region) -> bool {
-        let mesh = self.content.mesh_of(item);
-        let mut below = SmallVec::<[u32; FEW_CLUSTERS]>::new();
-        if !A::TAKES_FACES || !add_few(mesh.tree(), node, &mut below) {
+        let below = self.content.mesh_of(item).below();
+        let clusters = below.clusters(node);
+        if !A::TAKES_FACES || clusters.len() > FEW_CLUSTERS {
             return false;
         }
-        let triangles = below.iter().map(|&cluster| mesh.triangles_in(cluster as usize));
-        let enough = self.against.are_enough(triangles.sum(), region);
+        let enough = self.against.are_enough(below.triangles(node), region);
         if enough {
-            self.found.clusters.push_group(item, node, &below);
+            self.found.clusters.push_group(item, node, clusters);
         }
         enough
     }

@@ -12,7 +12,7 @@ use crate::content::{Content, ItemId};
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::passage::Passage;
-use crate::region::{Region, Sight};
+use crate::region::{BOXES, Region, Sight};
 use glam::DAffine3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -132,9 +132,10 @@ pub(super) fn walk(
 }
 
 fn enter_node(tree: &impl Tree, node: u32, content: &Content, passage: &Passage, queue: &mut Queue) {
-    for child in tree.children(node) {
-        queue.push_node(tree, child, passage);
-    }
+    let children = tree
+        .children(node)
+        .map(|child| (*tree.bounds(child), What::Node(child)));
+    queue.push_all(passage, &passage.screen_from_fragment, children);
     for &item in tree.items(node) {
         let placed = content.item(ItemId(item));
         let screen_from_item = passage.screen_from(&placed.transform());
@@ -175,23 +176,15 @@ fn enter_item(
 fn enter_mesh_node(entered: u32, node: u32, content: &Content, passage: &Passage, queue: &mut Queue) {
     let (item, screen_from_item) = queue.entered[entered as usize];
     let mesh = content.mesh_of(item);
-    for node in mesh.tree().children(node) {
-        queue.push(
-            passage,
-            &screen_from_item,
-            mesh.tree().bounds(node),
-            What::MeshNode { entered, node },
-        );
-    }
-    for &cluster in mesh.tree().things(node) {
-        let bounds = &mesh.clusters()[cluster as usize].bounds;
-        queue.push(
-            passage,
-            &screen_from_item,
-            bounds,
-            What::Cluster { entered, cluster },
-        );
-    }
+    let nodes = mesh
+        .tree()
+        .children(node)
+        .map(|node| (*mesh.tree().bounds(node), What::MeshNode { entered, node }));
+    let clusters = mesh.tree().things(node).iter().map(|&cluster| {
+        let bounds = mesh.clusters()[cluster as usize].bounds;
+        (bounds, What::Cluster { entered, cluster })
+    });
+    queue.push_all(passage, &screen_from_item, nodes.chain(clusters));
 }
 
 impl Queue {
@@ -205,9 +198,42 @@ impl Queue {
     }
 
     fn push(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb, what: What) {
-        let Some(region) = Region::of(passage, screen_from_local, bounds) else {
-            return;
-        };
+        if let Some(region) = Region::of(passage, screen_from_local, bounds) {
+            self.push_region(region, what);
+        }
+    }
+
+    /// Lets all wait that are in view.
+    fn push_all(
+        &mut self,
+        passage: &Passage,
+        screen_from_local: &DAffine3,
+        mut all: impl Iterator<Item = (Aabb, What)>,
+    ) {
+        let mut boxes = [Aabb::EMPTY; BOXES];
+        let mut whats = [What::Node(0); BOXES];
+        loop {
+            let mut count = 0;
+            for (bounds, what) in all.by_ref().take(BOXES) {
+                (boxes[count], whats[count]) = (bounds, what);
+                count += 1;
+            }
+            match count {
+                0 => return,
+                1 => self.push(passage, screen_from_local, &boxes[0], whats[0]),
+                _ => {
+                    let regions = Region::of_eight(passage, screen_from_local, &boxes[..count]);
+                    for (region, what) in regions.into_iter().zip(whats) {
+                        if let Some(region) = region {
+                            self.push_region(region, what);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn push_region(&mut self, region: Region, what: What) {
         let place = if let Some(place) = self.free.pop() {
             self.regions[place as usize] = region;
             place

@@ -152,3 +152,43 @@ fn eight_corners_at_once_touch_what_they_touch_one_by_one_at_every_level() {
     }
     assert!(seen > 2000, "{seen}");
 }
+
+fn somewhere(dice: &mut Dice, most: f64) -> [f32; 3] {
+    [(); 3].map(|()| dice.within(most) as f32)
+}
+
+#[test]
+fn eight_boxes_at_once_are_seen_as_one_by_one_at_every_level() {
+    let mut dice = Dice::new(29);
+    let mut seen = 0;
+    for round in 0..2_000 {
+        let mut view = View::new(
+            somewhere(&mut dice, 3.0),
+            somewhere(&mut dice, 9.0),
+            [100 + round % 7, 60 + round % 5],
+        );
+        view.near = 0.01 + dice.within(0.005) as f32;
+        let mut passage = Passage::at_the_eye(&view, FragmentId(0), false);
+        passage.any_place = round % 3 == 0;
+        if round % 4 == 0 {
+            passage.entry = Some((DVec3::from(somewhere(&mut dice, 1.0).map(f64::from)), 0.5));
+        }
+        let boxes: [Aabb; BOXES] = std::array::from_fn(|number| {
+            if number == 5 {
+                return Aabb::EMPTY;
+            }
+            Aabb::of([somewhere(&mut dice, 8.0), somewhere(&mut dice, 8.0)].into_iter())
+        });
+        let count = 1 + round as usize % BOXES;
+        let space = passage.screen_from_fragment;
+        let expected = boxes.map(|bounds| Region::of(&passage, &space, &bounds));
+        for level in levels() {
+            passage.level = level;
+            let known = Region::of_eight(&passage, &space, &boxes[..count]);
+            assert_eq!(known[..count], expected[..count], "{boxes:?}");
+            assert!(known[count..].iter().all(Option::is_none));
+        }
+        seen += expected.iter().flatten().count();
+    }
+    assert!(seen > 4_000, "{seen}");
+}

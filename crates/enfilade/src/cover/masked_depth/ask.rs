@@ -7,6 +7,7 @@ use super::tile::{
 };
 use crate::aperture::Rect;
 use crate::cover::band::{BAND, Band};
+use crate::cover::part::greater;
 use crate::region::{Region, Volume};
 use fearless_simd::prelude::*;
 
@@ -18,6 +19,9 @@ impl Grid {
         if rect.is_empty() {
             return false;
         }
+        if self.plainly_shows(&rect, &region.volume) {
+            return true;
+        }
         let Some(first) = self.first_seen(&rect, region.nearest) else {
             return false;
         };
@@ -27,6 +31,26 @@ impl Grid {
             Some(outline) => self.sees_outline(simd, &rect, first, region.nearest, &outline),
             None => true,
         }
+    }
+
+    /// Would the sample at the middle of a box show it, though it were everywhere as far as its farthest corner? Most boxes
+    /// that are seen are so plainly, and to ask costs little.
+    #[inline(always)]
+    fn plainly_shows(&self, rect: &Rect, volume: &Volume) -> bool {
+        /// Fewer columns or rows may have no sample that the box is at.
+        const FEW: u16 = 4;
+        let [x, y, z] = volume.sides;
+        let middle = volume.origin + 0.5 * (x + y + z);
+        let farthest = volume.origin.z + greater(x.z, 0.0) + greater(y.z, 0.0) + greater(z.z, 0.0);
+        let [x, y] = [middle.x / middle.z, middle.y / middle.z];
+        let within = |low: u16, value: f64, high: u16| f64::from(low) <= value && value < f64::from(high);
+        if rect.x1 - rect.x0 < FEW
+            || rect.y1 - rect.y0 < FEW
+            || !(within(rect.x0, x, rect.x1) && within(rect.y0, y, rect.y1))
+        {
+            return false;
+        }
+        f64::from(self.known(x as usize, y as usize)) * farthest < 1.0
     }
 
     /// May the sample at the middle of a box show it? Of boxes that are seen most are by it, and need no more asking.
@@ -40,7 +64,7 @@ impl Grid {
             return false;
         }
         let [x, y] = [x as usize, y as usize];
-        let known = self.tiles[y / ROWS * self.columns + x / COLUMNS].known(x % COLUMNS, y % ROWS);
+        let known = self.known(x, y);
         outline.nearness_at([x as f64 + 0.5, y as f64 + 0.5]) >= f64::from(known)
     }
 

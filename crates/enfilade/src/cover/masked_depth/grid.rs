@@ -41,6 +41,12 @@ impl Grid {
         }
     }
 
+    /// What is known at a sample, as [`Tile::known`].
+    #[inline(always)]
+    pub(super) fn known(&self, x: usize, y: usize) -> f32 {
+        self.tiles[y / ROWS * self.columns + x / COLUMNS].known(x % COLUMNS, y % ROWS)
+    }
+
     /// Opens the samples of the aperture in a band of a row of tiles.
     fn open_band(&mut self, passage: &Passage, row: usize, band: usize) {
         let y = (row * ROWS + band * BAND) as u16;

@@ -8,7 +8,6 @@
 
 use super::MaskedDepth;
 use super::batch::{Block, LANES};
-use super::tile::{COLUMNS, ROWS};
 use crate::aperture::Rect;
 use crate::faces::Faces;
 use crate::passage::Passage;
@@ -194,7 +193,6 @@ impl MaskedDepth {
     /// Something is at least as near (1 / distance) as this at a sample of the aperture's rectangle; 0 where nothing is known
     /// to be, infinite where the sample is not one of the aperture.
     pub fn nearness_at(&self, x: u16, y: u16) -> f32 {
-        let [x, y] = [usize::from(x), usize::from(y)];
-        self.grid.tiles[y / ROWS * self.grid.columns + x / COLUMNS].known(x % COLUMNS, y % ROWS)
+        self.grid.known(x.into(), y.into())
     }
 }

@@ -2,7 +2,7 @@
 
 mod eight;
 
-pub(crate) use eight::BOXES;
+pub(crate) use eight::{BOXES, Eight};
 
 use crate::aperture::Rect;
 use crate::geom::Aabb;
@@ -67,8 +67,18 @@ impl Region {
         }
         let volume = Volume::new(screen_from_local, bounds);
         let (level, entry) = (passage.level, passage.entry);
-        let touched = dispatch!(level, simd => volume.touched(simd, &limits, near, entry))?;
-        Some(touched.in_rect(passage, &limits, volume))
+        let Touched { min, max, nearest } =
+            dispatch!(level, simd => volume.touched(simd, &limits, near, entry))?;
+        let rect = if passage.any_place {
+            Rect::touched(min, max, &limits)
+        } else {
+            Rect::around(min, max, &limits)
+        };
+        Some(Region {
+            rect,
+            nearest,
+            volume,
+        })
     }
 }
 
@@ -139,10 +149,25 @@ impl Volume {
             greatest_of(from_middle[1]),
             greatest_of(w),
         ];
-        let per_w = f64x8::splat(simd, 1.0) / w;
-        let (x, y) = (x * per_w, y * per_w);
-        let on_screen = [[least_of(x), least_of(y)], [greatest_of(x), greatest_of(y)]];
-        Some(Touched::new(least, greatest, on_screen, limits, near))
+        let nearest_w = nearest_w(&least, &greatest, near, &half);
+        let [mut min, mut max] = [[0.0; 2], [0.0; 2]];
+        if least[2] > near {
+            let per_w = f64x8::splat(simd, 1.0) / w;
+            let (x, y) = (x * per_w, y * per_w);
+            (min, max) = ([least_of(x), least_of(y)], [greatest_of(x), greatest_of(y)]);
+        } else {
+            for axis in 0..2 {
+                // w lies between these two, whatever x and y are.
+                let [close, far] = [nearest_w, greatest[2]];
+                min[axis] = middle[axis] + least[axis] / if least[axis] < 0.0 { close } else { far };
+                max[axis] = middle[axis] + greatest[axis] / if greatest[axis] > 0.0 { close } else { far };
+            }
+        }
+        Some(Touched {
+            min,
+            max,
+            nearest: nearest(nearest_w, near),
+        })
     }
 
     /// The eight corners; bit k of a corner's place says that side k leads to it.
@@ -171,48 +196,6 @@ struct Touched {
     min: [f64; 2],
     max: [f64; 2],
     nearest: f32,
-}
-
-impl Touched {
-    /// Of the least and the greatest of x and y from the middle of the rectangle, times w, and of w; and of x and y on the
-    /// screen, of no meaning where something is nearer than the near distance.
-    #[inline(always)]
-    fn new(
-        least: [f64; 3],
-        greatest: [f64; 3],
-        [mut min, mut max]: [[f64; 2]; 2],
-        limits: &Rect,
-        near: f64,
-    ) -> Touched {
-        let [middle, half] = middle_and_half(limits);
-        let nearest_w = nearest_w(&least, &greatest, near, &half);
-        if least[2] <= near {
-            for axis in 0..2 {
-                // w lies between these two, whatever x and y are.
-                let [close, far] = [nearest_w, greatest[2]];
-                min[axis] = middle[axis] + least[axis] / if least[axis] < 0.0 { close } else { far };
-                max[axis] = middle[axis] + greatest[axis] / if greatest[axis] > 0.0 { close } else { far };
-            }
-        }
-        Touched {
-            min,
-            max,
-            nearest: nearest(nearest_w, near),
-        }
-    }
-
-    fn in_rect(&self, passage: &Passage, limits: &Rect, volume: Volume) -> Region {
-        let rect = if passage.any_place {
-            Rect::touched(self.min, self.max, limits)
-        } else {
-            Rect::around(self.min, self.max, limits)
-        };
-        Region {
-            rect,
-            nearest: self.nearest,
-            volume,
-        }
-    }
 }
 
 /// The middle of a rectangle, and half of its sides.

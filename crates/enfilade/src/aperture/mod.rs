@@ -42,17 +42,18 @@ impl Rect {
         Rect::around(min.map(|low| low - 0.5), max.map(|high| high + 0.5), within)
     }
 
+    /// Screen positions are good to 10⁻⁹ pixel; a sample too many costs a test, one too few a picture.
+    pub(crate) const SLACK: f64 = 1e-6;
+
     /// The samples whose centres lie within these bounds, in pixels; a little more where rounding might lose one.
     #[inline(always)]
     pub(crate) fn around(min: [f64; 2], max: [f64; 2], within: &Rect) -> Rect {
-        // Screen positions are good to 10⁻⁹ pixel; a sample too many costs a test, one too few a picture.
-        const SLACK: f64 = 1e-6;
         let first = |low: f64, start: u16, end: u16| {
-            let at = (low - (0.5 + SLACK)).clamp(f64::from(start) - 1.0, f64::from(end));
+            let at = (low - (0.5 + Rect::SLACK)).clamp(f64::from(start) - 1.0, f64::from(end));
             (at + 1.0) as u16
         };
         let after = |high: f64, start: u16, end: u16| {
-            ((high + (0.5 + SLACK)).clamp(f64::from(start), f64::from(end))) as u16
+            ((high + (0.5 + Rect::SLACK)).clamp(f64::from(start), f64::from(end))) as u16
         };
         Rect {
             x0: first(min[0], within.x0, within.x1).max(within.x0),

@@ -225,12 +225,12 @@ pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
             }
         }
     });
-    mesh.below = Below::new(&tree, |cluster| mesh.triangles_in(cluster));
-    mesh.tree = tree;
     mesh.carried = Carried::gather(parts, &sources);
     if polygons {
         mesh.starts.push(mesh.corners.len() as u32);
     }
+    mesh.below = Below::new(&tree, |cluster| mesh.triangles_in(cluster));
+    mesh.tree = tree;
     mesh.neighbours.shrink_to_fit();
     mesh.positions.shrink_to_fit();
     mesh.corners.shrink_to_fit();

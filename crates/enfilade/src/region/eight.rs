@@ -5,116 +5,191 @@
 //! Cost: O(1), as much for eight boxes as for one.
 //! Conservative, with the same bits as [`Region::of`] at every SIMD level.
 
-use super::{Region, Touched, Volume, middle_and_half};
+use super::{ROUND_UP, Region, Volume, middle_and_half};
 use crate::aperture::Rect;
 use crate::geom::Aabb;
 use crate::passage::Passage;
 use fearless_simd::prelude::*;
-use fearless_simd::{dispatch, f64x8, mask64x8};
+use fearless_simd::{dispatch, f32x16, f64x8, i32x16, mask64x8};
 use glam::{DAffine3, DVec3};
 
 /// Boxes that are looked at together.
 pub(crate) const BOXES: usize = 8;
 
-impl Region {
-    /// As [`Region::of`], of several boxes, in their order; no more than [`BOXES`].
-    pub(crate) fn of_eight(
-        passage: &Passage,
-        screen_from_local: &DAffine3,
-        boxes: &[Aabb],
-    ) -> [Option<Region>; BOXES] {
-        let mut regions = [None; BOXES];
-        let boxes = &boxes[..boxes.len().min(BOXES)];
-        let mut volumes = Volumes::default();
-        for (lane, bounds) in boxes.iter().enumerate() {
-            if !bounds.is_empty() {
-                volumes.put(lane, &Volume::new(screen_from_local, bounds));
-            }
-        }
-        let (limits, near) = (passage.aperture.rect(), f64::from(passage.near));
-        let touched = dispatch!(passage.level, simd => volumes.touched(simd, &limits, near, passage.entry));
-        for (lane, bounds) in boxes.iter().enumerate() {
-            if let Some(touched) = touched[lane].filter(|_| !bounds.is_empty()) {
-                let region = touched.in_rect(passage, &limits, volumes.get(lane));
-                regions[lane] = Some(region).filter(|region| !region.rect.is_empty());
-            }
-        }
-        regions
-    }
+/// Up to eight boxes.
+#[derive(Default)]
+pub(crate) struct Eight {
+    /// x, y and w of the origin, then of each side.
+    volumes: [[[f64; BOXES]; 3]; 4],
+    /// First columns, first rows; columns and rows after the last.
+    first: [i32; 2 * BOXES],
+    end: [i32; 2 * BOXES],
+    nearest: [f64; BOXES],
+    /// A bit for each that is out of view.
+    outside: u64,
 }
 
-/// Eight volumes: x, y and w of the origin, then of each side.
-#[derive(Default)]
-struct Volumes([[[f64; BOXES]; 3]; 4]);
-
-impl Volumes {
-    fn put(&mut self, lane: usize, volume: &Volume) {
-        let Volume {
-            origin,
-            sides: [x, y, z],
-        } = *volume;
-        for (kept, vector) in self.0.iter_mut().zip([origin, x, y, z]) {
-            for (kept, value) in kept.iter_mut().zip(vector.to_array()) {
-                kept[lane] = value;
+impl Eight {
+    /// Boxes given in another space; those after the eighth are left out.
+    #[inline(always)]
+    pub(crate) fn of(passage: &Passage, screen_from_local: &DAffine3, boxes: &[Aabb]) -> Eight {
+        let mut corners = [[f32::NAN; 2 * BOXES]; 3];
+        for (lane, bounds) in boxes.iter().take(BOXES).enumerate() {
+            for (axis, corner) in corners.iter_mut().enumerate() {
+                corner[lane] = bounds.min[axis];
+                corner[BOXES + lane] = bounds.max[axis];
             }
         }
+        let mut eight = Eight::default();
+        dispatch!(passage.level, simd => eight.see(simd, passage, screen_from_local, &corners));
+        eight
     }
 
-    fn get(&self, lane: usize) -> Volume {
-        let [origin, x, y, z] = self.0.map(|kept| DVec3::from(kept.map(|axis| axis[lane])));
-        Volume {
-            origin,
-            sides: [x, y, z],
-        }
-    }
-
-    /// As [`Volume::touched`], for each.
+    /// What the passage sees of one; `None` where no sample of the aperture's rectangle can show any of it.
     #[inline(always)]
-    fn touched<S: Simd>(
-        &self,
+    pub(crate) fn region(&self, lane: usize) -> Option<Region> {
+        let [x0, y0] = [self.first[lane] as u16, self.first[BOXES + lane] as u16];
+        let [x1, y1] = [self.end[lane] as u16, self.end[BOXES + lane] as u16];
+        if self.outside >> lane & 1 != 0 || x0 >= x1 || y0 >= y1 {
+            return None;
+        }
+        let [origin, x, y, z] = &self.volumes;
+        let vector = |kept: &[[f64; BOXES]; 3]| DVec3::new(kept[0][lane], kept[1][lane], kept[2][lane]);
+        Some(Region {
+            rect: Rect { x0, y0, x1, y1 },
+            nearest: self.nearest[lane] as f32,
+            volume: Volume {
+                origin: vector(origin),
+                sides: [vector(x), vector(y), vector(z)],
+            },
+        })
+    }
+
+    /// `corners`: by axis the least of each box, and then the greatest.
+    #[inline(always)]
+    fn see<S: Simd>(
+        &mut self,
         simd: S,
-        limits: &Rect,
-        near: f64,
-        entry: Option<(DVec3, f64)>,
-    ) -> [Option<Touched>; BOXES] {
-        let [middle, half] = middle_and_half(limits);
+        passage: &Passage,
+        screen_from_local: &DAffine3,
+        corners: &[[f32; 2 * BOXES]; 3],
+    ) {
+        let volumes = Volumes::new(simd, screen_from_local, corners);
+        let (limits, near) = (passage.aperture.rect(), f64::from(passage.near));
+        let [middle, half] = middle_and_half(&limits);
+        let none: mask64x8<S> = mask64x8::splat(simd, false);
+        let mut inside = [none; 6];
         let mut bounds = Bounds::new(simd);
-        let mut outside: [mask64x8<S>; 6] = [mask64x8::splat(simd, true); 6];
         for corner in 0..8 {
             let [x, y, w] = [
-                self.coordinate(simd, 0, corner),
-                self.coordinate(simd, 1, corner),
-                self.coordinate(simd, 2, corner),
+                volumes.coordinate(simd, 0, corner),
+                volumes.coordinate(simd, 1, corner),
+                volumes.coordinate(simd, 2, corner),
             ];
             let from_middle = [x - w * middle[0], y - w * middle[1]];
             let [right, below] = [w * half[0], w * half[1]];
-            outside[0] &= from_middle[0].simd_lt(-right);
-            outside[1] &= from_middle[0].simd_gt(right);
-            outside[2] &= from_middle[1].simd_lt(-below);
-            outside[3] &= from_middle[1].simd_gt(below);
-            outside[4] &= w.simd_lt(near);
-            if let Some((normal, d)) = entry {
+            // Also where something is no number.
+            inside[0] |= !from_middle[0].simd_lt(-right);
+            inside[1] |= !from_middle[0].simd_gt(right);
+            inside[2] |= !from_middle[1].simd_lt(-below);
+            inside[3] |= !from_middle[1].simd_gt(below);
+            inside[4] |= !w.simd_lt(near);
+            if let Some((normal, d)) = passage.entry {
                 let at = x * normal.x + y * normal.y + w * normal.z;
-                outside[5] &= !at.simd_ge(f64x8::splat(simd, d * (1.0 - 1e-6)));
+                inside[5] |= at.simd_ge(f64x8::splat(simd, d * (1.0 - 1e-6)));
             }
             let per_w = f64x8::splat(simd, 1.0) / w;
             bounds.add([from_middle[0], from_middle[1], w, x * per_w, y * per_w]);
         }
-        let mut any = outside[0] | outside[1] | outside[2] | outside[3] | outside[4];
-        if entry.is_some() {
-            any |= outside[5];
+        let mut seen = volumes.there & inside[0] & inside[1] & inside[2] & inside[3] & inside[4];
+        if passage.entry.is_some() {
+            seen &= inside[5];
         }
-        bounds.touched(any.to_bitmask(), limits, near)
+        self.outside = !seen.to_bitmask();
+        for (kept, vector) in self.volumes.iter_mut().zip(&volumes.vectors) {
+            for (kept, axis) in kept.iter_mut().zip(vector) {
+                axis.store_slice(kept);
+            }
+        }
+        let nearest_w = bounds.nearest_w(simd, near, &half);
+        let nearest = f64x8::splat(simd, ROUND_UP) / nearest_w;
+        let beyond = nearest_w.simd_gt(f64x8::splat(simd, near));
+        beyond
+            .select(nearest, f64x8::splat(simd, f64::INFINITY))
+            .store_slice(&mut self.nearest);
+        let [mut min, mut max] = bounds.on_screen(simd, near, nearest_w, &middle);
+        if passage.any_place {
+            min = [min[0] - 0.5, min[1] - 0.5];
+            max = [max[0] + 0.5, max[1] + 0.5];
+        }
+        let [first, end] = samples(simd, min, max, &limits);
+        first.store_slice(&mut self.first);
+        end.store_slice(&mut self.end);
+    }
+}
+
+/// The samples between the least and the greatest places on the screen, as [`Rect::around`] has them: columns, then rows.
+#[inline(always)]
+fn samples<S: Simd>(simd: S, min: [f64x8<S>; 2], max: [f64x8<S>; 2], limits: &Rect) -> [i32x16<S>; 2] {
+    let [low, high] = [
+        [limits.x0, limits.y0].map(f64::from),
+        [limits.x1, limits.y1].map(f64::from),
+    ];
+    let slack = 0.5 + Rect::SLACK;
+    let [mut first, mut end] = [min, max];
+    for axis in 0..2 {
+        let [least, most] = [low[axis], high[axis]].map(|limit| f64x8::splat(simd, limit));
+        first[axis] = ((min[axis] - slack).max(least - 1.0).min(most) + 1.0)
+            .max(least)
+            .floor();
+        end[axis] = (max[axis] + slack).max(least).min(most).floor();
+    }
+    // Whole numbers below 65,537: an f32 holds them.
+    let [first, end]: [f32x16<S>; 2] = [first[0].narrow(first[1]), end[0].narrow(end[1])];
+    [first.to_int(), end.to_int()]
+}
+
+/// Volumes, one in each lane.
+struct Volumes<S: Simd> {
+    vectors: [[f64x8<S>; 3]; 4],
+    /// Is there anything in the box?
+    there: mask64x8<S>,
+}
+
+impl<S: Simd> Volumes<S> {
+    /// As [`Volume::new`].
+    #[inline(always)]
+    fn new(simd: S, screen_from_local: &DAffine3, corners: &[[f32; 2 * BOXES]; 3]) -> Volumes<S> {
+        let (x, x_end) = f32x16::from_slice(simd, &corners[0]).widen();
+        let (y, y_end) = f32x16::from_slice(simd, &corners[1]).widen();
+        let (z, z_end) = f32x16::from_slice(simd, &corners[2]).widen();
+        let there = x.simd_le(x_end) & y.simd_le(y_end) & z.simd_le(z_end);
+        let [width, height, depth] = [x_end - x, y_end - y, z_end - z];
+        let matrix = screen_from_local.matrix3;
+        let [to_x, to_y, to_z] = [
+            matrix.x_axis.to_array(),
+            matrix.y_axis.to_array(),
+            matrix.z_axis.to_array(),
+        ];
+        let offset = screen_from_local.translation.to_array();
+        let mut vectors = [[x; 3]; 4];
+        for axis in 0..3 {
+            vectors[0][axis] = x * to_x[axis] + y * to_y[axis] + z * to_z[axis] + offset[axis];
+            vectors[1][axis] = width * to_x[axis];
+            vectors[2][axis] = height * to_y[axis];
+            vectors[3][axis] = depth * to_z[axis];
+        }
+        Volumes { vectors, there }
     }
 
     /// One coordinate of a corner of each, added up as for one volume alone.
     #[inline(always)]
-    fn coordinate<S: Simd>(&self, simd: S, axis: usize, corner: usize) -> f64x8<S> {
+    fn coordinate(&self, simd: S, axis: usize, corner: usize) -> f64x8<S> {
         let [origin, x, y, z] = [
-            f64x8::from_slice(simd, &self.0[0][axis]),
-            f64x8::from_slice(simd, &self.0[1][axis]),
-            f64x8::from_slice(simd, &self.0[2][axis]),
-            f64x8::from_slice(simd, &self.0[3][axis]),
+            self.vectors[0][axis],
+            self.vectors[1][axis],
+            self.vectors[2][axis],
+            self.vectors[3][axis],
         ];
         let from = if corner & 4 == 0 { origin } else { origin + z };
         from + match corner & 3 {
@@ -150,25 +225,42 @@ impl<S: Simd> Bounds<S> {
         }
     }
 
-    /// What the boxes touch but for those of some lanes.
+    /// As [`super::nearest_w`].
     #[inline(always)]
-    fn touched(&self, outside: u64, limits: &Rect, near: f64) -> [Option<Touched>; BOXES] {
-        let [mut least, mut greatest] = [[[0.0; BOXES]; 5]; 2];
-        for number in 0..5 {
-            least[number] = self.least[number].into();
-            greatest[number] = self.greatest[number].into();
+    fn nearest_w(&self, simd: S, near: f64, half: &[f64; 2]) -> f64x8<S> {
+        let mut nearest_w = greater(self.least[2], f64x8::splat(simd, near));
+        for axis in 0..2 {
+            let beside = greater(self.least[axis], -self.greatest[axis]) / half[axis];
+            nearest_w = greater(nearest_w, beside);
         }
-        let mut touched = [None; BOXES];
-        for (lane, touched) in touched.iter_mut().enumerate() {
-            if outside >> lane & 1 == 0 {
-                let at = |all: &[[f64; BOXES]; 5]| [all[0][lane], all[1][lane], all[2][lane]];
-                let on_screen = [
-                    [least[3][lane], least[4][lane]],
-                    [greatest[3][lane], greatest[4][lane]],
-                ];
-                *touched = Some(Touched::new(at(&least), at(&greatest), on_screen, limits, near));
-            }
-        }
-        touched
+        nearest_w
     }
+
+    /// The least and the greatest places on the screen.
+    #[inline(always)]
+    fn on_screen(&self, simd: S, near: f64, nearest_w: f64x8<S>, middle: &[f64; 2]) -> [[f64x8<S>; 2]; 2] {
+        let mut min = [self.least[3], self.least[4]];
+        let mut max = [self.greatest[3], self.greatest[4]];
+        let beyond = self.least[2].simd_gt(f64x8::splat(simd, near));
+        if beyond.all_true() {
+            return [min, max];
+        }
+        let zero = f64x8::splat(simd, 0.0);
+        for axis in 0..2 {
+            // w lies between these two, whatever x and y are.
+            let [close, far] = [nearest_w, self.greatest[2]];
+            let [least, greatest] = [self.least[axis], self.greatest[axis]];
+            let low = least / least.simd_lt(zero).select(close, far) + middle[axis];
+            let high = greatest / greatest.simd_gt(zero).select(close, far) + middle[axis];
+            min[axis] = beyond.select(min[axis], low);
+            max[axis] = beyond.select(max[axis], high);
+        }
+        [min, max]
+    }
+}
+
+/// The greater of each two.
+#[inline(always)]
+fn greater<S: Simd>(a: f64x8<S>, b: f64x8<S>) -> f64x8<S> {
+    a.simd_gt(b).select(a, b)
 }

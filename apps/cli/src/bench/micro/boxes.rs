@@ -10,9 +10,15 @@ use std::hint::black_box;
 use std::time::Instant;
 
 /// What must be read of a sub-tile to know that all of it hides something: one nearness.
-const NEARNESS_BYTES: u64 = 4;
+pub(super) const NEARNESS_BYTES: u64 = 4;
 /// How often all boxes are asked about for one figure.
-const PASSES: u64 = 32;
+pub(super) const PASSES: u64 = 32;
+
+/// How many sub-tiles a rectangle reaches into.
+pub(super) fn sub_tiles(&Rect { x0, y0, x1, y1 }: &Rect) -> u64 {
+    let [width, height] = SUB_TILE.map(|side| side as u16);
+    u64::from(x1.div_ceil(width) - x0 / width) * u64::from(y1.div_ceil(height) - y0 / height)
+}
 
 /// Boxes, as the rectangles that they have on the screen and how near they come.
 pub(super) struct Boxes {
@@ -74,10 +80,6 @@ impl Work for Boxes {
             held.wrong += answer(among as f32).wrong;
             held.add(answer(self.nearest));
         }
-        let [width, height] = SUB_TILE.map(|side| side as u16);
-        let sub_tiles = |&Rect { x0, y0, x1, y1 }: &Rect| {
-            u64::from(x1.div_ceil(width) - x0 / width) * u64::from(y1.div_ceil(height) - y0 / height)
-        };
         // Of what is seen the first sub-tile may tell.
         let read: u64 = match self.visible {
             true => self.rects.len() as u64,

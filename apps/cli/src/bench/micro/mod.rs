@@ -6,6 +6,7 @@
 mod boxes;
 mod ceilings;
 mod faces;
+mod items;
 mod lens;
 mod report;
 mod rows;

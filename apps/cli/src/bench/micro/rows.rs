@@ -2,6 +2,7 @@
 
 use super::boxes::Boxes;
 use super::faces::Faces;
+use super::items::Items;
 use super::screen::Screen;
 use super::shapes::{From, Shapes};
 use super::{Row, Work};
@@ -12,7 +13,7 @@ const BOXES: usize = 4096;
 type Make = fn(&Screen) -> Box<dyn Work>;
 
 /// Each with the figure of the best other culler, in millions a second.
-const ROWS: [(&str, f64, Make); 13] = [
+const ROWS: [(&str, f64, Make); 14] = [
     ("tri-10", 36.0, |screen| btf(screen, 3, 10.0, 1_000_000)),
     ("quad-10", 62.0, |screen| btf(screen, 4, 10.0, 1_000_000)),
     ("tri-100", 28.0, |screen| btf(screen, 3, 100.0, 100_000)),
@@ -35,6 +36,10 @@ const ROWS: [(&str, f64, Make); 13] = [
     ("rect-hidden-200", 9.4, |screen| hidden(screen, 200)),
     ("rect-visible", 215.0, |screen| {
         Box::new(Boxes::visible(screen.squares(64, BOXES)))
+    }),
+    // No other's figure: so many in 100 µs are wanted.
+    ("items", BOXES as f64 / 100.0, |screen| {
+        Box::new(Items::new(screen, BOXES))
     }),
 ];
 

@@ -1,5 +1,6 @@
 //! Asks the tiles whether a box can be seen.
 
+use super::MaskedDepth;
 use super::grid::Grid;
 use super::outline::Outline;
 use super::tile::{
@@ -8,8 +9,47 @@ use super::tile::{
 use crate::aperture::Rect;
 use crate::cover::band::{BAND, Band};
 use crate::cover::part::greater;
-use crate::region::{Region, Volume};
+use crate::geom::Aabb;
+use crate::passage::Passage;
+use crate::region::{BOXES, Eight, Region, Volume};
+use fearless_simd::dispatch;
 use fearless_simd::prelude::*;
+
+impl MaskedDepth {
+    /// May something as near as `nearest` (1 / distance) be seen at any of these samples? `true` when unsure.
+    #[inline]
+    pub fn sees_rect(&self, rect: &Rect, nearest: f32) -> bool {
+        let rect = rect.intersection(&self.grid.rect);
+        !rect.is_empty()
+            && (self.grid.shows_middle_of(&rect, nearest) || self.grid.first_seen(&rect, nearest).is_some())
+    }
+
+    /// May anything in a box be seen, in the space of the passage's fragment? For each of `boxes`, in their order, into
+    /// `seen`; `true` when unsure. `passage` is the one that the cover was cleared for.
+    pub fn sees_boxes(&self, passage: &Passage, boxes: &[Aabb], seen: &mut Vec<bool>) {
+        seen.clear();
+        dispatch!(self.level, simd => self.see_boxes(simd, passage, boxes, seen));
+    }
+
+    #[inline(always)]
+    fn see_boxes<S: Simd>(&self, simd: S, passage: &Passage, boxes: &[Aabb], seen: &mut Vec<bool>) {
+        for boxes in boxes.chunks(BOXES) {
+            let eight = Eight::of(passage, &passage.screen_from_fragment, boxes);
+            for lane in 0..boxes.len() {
+                seen.push(match eight.region(lane) {
+                    Some(region) => self.grid.sees(simd, &region, self.near),
+                    None => false,
+                });
+            }
+        }
+    }
+
+    /// Something is at least as near (1 / distance) as this at a sample of the aperture's rectangle; 0 where nothing is known
+    /// to be, infinite where the sample is not one of the aperture.
+    pub fn nearness_at(&self, x: u16, y: u16) -> f32 {
+        self.grid.known(x.into(), y.into())
+    }
+}
 
 impl Grid {
     /// May any sample show a box? By its rectangle first, then by its outline, if it is all beyond the near distance.

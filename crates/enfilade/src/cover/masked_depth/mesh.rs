@@ -8,7 +8,6 @@
 
 use super::MaskedDepth;
 use super::batch::{Block, LANES};
-use crate::aperture::Rect;
 use crate::faces::Faces;
 use crate::passage::Passage;
 use crate::stats::Stats;
@@ -181,18 +180,5 @@ impl MaskedDepth {
             }
         }
         self.room.corners = facing;
-    }
-
-    /// May something as near as `nearest` (1 / distance) be seen at any of these samples? `true` when unsure.
-    pub fn sees_rect(&self, rect: &Rect, nearest: f32) -> bool {
-        let rect = rect.intersection(&self.grid.rect);
-        !rect.is_empty()
-            && (self.grid.shows_middle_of(&rect, nearest) || self.grid.first_seen(&rect, nearest).is_some())
-    }
-
-    /// Something is at least as near (1 / distance) as this at a sample of the aperture's rectangle; 0 where nothing is known
-    /// to be, infinite where the sample is not one of the aperture.
-    pub fn nearness_at(&self, x: u16, y: u16) -> f32 {
-        self.grid.known(x.into(), y.into())
     }
 }

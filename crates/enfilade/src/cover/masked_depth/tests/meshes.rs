@@ -120,6 +120,33 @@ fn a_mesh_hides_the_very_samples_that_it_owns_and_is_nowhere_nearer() {
 }
 
 #[test]
+fn a_wall_among_more_corners_than_there_is_room_for_hides_as_alone() {
+    let passage = passage([160, 90]);
+    let wall = [[-40.0, -40.0, -5.0], [40.0, -40.0, -5.0], [0.0, 80.0, -5.0]];
+    let alone = hidden_by(
+        Level::new(),
+        &OccluderMesh::triangles(&wall, &[0, 1, 2]),
+        &passage,
+    );
+    let mut positions = vec![[0.0, 0.0, -9.0]; 1500];
+    positions.extend(wall);
+    let blocks: Vec<Block> = positions.chunks(LANES).map(block).collect();
+    let mut cover = MaskedDepth::default();
+    cover.clear(&passage);
+    let faces = Faces::of_triangles(&[], &[], &passage.screen_from_fragment);
+    let corners = [1500, 1501, 1502];
+    cover.hide_triangles(&faces, &blocks, &corners, &passage, &mut Stats::default());
+    assert!(cover.known(80, 45) > 0.19);
+    for (x, y) in samples(cover.grid.rect) {
+        let [known, expected] = [cover.known(x, y), alone.known(x, y)];
+        assert!(
+            (known - expected).abs() < 1e-5,
+            "{known}, not {expected} at {x}, {y}"
+        );
+    }
+}
+
+#[test]
 fn a_mesh_leaves_the_same_bits_at_every_simd_level() {
     let best = Level::new();
     let mut levels = vec![Level::baseline()];

@@ -7,6 +7,7 @@ mod oracle;
 
 use super::*;
 use crate::aperture::Rect;
+use crate::geom::Aabb;
 use crate::region::Volume;
 use crate::scene::FragmentId;
 use crate::view::View;
@@ -32,9 +33,7 @@ fn filled(passage: &Passage, polygons: &[Polygon]) -> (MaskedDepth, Oracle) {
 
 impl MaskedDepth {
     fn known(&self, x: u16, y: u16) -> f32 {
-        let [column, row] = [usize::from(x) / COLUMNS, usize::from(y) / ROWS];
-        let tile = &self.grid.tiles[row * self.grid.columns + column];
-        tile.known(usize::from(x) % COLUMNS, usize::from(y) % ROWS)
+        self.grid.known(x.into(), y.into())
     }
 }
 
@@ -135,6 +134,41 @@ fn a_box_is_hidden_only_where_no_ray_meets_it_first() {
         hidden * 100 > by_rect * 140,
         "{hidden}, {by_rect} by their rectangles"
     );
+}
+
+#[test]
+fn boxes_asked_about_together_are_seen_as_one_by_one() {
+    let [mut hidden, mut shown] = [0, 0];
+    let mut seen = Vec::new();
+    for seed in 0..60 {
+        let mut dice = Dice::new(seed + 3000);
+        let passage = passages(seed, &mut dice);
+        let polygons = polygons(&mut dice, &passage, 30);
+        let (mut cover, _) = filled(&passage, &polygons);
+        let eye = DVec3::from(passage.eye());
+        let boxes: Vec<Aabb> = (0..301)
+            .map(|_| {
+                let at = eye + dice.unit() * dice.by_ratio(4.0, 60.0);
+                let size = dice.by_ratio(0.01, 4.0);
+                let corners = [at, at + size * dice.unit()];
+                Aabb::of(
+                    corners
+                        .map(|corner| corner.to_array().map(|value| value as f32))
+                        .into_iter(),
+                )
+            })
+            .collect();
+        cover.sees_boxes(&passage, &boxes, &mut seen);
+        assert_eq!(seen.len(), boxes.len());
+        for (bounds, &seen) in boxes.iter().zip(&seen) {
+            let region = Region::of(&passage, &passage.screen_from_fragment, bounds);
+            let alone = region.is_some_and(|region| cover.sees(&region) != Sight::Hidden);
+            assert_eq!(seen, alone, "{bounds:?} of scene {seed}");
+            hidden += u32::from(region.is_some() && !seen);
+            shown += u32::from(seen);
+        }
+    }
+    assert!(hidden > 150 && shown > 300, "{hidden} hidden, {shown} shown");
 }
 
 #[test]

@@ -45,19 +45,31 @@ impl Eight {
         eight
     }
 
+    /// The samples that may show one, and how near it comes.
+    #[inline(always)]
+    pub(crate) fn rect(&self, lane: usize) -> (Rect, f32) {
+        let [x0, y0] = [self.first[lane] as u16, self.first[BOXES + lane] as u16];
+        let [x1, y1] = [self.end[lane] as u16, self.end[BOXES + lane] as u16];
+        let rect = if self.outside >> lane & 1 == 0 {
+            Rect { x0, y0, x1, y1 }
+        } else {
+            Rect::default()
+        };
+        (rect, self.nearest[lane] as f32)
+    }
+
     /// What the passage sees of one; `None` where no sample of the aperture's rectangle can show any of it.
     #[inline(always)]
     pub(crate) fn region(&self, lane: usize) -> Option<Region> {
-        let [x0, y0] = [self.first[lane] as u16, self.first[BOXES + lane] as u16];
-        let [x1, y1] = [self.end[lane] as u16, self.end[BOXES + lane] as u16];
-        if self.outside >> lane & 1 != 0 || x0 >= x1 || y0 >= y1 {
+        let (rect, nearest) = self.rect(lane);
+        if rect.is_empty() {
             return None;
         }
         let [origin, x, y, z] = &self.volumes;
         let vector = |kept: &[[f64; BOXES]; 3]| DVec3::new(kept[0][lane], kept[1][lane], kept[2][lane]);
         Some(Region {
-            rect: Rect { x0, y0, x1, y1 },
-            nearest: self.nearest[lane] as f32,
+            rect,
+            nearest,
             volume: Volume {
                 origin: vector(origin),
                 sides: [vector(x), vector(y), vector(z)],

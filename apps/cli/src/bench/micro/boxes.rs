@@ -22,27 +22,29 @@ pub(super) fn sub_tiles(&Rect { x0, y0, x1, y1 }: &Rect) -> u64 {
 
 /// Boxes, as the rectangles that they have on the screen and how near they come.
 pub(super) struct Boxes {
-    rects: Vec<Rect>,
-    nearest: f32,
+    rects: Vec<(Rect, f32)>,
+    seen: Vec<bool>,
     visible: bool,
 }
 
 impl Boxes {
     /// Behind everything that is in the cover.
     pub(super) fn hidden(rects: Vec<Rect>) -> Boxes {
-        Boxes {
-            rects,
-            nearest: (0.5 / BACKDROP) as f32,
-            visible: false,
-        }
+        Boxes::new(rects, 0.5 / BACKDROP, false)
     }
 
     /// Before everything.
     pub(super) fn visible(rects: Vec<Rect>) -> Boxes {
+        Boxes::new(rects, 2.0 / NEAR, true)
+    }
+}
+
+impl Boxes {
+    fn new(rects: Vec<Rect>, nearest: f64, visible: bool) -> Boxes {
         Boxes {
-            rects,
-            nearest: (2.0 / NEAR) as f32,
-            visible: true,
+            rects: rects.into_iter().map(|rect| (rect, nearest as f32)).collect(),
+            seen: Vec::new(),
+            visible,
         }
     }
 }
@@ -55,11 +57,8 @@ impl Work for Boxes {
     fn run(&mut self, screen: &mut Screen) -> f64 {
         let start = Instant::now();
         for _ in 0..PASSES {
-            let seen = self
-                .rects
-                .iter()
-                .filter(|rect| screen.filled.sees_rect(rect, self.nearest));
-            black_box(seen.count());
+            screen.filled.sees_rects(&self.rects, &mut self.seen);
+            black_box(&self.seen);
         }
         start.elapsed().as_secs_f64()
     }
@@ -68,22 +67,18 @@ impl Work for Boxes {
     fn hold(&mut self, screen: &mut Screen) -> Found {
         let mut dice = Dice(3);
         let mut held = Held::default();
-        for rect in &self.rects {
+        let mut among = Vec::new();
+        for (rect, _) in &self.rects {
             let share = dice.roll();
-            let among = (FAR / NEAR).powf(share) / FAR;
-            // Of covers that are less than the truth many are right: what is among the walls is not loose.
-            let answer = |nearest| {
-                screen
-                    .filled_truth
-                    .hold_rect(rect, nearest, !screen.filled.sees_rect(rect, nearest))
-            };
-            held.wrong += answer(among as f32).wrong;
-            held.add(answer(self.nearest));
+            among.push((*rect, ((FAR / NEAR).powf(share) / FAR) as f32));
         }
+        // Of covers that are less than the truth many are right: what is among the walls is not loose.
+        held.wrong += answers(screen, &among, &mut self.seen).wrong;
+        held.add(answers(screen, &self.rects, &mut self.seen));
         // Of what is seen the first sub-tile may tell.
         let read: u64 = match self.visible {
             true => self.rects.len() as u64,
-            false => self.rects.iter().map(sub_tiles).sum(),
+            false => self.rects.iter().map(|(rect, _)| sub_tiles(rect)).sum(),
         };
         Found {
             held,
@@ -91,4 +86,14 @@ impl Work for Boxes {
             ceiling: Ceiling::L2,
         }
     }
+}
+
+/// Asks about rectangles, and holds the answers against the truth.
+fn answers(screen: &Screen, rects: &[(Rect, f32)], seen: &mut Vec<bool>) -> Held {
+    screen.filled.sees_rects(rects, seen);
+    let mut held = Held::default();
+    for (&(rect, nearest), seen) in rects.iter().zip(seen) {
+        held.add(screen.filled_truth.hold_rect(&rect, nearest, !*seen));
+    }
+    held
 }

@@ -16,30 +16,36 @@ use fearless_simd::dispatch;
 use fearless_simd::prelude::*;
 
 impl MaskedDepth {
-    /// May something as near as `nearest` (1 / distance) be seen at any of these samples? `true` when unsure.
-    #[inline]
-    pub fn sees_rect(&self, rect: &Rect, nearest: f32) -> bool {
-        let rect = rect.intersection(&self.grid.rect);
-        !rect.is_empty()
-            && (self.grid.shows_middle_of(&rect, nearest) || self.grid.first_seen(&rect, nearest).is_some())
+    /// May something as near as a number (1 / distance) be seen at any sample of a rectangle? For each of `rects`, in their
+    /// order, into `seen`; `true` when unsure.
+    pub fn sees_rects(&self, rects: &[(Rect, f32)], seen: &mut Vec<bool>) {
+        seen.resize(rects.len(), false);
+        dispatch!(self.level, simd => self.see_rects(simd, rects, seen));
+    }
+
+    #[inline(always)]
+    fn see_rects<S: Simd>(&self, _simd: S, rects: &[(Rect, f32)], seen: &mut [bool]) {
+        for ((rect, nearest), seen) in rects.iter().zip(seen) {
+            *seen = self.grid.shows(rect, *nearest);
+        }
     }
 
     /// May anything in a box be seen, in the space of the passage's fragment? For each of `boxes`, in their order, into
     /// `seen`; `true` when unsure. `passage` is the one that the cover was cleared for.
+    ///
+    /// By the rectangles around them, which is quick; [`Cover::sees`](crate::cover::Cover::sees) is told more by an outline.
     pub fn sees_boxes(&self, passage: &Passage, boxes: &[Aabb], seen: &mut Vec<bool>) {
-        seen.clear();
+        seen.resize(boxes.len(), false);
         dispatch!(self.level, simd => self.see_boxes(simd, passage, boxes, seen));
     }
 
     #[inline(always)]
-    fn see_boxes<S: Simd>(&self, simd: S, passage: &Passage, boxes: &[Aabb], seen: &mut Vec<bool>) {
-        for boxes in boxes.chunks(BOXES) {
+    fn see_boxes<S: Simd>(&self, _simd: S, passage: &Passage, boxes: &[Aabb], seen: &mut [bool]) {
+        for (boxes, seen) in boxes.chunks(BOXES).zip(seen.chunks_mut(BOXES)) {
             let eight = Eight::of(passage, &passage.screen_from_fragment, boxes);
-            for lane in 0..boxes.len() {
-                seen.push(match eight.region(lane) {
-                    Some(region) => self.grid.sees(simd, &region, self.near),
-                    None => false,
-                });
+            for (lane, seen) in seen.iter_mut().enumerate() {
+                let (rect, nearest) = eight.rect(lane);
+                *seen = self.grid.shows(&rect, nearest);
             }
         }
     }
@@ -52,6 +58,14 @@ impl MaskedDepth {
 }
 
 impl Grid {
+    /// May something as near as `nearest` be seen at any sample of `rect`?
+    #[inline(always)]
+    pub(super) fn shows(&self, rect: &Rect, nearest: f32) -> bool {
+        let rect = rect.intersection(&self.rect);
+        !rect.is_empty()
+            && (self.shows_middle_of(&rect, nearest) || self.first_seen(&rect, nearest).is_some())
+    }
+
     /// May any sample show a box? By its rectangle first, then by its outline, if it is all beyond the near distance.
     #[inline(always)]
     pub(super) fn sees<S: Simd>(&self, simd: S, region: &Region, near: f64) -> bool {

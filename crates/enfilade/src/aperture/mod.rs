@@ -230,6 +230,22 @@ impl Aperture {
         }
     }
 
+    /// What of it lies in rows `y0..y1`, which are among its rectangle's. `spare` takes the samples that it owns there.
+    pub(crate) fn strip(&self, [y0, y1]: [u16; 2], mut spare: Rows) -> Aperture {
+        spare.clear();
+        let rows = self.rows.as_ref().map(|rows| {
+            for y in y0..y1 {
+                rows.row(y).iter().for_each(|&[x0, x1]| spare.push(y, x0, x1));
+            }
+            spare
+        });
+        Aperture {
+            outline: self.outline.clone(),
+            rect: Rect { y0, y1, ..self.rect },
+            rows,
+        }
+    }
+
     /// Corners on the screen, in pixels, y down, counter-clockwise; fewer than three where the aperture is only
     /// known by its samples.
     pub fn outline(&self) -> &[[f64; 2]] {

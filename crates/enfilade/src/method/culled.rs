@@ -9,6 +9,7 @@ use super::found::{Against, find};
 use super::gathered::draw_gathered;
 use super::in_cells::InParts;
 use super::ours::{Edited, Ours, edit_order};
+use super::shares::find_by_shares;
 use super::{Method, TooLarge};
 use crate::canvas::Canvas;
 use crate::content::{Changes, Content, ItemId, Opening};
@@ -96,6 +97,10 @@ where
     /// Reports what may be seen past the cover, which knows at the end all that hides.
     fn look(&self, cover: &mut C, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
         self.fill(cover, passage, memory);
+        if !C::TAKES_FACES && memory.threads() > 1 {
+            find_by_shares(&self.order, &self.content, passage, cover, memory, seen);
+            return;
+        }
         find(
             &self.order,
             &self.content,
@@ -108,7 +113,7 @@ where
 }
 
 /// A walk is held against a cover as it is.
-struct InSamples<'a, C>(&'a mut C);
+pub(super) struct InSamples<'a, C>(pub(super) &'a mut C);
 
 impl<C: Hides> Against for InSamples<'_, C> {
     const TAKES_FACES: bool = C::TAKES_FACES;

@@ -18,15 +18,12 @@ pub(crate) fn count() -> usize {
 }
 
 /// Does some work on each of a list, which is told its place: each is taken by whatever thread is free.
-#[cfg(feature = "rayon")]
 pub(crate) fn for_each<T: Send>(list: &mut [T], work: impl Fn(usize, &mut T) + Send + Sync) {
-    let each = list.par_iter_mut().enumerate().with_max_len(1);
-    each.for_each(|(place, item)| work(place, item));
-}
-
-/// Does some work on each of a list, which is told its place.
-#[cfg(not(feature = "rayon"))]
-pub(crate) fn for_each<T>(list: &mut [T], work: impl Fn(usize, &mut T)) {
+    #[cfg(feature = "rayon")]
+    if count() > 1 {
+        let each = list.par_iter_mut().enumerate().with_max_len(1);
+        return each.for_each(|(place, item)| work(place, item));
+    }
     for (place, item) in list.iter_mut().enumerate() {
         work(place, item);
     }

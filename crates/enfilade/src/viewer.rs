@@ -69,8 +69,11 @@ impl Viewer {
 
     /// May a look use all threads of the rayon pool that it is called in, or else of the global one? On unless told, as far as
     /// the library has the feature `rayon`; in a pool of one thread it makes no difference. It changes the cost and what
-    /// [`Viewer::stats`] counts, never the answer. Off suits a program that looks by many viewers at once. Threads have buffers of
-    /// their own, all together about as large as those of one; drawing is done by the caller's thread.
+    /// [`Viewer::stats`] counts, never the answer.
+    ///
+    /// Off suits a program that looks by many viewers at once, or must not wait for its pool: while a look waits for other
+    /// threads, its own may be given other work of the pool, so hold no lock then that such work takes. Threads have buffers
+    /// of their own, all together about as large as those of one. Drawing is done by the caller's thread.
     pub fn set_parallel(&mut self, parallel: bool) {
         self.memory.parallel = parallel;
     }

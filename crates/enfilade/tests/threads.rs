@@ -1,8 +1,8 @@
 //! However many threads look and build, what is seen is the same, and so is what is built.
 
 use enfilade::{
-    ContentBuilder, Limits, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, Stats, Transform, View,
-    Viewer,
+    ContentBuilder, FragmentId, Limits, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, Stats,
+    Transform, View, Viewer,
 };
 use enfilade_scenes::built_in;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -165,6 +165,22 @@ fn a_viewer_that_is_not_parallel_does_what_one_thread_does() {
         });
         let one = pools[0].install(|| seen_on_the_way(&mut viewer(), &scene, &views));
         assert!(alone == one, "{method}");
+    }
+}
+
+#[test]
+fn fragments_of_one_content_are_built_side_by_side_without_waiting_for_each_other() {
+    let content = town().content(FragmentId(0)).expect("of ours").clone();
+    let mut builder = SceneBuilder::new();
+    for name in ["here", "there", "yonder"] {
+        builder.add(name, content.clone(), Method::ZBuffer);
+    }
+    let scene = builder.build().expect("three fragments");
+    for pool in pools() {
+        for method in [Method::Bsp, Method::Svbsp] {
+            let built = pool.install(|| scene.with_method(method, Method::DEFAULT_LIMIT));
+            assert!(built.is_ok_and(|built| built.fragments().all(|id| built.builds(id) == 2)));
+        }
     }
 }
 

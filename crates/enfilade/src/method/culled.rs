@@ -64,8 +64,12 @@ where
     }
 
     fn occluders(&self) -> &OccluderSet {
-        let find = || OccluderSet::build(&self.content);
-        self.occluders.get_or_init(|| self.content.share(find))
+        if let Some(occluders) = self.occluders.get() {
+            return occluders;
+        }
+        // Not while the cell waits for them: a thread that waits for others to find them may be asked for the same.
+        let found = self.content.share(|| OccluderSet::build(&self.content));
+        self.occluders.get_or_init(|| found)
     }
 
     /// Starts a cover over, with the occluders that are worth most.

@@ -17,8 +17,8 @@ use crate::seen::Seen;
 use crate::stats::Stats;
 use crate::threads;
 
-/// Shares for each thread: some are walked sooner than others.
-const PER_THREAD: usize = 4;
+/// Shares for each thread: some are walked sooner than others. With more, more things stand in two.
+const PER_THREAD: usize = 2;
 
 /// A walk is shared where so many boxes wait that may be seen; below as many there is too little to be worth it.
 const LEAST: usize = 64;

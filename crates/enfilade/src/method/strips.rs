@@ -105,9 +105,11 @@ impl Strip {
         if rows[0] == rows[1] {
             return;
         }
-        let mut strip = passage.with_aperture(passage.aperture.strip(rows, std::mem::take(spare)));
+        let mut strip = passage.with_aperture(passage.aperture.strip(rows, spare));
         look(&strip, memory, seen);
-        *spare = strip.aperture.take_rows().unwrap_or_default();
+        if let Some(rows) = strip.aperture.take_rows() {
+            *spare = rows;
+        }
     }
 
     /// Reports the openings that it saw, and the samples of them.

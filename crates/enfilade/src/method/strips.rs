@@ -15,11 +15,11 @@ use crate::seen::{Seen, report_owners};
 use crate::stats::Stats;
 use crate::threads;
 
-/// Strips for each thread, so that none waits long for the dearest: what they repeat costs less than that.
-const PER_THREAD: usize = 4;
+/// Strips for each thread, so that none waits long for the dearest; more would repeat more.
+const PER_THREAD: usize = 2;
 
 /// Samples of a strip, at least: where there are fewer, little is gained by waking another thread.
-const LEAST: usize = 1 << 15;
+const LEAST: usize = 1 << 16;
 
 /// Strips begin at a multiple of so many rows, as bands and tiles do.
 const ALIGNED: u16 = 8;

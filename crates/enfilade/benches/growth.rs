@@ -155,6 +155,13 @@ fn median(mut values: Vec<f64>) -> f64 {
     0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
 }
 
+/// Looks by one thread: how often several would do something is not the scene's alone.
+fn viewer() -> Viewer {
+    let mut viewer = Viewer::new();
+    viewer.set_parallel(false);
+    viewer
+}
+
 /// Holds what is seen from inside against the table, and counts.
 fn count(scene: &Scene, method: Method, views: &[View], viewer: &mut Viewer) -> Counted {
     let mut counted = Counted {
@@ -240,7 +247,7 @@ fn main() {
             grown.push(Grown { scene, build_ms });
             say_size(&grown, BYTES_AN_ITEM + BYTES_BUILT);
         }
-        let mut viewers: Vec<Viewer> = grown.iter().map(|_| Viewer::new()).collect();
+        let mut viewers: Vec<Viewer> = grown.iter().map(|_| viewer()).collect();
         let counted: Vec<Counted> = grown
             .iter()
             .zip(&mut viewers)

@@ -136,6 +136,13 @@ fn walker(number: u32, moment: u32, side: usize) -> Transform {
     Transform::translation(at)
 }
 
+/// Looks by one thread: how often several would do something is not the scene's alone.
+fn viewer() -> Viewer {
+    let mut viewer = Viewer::new();
+    viewer.set_parallel(false);
+    viewer
+}
+
 fn ms(mut work: impl FnMut()) -> f64 {
     let start = Instant::now();
     work();
@@ -154,7 +161,7 @@ fn moving(things: u32, times: bool) {
     println!("method             edit ms   look ms  together       p99  nodes/move   seen");
     for method in METHODS {
         let mut town = Town::new(things, method);
-        let (view, mut viewer) = (town.view(), Viewer::new());
+        let (view, mut viewer) = (town.view(), viewer());
         let (mut edits, mut looks, mut nodes) = (Vec::new(), Vec::new(), 0);
         for moment in 1..=FRAMES {
             edits.push(ms(|| nodes += town.step(moment)));
@@ -197,7 +204,7 @@ fn quality(things: u32, edits: u32) {
             let mut view = base;
             view.toward = [base.eye[0] + 50.0 * cos, 2.0, base.eye[2] + 50.0 * sin];
             for (scene, asked) in [&town.scene, &fresh].into_iter().zip(&mut asked) {
-                let mut viewer = Viewer::new();
+                let mut viewer = viewer();
                 viewer.look(scene, &view);
                 *asked += viewer.stats().boxes_tested;
             }

@@ -141,6 +141,13 @@ fn ms(mut work: impl FnMut()) -> f64 {
     median((0..ROUNDS).map(round).collect())
 }
 
+/// Looks by one thread: how often several would do something is not the scene's alone.
+fn viewer() -> Viewer {
+    let mut viewer = Viewer::new();
+    viewer.set_parallel(false);
+    viewer
+}
+
 fn look(viewer: &mut Viewer, scene: &Scene, view: &View) {
     black_box(viewer.look(scene, view));
 }
@@ -160,7 +167,7 @@ fn rooms_in_a_row(times: bool) {
                 .expect("small rooms");
             let room = [0, (rooms / 2) & !1][from];
             let view = view_from(room);
-            let mut viewer = Viewer::new();
+            let mut viewer = viewer();
             let set = viewer.look(&scene, &view);
             let seen = [set.passages().len(), set.items().len()];
             assert_eq!(set.passages()[0].fragment, FragmentId(room as u32));
@@ -267,7 +274,7 @@ fn closed_doors(times: bool) {
         for (before, hall) in &halls {
             let scene = hall.with_method(method, Method::DEFAULT_LIMIT);
             let scene = scene.expect("a small hall");
-            let mut viewer = Viewer::new();
+            let mut viewer = viewer();
             let set = viewer.look(&scene, &view);
             let place = format!("{method}, {before:?}, {name}");
             assert!(set.complete() && set.passages().len() == 1, "{place}");
@@ -314,7 +321,7 @@ fn mirrors_face_to_face(times: bool) {
             .with_method(method, Method::DEFAULT_LIMIT)
             .expect("small");
         let view = mirrors.cameras[0].view(SIZE);
-        let mut viewer = Viewer::new();
+        let mut viewer = viewer();
         let set = viewer.look(&scene, &view);
         let (seen, complete) = (set.passages().len(), set.complete());
         assert!(

@@ -62,6 +62,7 @@ mod scene;
 mod seen;
 mod simd;
 mod stats;
+mod threads;
 mod view;
 mod viewer;
 mod visible;

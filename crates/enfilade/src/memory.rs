@@ -5,6 +5,7 @@ use crate::content::ItemId;
 use crate::passage::Passage;
 use crate::seen::GlassSample;
 use crate::stats::Stats;
+use crate::threads;
 use glam::DVec3;
 use std::any::{Any, TypeId};
 
@@ -26,6 +27,8 @@ pub struct Memory {
     pub(crate) occluders: Option<u32>,
     /// Columns and rows of covers of lower resolution than the screen; `None`: that of the screen.
     pub(crate) cover_size: Option<[u32; 2]>,
+    /// May looks use all threads of the pool that they run in?
+    pub(crate) parallel: bool,
     /// Does the canvas want to know how covers came to their answer?
     pub(crate) trace: bool,
 }
@@ -42,6 +45,7 @@ impl Default for Memory {
             coherence: true,
             occluders: None,
             cover_size: None,
+            parallel: true,
             trace: false,
         }
     }
@@ -56,6 +60,11 @@ impl Memory {
             .position(|(kind, _)| *kind == TypeId::of::<T>());
         let kept = place.map(|place| self.scratch.swap_remove(place).1);
         kept.and_then(|any| any.downcast().ok()).unwrap_or_default()
+    }
+
+    /// How many threads may work on a passage at once.
+    pub(crate) fn threads(&self) -> usize {
+        if self.parallel { threads::count() } else { 1 }
     }
 
     /// Keeps a buffer for the next passage.

@@ -137,29 +137,42 @@ impl Passage {
         let scale = [0, 1].map(|axis| f64::from(cells[axis]) / f64::from(self.size[axis]));
         let scaling = DMat3::from_diagonal(DVec3::new(scale[0], scale[1], 1.0));
         let screen_from_eye = scaling * self.screen_from_eye;
+        let aperture = if self.parent.is_none() {
+            Aperture::screen(cells)
+        } else {
+            self.aperture.in_cells(scale, room)
+        };
         Passage {
-            aperture: if self.parent.is_none() {
-                Aperture::screen(cells)
-            } else {
-                self.aperture.in_cells(scale, room)
-            },
-            parent: self.parent,
-            portal: self.portal,
-            fragment: self.fragment,
-            crossings: self.crossings,
-            contract: self.contract,
-            near: self.near,
             size: cells,
-            flat: self.flat,
             any_place: true,
-            chain: self.chain,
-            level: self.level,
-            eye_from_fragment: self.eye_from_fragment,
             screen_from_eye,
             screen_from_fragment: compose(&screen_from_eye, &self.eye_from_fragment),
             entry: self
                 .entry
                 .map(|(normal, distance)| (normal / DVec3::new(scale[0], scale[1], 1.0), distance)),
+            ..self.with_aperture(aperture)
+        }
+    }
+
+    /// The same passage with another aperture.
+    pub(crate) fn with_aperture(&self, aperture: Aperture) -> Passage {
+        Passage {
+            parent: self.parent,
+            portal: self.portal,
+            fragment: self.fragment,
+            crossings: self.crossings,
+            contract: self.contract,
+            aperture,
+            near: self.near,
+            size: self.size,
+            flat: self.flat,
+            any_place: self.any_place,
+            chain: self.chain,
+            level: self.level,
+            eye_from_fragment: self.eye_from_fragment,
+            screen_from_eye: self.screen_from_eye,
+            screen_from_fragment: self.screen_from_fragment,
+            entry: self.entry,
             entrance: self.entrance,
         }
     }

@@ -281,6 +281,24 @@ impl FoundClusters {
         });
     }
 
+    /// Takes what another walk found of those items that `wanted` says yes of; of that nothing is left.
+    pub(crate) fn take_in(&mut self, found: &mut FoundClusters, mut wanted: impl FnMut(ItemId) -> bool) {
+        for same in found.runs.chunk_by(|a, b| a.item == b.item) {
+            if !wanted(same[0].item) {
+                continue;
+            }
+            for run in same {
+                let [first, end] = run.clusters.map(|place| place as usize);
+                let start = self.clusters.len() as u32;
+                self.clusters.extend_from_slice(&found.clusters[first..end]);
+                let clusters = [start, self.clusters.len() as u32];
+                self.runs.push(Run { clusters, ..*run });
+            }
+        }
+        found.runs.clear();
+        found.clusters.clear();
+    }
+
     pub(crate) fn push_whole(&mut self, item: ItemId) {
         let end = self.clusters.len() as u32;
         self.runs.push(Run {

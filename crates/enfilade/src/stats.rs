@@ -47,6 +47,38 @@ pub struct SpanStats {
 }
 
 impl Stats {
+    /// Adds what another part of the same look cost.
+    pub(crate) fn add(&mut self, part: &Stats) {
+        let Stats {
+            boxes_tested,
+            boxes_hidden,
+            batches,
+            triangles,
+            triangles_hidden,
+            samples,
+            clusters_primed,
+            occluders,
+            spans,
+            samples_owned,
+        } = part;
+        self.boxes_tested += boxes_tested;
+        self.boxes_hidden += boxes_hidden;
+        self.batches += batches;
+        self.triangles += triangles;
+        self.triangles_hidden += triangles_hidden;
+        self.samples += samples;
+        self.clusters_primed += clusters_primed;
+        self.occluders += occluders;
+        self.spans.compared += spans.compared;
+        self.spans.by_cache += spans.by_cache;
+        self.spans.by_neighbour += spans.by_neighbour;
+        self.spans.by_adjacency += spans.by_adjacency;
+        self.spans.by_range += spans.by_range;
+        self.spans.by_plane += spans.by_plane;
+        self.spans.by_depth += spans.by_depth;
+        self.samples_owned += samples_owned;
+    }
+
     /// Every counter with its name, in a fixed order.
     pub fn each(&self) -> [(&'static str, u64); 16] {
         [

@@ -67,6 +67,17 @@ impl Viewer {
         self.memory.recall.forget();
     }
 
+    /// May a look use all threads of the rayon pool that it is called in, or else of the global one? On unless told, as far as
+    /// the library has the feature `rayon`; in a pool of one thread it makes no difference. It changes the cost and what
+    /// [`Viewer::stats`] counts, never the answer.
+    ///
+    /// Off suits a program that looks by many viewers at once, or must not wait for its pool: while a look waits for other
+    /// threads, its own may be given other work of the pool, so hold no lock then that such work takes. Threads have buffers
+    /// of their own, all together about as large as those of one. Drawing is done by the caller's thread.
+    pub fn set_parallel(&mut self, parallel: bool) {
+        self.memory.parallel = parallel;
+    }
+
     /// How many occluders methods take that choose them, for each passage; `None`, as many as suits each method, unless
     /// told. It changes what is called visible, never so that anything visible is missed. 0: trees leave out only what is
     /// out of view; the masked buffer has the faces that it finds.

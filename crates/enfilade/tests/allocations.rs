@@ -3,18 +3,17 @@
 use allocation_counter::measure;
 use enfilade::{Method, PortalId, Scene, Viewer};
 use enfilade_scenes::{Camera, built_in};
+use rayon::ThreadPoolBuilder;
+
+const SMALL: [u32; 2] = [96, 54];
 
 /// By every method, looks from up to four cameras allocate nothing any more when all have been taken a few times.
-fn allocates_nothing(name: &str, scene: &Scene, cameras: &[Camera]) {
+fn allocates_nothing(name: &str, scene: &Scene, cameras: &[Camera], size: [u32; 2]) {
     for method in Method::ALL.into_iter().filter(|&method| scene.suits(method)) {
         let scene = scene.with_method(method, Method::DEFAULT_LIMIT);
         let scene = scene.expect("they are not that large");
         let mut viewer = Viewer::new();
-        let views: Vec<_> = cameras
-            .iter()
-            .take(4)
-            .map(|camera| camera.view([96, 54]))
-            .collect();
+        let views: Vec<_> = cameras.iter().take(4).map(|camera| camera.view(size)).collect();
         let mut seen = 0;
         let mut round = || {
             for view in &views {
@@ -33,7 +32,7 @@ fn allocates_nothing(name: &str, scene: &Scene, cameras: &[Camera]) {
 fn a_look_allocates_nothing_once_it_has_looked_from_everywhere() {
     for name in ["two-rooms", "mirror", "crowd", "glass", "house", "enfilade"] {
         let built = built_in(name).expect("a built-in scene");
-        allocates_nothing(name, &built.scene, &built.cameras);
+        allocates_nothing(name, &built.scene, &built.cameras, SMALL);
     }
 }
 
@@ -44,6 +43,17 @@ fn nor_does_one_at_closed_doors() {
         for portal in (0..built.scene.portals().len() as u32).map(PortalId) {
             built.scene.set_open(portal, false);
         }
-        allocates_nothing(name, &built.scene, &built.cameras);
+        allocates_nothing(name, &built.scene, &built.cameras, SMALL);
+    }
+}
+
+#[test]
+fn nor_does_a_thread_that_shares_looks_with_another() {
+    let pool = ThreadPoolBuilder::new().num_threads(2).build();
+    let pool = pool.expect("two threads");
+    // What this thread of the pool allocates is counted; which strips it takes changes from look to look.
+    for name in ["two-rooms", "mirror", "glass"] {
+        let built = built_in(name).expect("a built-in scene");
+        pool.install(|| allocates_nothing(name, &built.scene, &built.cameras, [640, 360]));
     }
 }

@@ -231,6 +231,23 @@ impl Aperture {
         }
     }
 
+    /// What of it lies in rows `y0..y1`, which are among its rectangle's. Where it is known by its samples, `spare` takes those,
+    /// and is taken; see [`Aperture::take_rows`].
+    pub(crate) fn strip(&self, [y0, y1]: [u16; 2], spare: &mut Rows) -> Aperture {
+        let rows = self.rows.as_ref().map(|rows| {
+            spare.clear();
+            for y in y0..y1 {
+                rows.row(y).iter().for_each(|&[x0, x1]| spare.push(y, x0, x1));
+            }
+            std::mem::take(spare)
+        });
+        Aperture {
+            outline: self.outline.clone(),
+            rect: Rect { y0, y1, ..self.rect },
+            rows,
+        }
+    }
+
     /// Corners on the screen, in pixels, y down, counter-clockwise; fewer than three where the aperture is only
     /// known by its samples.
     pub fn outline(&self) -> &[[f64; 2]] {

@@ -203,15 +203,20 @@ impl Content {
 
     /// What was built over it, by one who needs the same, and still is in use; else builds it.
     pub(crate) fn share<T: Any + Send + Sync>(&self, build: impl FnOnce() -> T) -> Arc<T> {
-        // A panic while building leaves nothing half done here.
-        let mut shared = self.shared.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(found) = shared.upgrade().and_then(|any| any.downcast().ok()) {
+        let shared = || self.shared.lock().unwrap_or_else(PoisonError::into_inner);
+        let found =
+            |shared: &Weak<dyn Any + Send + Sync>| shared.upgrade().and_then(|any| any.downcast().ok());
+        if let Some(found) = found(&shared()) {
             return found;
         }
+        // Not under the lock: a thread that waits for others to build may be given work meanwhile that asks for the same.
         let built = Arc::new(build());
-        let any: Arc<dyn Any + Send + Sync> = built.clone();
-        *shared = Arc::downgrade(&any);
-        built
+        let mut shared = shared();
+        found(&shared).unwrap_or_else(|| {
+            let any: Arc<dyn Any + Send + Sync> = built.clone();
+            *shared = Arc::downgrade(&any);
+            built
+        })
     }
 
     /// The number of an item's first face among all faces of the content.

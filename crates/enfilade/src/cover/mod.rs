@@ -112,7 +112,7 @@ pub trait Paints: Cover {
 }
 
 /// A cover that holds no picture: chosen occluders go in first, and then it says what they hide.
-pub trait Hides: Cover {
+pub trait Hides: Cover + Sync {
     /// Which occluders are worth most to it.
     const MEASURE: Measure;
     /// How many occluders go in unless told otherwise.
@@ -137,6 +137,10 @@ pub trait Hides: Cover {
     /// Lets a batch of opaque faces within `region` hide what is behind them, where that is worth it. Only asked where
     /// [`Hides::TAKES_FACES`].
     fn hide_faces(&mut self, _faces: &Faces, _region: &Region, _passage: &Passage, _stats: &mut Stats) {}
+
+    /// Becomes a cover that says of everything what another one does. Only asked where a walk changes nothing that is said: not
+    /// where [`Hides::TAKES_FACES`].
+    fn copy(&mut self, _from: &Self) {}
 
     /// Are so many triangles within `region` too fine to hide what is worth it, and to be looked at in parts?
     fn are_too_fine(_triangles: u64, _region: &Region) -> bool {

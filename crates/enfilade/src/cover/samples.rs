@@ -11,6 +11,7 @@ use crate::faces::{Faces, Of};
 use crate::passage::Passage;
 use crate::seen::Seen;
 use crate::stats::Stats;
+use std::ops::Range;
 
 /// Nearness in the upper half, the complement of the face's number in the lower: the greater number is what is
 /// seen, so that of equally near faces the lower one owns, whatever comes first.
@@ -54,7 +55,7 @@ impl Samples {
     pub(super) fn shape(&mut self, passage: &Passage, trace: bool) {
         self.rect = passage.aperture.rect();
         self.width = usize::from(self.rect.x1);
-        let needed = self.width * usize::from(self.rect.y1);
+        let needed = self.width * usize::from(self.rect.y1 - self.rect.y0);
         if self.samples.len() < needed {
             self.samples.resize(needed, OPEN);
         }
@@ -86,14 +87,20 @@ impl Samples {
 
     #[inline(always)]
     pub(super) fn row(&self, y: u16, x0: u16, x1: u16) -> &[Sample] {
-        let start = usize::from(y) * self.width;
-        &self.samples[start + usize::from(x0)..start + usize::from(x1)]
+        &self.samples[self.run(y, x0, x1)]
     }
 
     #[inline(always)]
     pub(super) fn row_mut(&mut self, y: u16, x0: u16, x1: u16) -> &mut [Sample] {
-        let start = usize::from(y) * self.width;
-        &mut self.samples[start + usize::from(x0)..start + usize::from(x1)]
+        let run = self.run(y, x0, x1);
+        &mut self.samples[run]
+    }
+
+    /// Where columns `x0..x1` of row `y` are kept: from the first row on, for a strip far down is as small as one on top.
+    #[inline(always)]
+    fn run(&self, y: u16, x0: u16, x1: u16) -> Range<usize> {
+        let start = usize::from(y - self.rect.y0) * self.width;
+        start + usize::from(x0)..start + usize::from(x1)
     }
 
     /// Reports and paints the owners that are left.
@@ -162,8 +169,7 @@ impl Samples {
     /// Counts a test of each sample of a run; those that `owner` owns came with the batch at hand.
     #[cold]
     fn count(&mut self, y: u16, x0: u16, x1: u16, owner: u32) {
-        let start = usize::from(y) * self.width;
-        let samples = &self.samples[start + usize::from(x0)..start + usize::from(x1)];
+        let samples = &self.samples[self.run(y, x0, x1)];
         if let Some(trace) = &mut self.trace {
             trace.test(y, x0, x1);
             for (x, &sample) in (x0..).zip(samples) {

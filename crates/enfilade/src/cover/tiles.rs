@@ -23,6 +23,8 @@ pub(super) struct Tiles {
     /// The aperture's rectangle. What a tile holds beside it is covered.
     pub(super) rect: Rect,
     pub(super) columns: usize,
+    /// The row of tiles that is kept first, and the one after the last.
+    first_row: usize,
     pub(super) rows: usize,
     tiles: Vec<Tile>,
     /// The samples of tiles that are written out.
@@ -41,6 +43,7 @@ impl Default for Tiles {
             level: crate::simd::level(),
             rect: Rect::default(),
             columns: 0,
+            first_row: 0,
             rows: 0,
             tiles: Vec::new(),
             blocks: Vec::new(),
@@ -77,9 +80,10 @@ impl Tiles {
         self.trace = trace.then(|| Trace::new(&self.rect));
         let Rect { x0, x1, y0, y1 } = self.rect;
         [self.columns, self.rows] = [x1, y1].map(|side| usize::from(side).div_ceil(TILE));
+        self.first_row = usize::from(y0) >> TILE_SHIFT;
         self.tiles.clear();
         self.tiles.resize(
-            self.columns * self.rows,
+            self.columns * (self.rows - self.first_row),
             Tile {
                 state: State::Empty,
                 farthest: 0,
@@ -112,7 +116,8 @@ impl Tiles {
             };
             for &[start, end] in &self.runs {
                 for x in usize::from(start)..usize::from(end) {
-                    let block = &mut self.blocks[row * self.columns + (x >> TILE_SHIFT)];
+                    let index = self.index(x >> TILE_SHIFT, row);
+                    let block = &mut self.blocks[index];
                     block.0[usize::from(y) % TILE][x % TILE] = OPEN;
                 }
             }
@@ -120,12 +125,13 @@ impl Tiles {
         if trace {
             return;
         }
-        for row in usize::from(y0) >> TILE_SHIFT..self.rows {
+        for row in self.first_row..self.rows {
             let open = self.open[row];
             for column in usize::from(x0) >> TILE_SHIFT..self.columns {
                 let tile = self.rect(column, row);
                 if open[0] <= tile.x0 && tile.x1 <= open[1] {
-                    self.tiles[row * self.columns + column] = Tile {
+                    let index = self.index(column, row);
+                    self.tiles[index] = Tile {
                         state: State::Empty,
                         farthest: 0,
                         stale: false,
@@ -133,6 +139,12 @@ impl Tiles {
                 }
             }
         }
+    }
+
+    /// Where a tile is kept: from the first row on, for a strip far down is as small as one on top.
+    #[inline(always)]
+    fn index(&self, column: usize, row: usize) -> usize {
+        (row - self.first_row) * self.columns + column
     }
 
     /// The samples of a tile inside the aperture's rectangle.
@@ -166,7 +178,7 @@ impl Tiles {
         if usize::from(any[1] - any[0]) < TILE {
             // Too narrow to own a tile; most triangles of a detailed mesh are.
             for column in columns {
-                if triangle.nearest() >= self.tiles[row * self.columns + column].farthest {
+                if triangle.nearest() >= self.tiles[self.index(column, row)].farthest {
                     self.keep_nearest_in(column, row, band, triangle, &mut nearer);
                 }
             }
@@ -189,7 +201,7 @@ impl Tiles {
         for column in columns {
             let rect = self.rect(column, row);
             let nearest = nearest_row.bits(i32::from(if right { rect.x1 - 1 } else { rect.x0 }));
-            let index = row * self.columns + column;
+            let index = self.index(column, row);
             let whole = all[0] <= rect.x0 && all[1] >= rect.x1;
             if whole && self.tiles[index].stale {
                 // To bring it up to date costs less than going through all its samples for nothing.
@@ -240,7 +252,7 @@ impl Tiles {
         triangle: &Triangle,
         nearer: &mut impl FnMut(usize, usize),
     ) {
-        let index = row * self.columns + column;
+        let index = self.index(column, row);
         if self.tiles[index].state != State::Written {
             self.write_out(column, row);
         }
@@ -264,7 +276,7 @@ impl Tiles {
     /// Writes the samples of a tile out.
     #[inline(always)]
     fn write_out(&mut self, column: usize, row: usize) {
-        let index = row * self.columns + column;
+        let index = self.index(column, row);
         let state = std::mem::replace(&mut self.tiles[index].state, State::Written);
         let block = &mut self.blocks[index];
         let [x, y] = [column, row].map(|place| (place << TILE_SHIFT) as u16);
@@ -294,7 +306,7 @@ impl Tiles {
     #[cold]
     fn count(&mut self, column: usize, row: usize, band: &Band, owner: u32) {
         let Rect { x0, x1, .. } = self.rect(column, row);
-        let (block, Some(trace)) = (&self.blocks[row * self.columns + column], &mut self.trace) else {
+        let (block, Some(trace)) = (&self.blocks[self.index(column, row)], &mut self.trace) else {
             return;
         };
         for (y, [start, end]) in band.rows() {
@@ -319,12 +331,15 @@ impl Tiles {
     /// Bits of the farthest nearness of a tile that is known without looking at samples; no nearer than the truth.
     #[inline(always)]
     pub(super) fn farthest_known(&self, column: usize, row: usize) -> u32 {
-        self.tiles[row * self.columns + column].farthest
+        self.tiles[self.index(column, row)].farthest
     }
 
     /// Bits of the farthest nearness of a tile.
     pub(super) fn farthest(&mut self, column: usize, row: usize) -> u32 {
-        let index = row * self.columns + column;
+        if row < self.first_row {
+            return u32::MAX;
+        }
+        let index = self.index(column, row);
         if self.tiles[index].stale {
             let farthest = self.farthest_in(&self.rect(column, row), column, row);
             self.tiles[index] = Tile {
@@ -344,7 +359,7 @@ impl Tiles {
             return u32::MAX;
         }
         let Rect { x0, y0, x1, y1 } = within;
-        match self.tiles[row * self.columns + column].state {
+        match self.tiles[self.index(column, row)].state {
             State::Empty => 0,
             State::Whole(number) => {
                 let triangle = &self.triangles[number as usize];
@@ -354,7 +369,7 @@ impl Tiles {
                     .bits(i32::from(x))
             }
             State::Written => {
-                let block = &self.blocks[row * self.columns + column];
+                let block = &self.blocks[self.index(column, row)];
                 if within == self.rect(column, row) {
                     return dispatch!(self.level, _simd => block.farthest());
                 }
@@ -367,7 +382,7 @@ impl Tiles {
 
     /// Bits of the nearness at a sample.
     pub(super) fn depth(&self, x: u16, y: u16) -> u32 {
-        let index = (usize::from(y) >> TILE_SHIFT) * self.columns + (usize::from(x) >> TILE_SHIFT);
+        let index = self.index(usize::from(x) >> TILE_SHIFT, usize::from(y) >> TILE_SHIFT);
         match self.tiles[index].state {
             State::Empty => 0,
             State::Whole(number) => self.triangles[number as usize].row(y).bits(i32::from(x)),
@@ -377,7 +392,7 @@ impl Tiles {
 
     /// The number of the face that owns a tile as a whole, where that is known without looking at its samples.
     pub(super) fn owner(&self, column: usize, row: usize) -> Option<u32> {
-        match self.tiles[row * self.columns + column].state {
+        match self.tiles[self.index(column, row)].state {
             State::Whole(number) => Some(self.triangles[number as usize].owner),
             State::Empty | State::Written => None,
         }

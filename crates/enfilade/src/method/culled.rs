@@ -9,6 +9,7 @@ use super::found::{Against, find};
 use super::gathered::draw_gathered;
 use super::in_cells::InParts;
 use super::ours::{Edited, Ours, edit_order};
+use super::shares::find_by_shares;
 use super::{Method, TooLarge};
 use crate::canvas::Canvas;
 use crate::content::{Changes, Content, ItemId, Opening};
@@ -63,8 +64,12 @@ where
     }
 
     fn occluders(&self) -> &OccluderSet {
-        let find = || OccluderSet::build(&self.content);
-        self.occluders.get_or_init(|| self.content.share(find))
+        if let Some(occluders) = self.occluders.get() {
+            return occluders;
+        }
+        // Not while the cell waits for them: a thread that waits for others to find them may be asked for the same.
+        let found = self.content.share(|| OccluderSet::build(&self.content));
+        self.occluders.get_or_init(|| found)
     }
 
     /// Starts a cover over, with the occluders that are worth most.
@@ -96,6 +101,10 @@ where
     /// Reports what may be seen past the cover, which knows at the end all that hides.
     fn look(&self, cover: &mut C, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
         self.fill(cover, passage, memory);
+        if !C::TAKES_FACES && memory.threads() > 1 {
+            find_by_shares(&self.order, &self.content, passage, cover, memory, seen);
+            return;
+        }
         find(
             &self.order,
             &self.content,
@@ -108,7 +117,7 @@ where
 }
 
 /// A walk is held against a cover as it is.
-struct InSamples<'a, C>(&'a mut C);
+pub(super) struct InSamples<'a, C>(pub(super) &'a mut C);
 
 impl<C: Hides> Against for InSamples<'_, C> {
     const TAKES_FACES: bool = C::TAKES_FACES;

@@ -48,8 +48,8 @@ const FEW_CLUSTERS: usize = 64;
 
 /// Clusters and openings that nothing hides.
 #[derive(Default)]
-struct Found {
-    clusters: FoundClusters,
+pub(super) struct Found {
+    pub(super) clusters: FoundClusters,
     openings: Vec<OpeningId>,
 }
 
@@ -74,23 +74,19 @@ pub(super) fn find<O: Order>(
         found: &mut found,
     };
     order.visit(content, passage, &mut scratch, &mut walk);
-    walk.look_again();
-    found.clusters.report(content, seen);
-    for opening in found.openings.drain(..) {
-        seen.opening(opening, None);
-    }
+    walk.report(seen);
     memory.put_back(scratch);
     memory.put_back(found);
 }
 
 /// Joins an order's walk to what it is held against.
-struct Walk<'a, A> {
-    passage: &'a Passage,
-    content: &'a Content,
-    against: &'a mut A,
-    marks: &'a mut Marks,
-    stats: &'a mut Stats,
-    found: &'a mut Found,
+pub(super) struct Walk<'a, A> {
+    pub(super) passage: &'a Passage,
+    pub(super) content: &'a Content,
+    pub(super) against: &'a mut A,
+    pub(super) marks: &'a mut Marks,
+    pub(super) stats: &'a mut Stats,
+    pub(super) found: &'a mut Found,
 }
 
 impl<A: Against> Walk<'_, A> {
@@ -103,6 +99,15 @@ impl<A: Against> Walk<'_, A> {
     fn region_of(&self, faces: &Faces, item: ItemId, cluster: u32) -> Option<Region> {
         let bounds = &self.content.mesh_of(item).clusters()[cluster as usize].bounds;
         Region::of(self.passage, faces.screen_from_local, bounds)
+    }
+
+    /// Reports what was found; nothing is left.
+    pub(super) fn report(&mut self, seen: &mut Seen) {
+        self.look_again();
+        self.found.clusters.report(self.content, seen);
+        for opening in self.found.openings.drain(..) {
+            seen.opening(opening, None);
+        }
     }
 
     /// Holds openings, and what came before all that hides it, against all that does. Of an item of which one cluster is seen

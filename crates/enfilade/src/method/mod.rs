@@ -9,6 +9,8 @@ mod in_cells;
 mod ordered;
 mod ours;
 mod paired;
+mod shares;
+mod strips;
 
 pub use culled::Culled;
 pub use ordered::Ordered;

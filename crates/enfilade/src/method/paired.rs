@@ -3,6 +3,7 @@
 use super::count::count_faces;
 use super::in_cells::InParts;
 use super::ours::{Edited, Ours, edit_order};
+use super::strips::{self, look_in_strips};
 use super::{Method, TooLarge};
 use crate::canvas::Canvas;
 use crate::content::{Alpha, Changes, Content, ItemId, Opening};
@@ -55,16 +56,8 @@ where
         })
     }
 
-    fn see(
-        &self,
-        passage: &Passage,
-        memory: &mut Memory,
-        seen: &mut Seen,
-        mut canvas: Option<&mut dyn Canvas>,
-    ) {
-        let mut cover = memory.take::<C>();
-        let mut work = memory.take::<Work>();
-        let mut scratch = memory.take::<O::Scratch>();
+    /// Reports what may be seen; what the last look saw is seen first, where that serves the cover.
+    fn see(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: Option<&mut dyn Canvas>) {
         let size = self.content.bounds().longest_side();
         let primes = C::PRIMES && memory.coherence;
         let last = if primes {
@@ -72,6 +65,47 @@ where
         } else {
             memory.recall.list()
         };
+        memory.stats.clusters_primed += last.len() as u64;
+        // A canvas gets one row after the other.
+        let strips = if canvas.is_some() {
+            1
+        } else {
+            strips::count(passage, memory)
+        };
+        if strips > 1 {
+            look_in_strips(
+                strips,
+                &self.content,
+                passage,
+                memory,
+                seen,
+                |strip, memory, seen| self.look(strip, &last, memory, seen, None),
+            );
+        } else {
+            self.look(passage, &last, memory, seen, canvas);
+        }
+        memory.stats.samples_owned += seen.samples_owned;
+        if primes {
+            memory
+                .recall
+                .remember(passage, seen.clusters_of_items(&self.content), last);
+        } else {
+            memory.recall.give_back(last);
+        }
+    }
+
+    /// The same, seeing these clusters first.
+    fn look(
+        &self,
+        passage: &Passage,
+        first: &[(ItemId, u32)],
+        memory: &mut Memory,
+        seen: &mut Seen,
+        mut canvas: Option<&mut dyn Canvas>,
+    ) {
+        let mut cover = memory.take::<C>();
+        let mut work = memory.take::<Work>();
+        let mut scratch = memory.take::<O::Scratch>();
         cover.clear(passage, memory.trace);
         memory.marks.begin(self.content.items().len());
         let mut walk = Walk {
@@ -80,7 +114,7 @@ where
             marks: &mut memory.marks,
             stats: &mut memory.stats,
             work: &mut work,
-            primed: &last,
+            primed: first,
             canvas: reborrow(&mut canvas),
         };
         walk.prime(&self.content);
@@ -97,14 +131,6 @@ where
         cover.finish(&self.content, passage, seen, reborrow(&mut canvas));
         if let Some(canvas) = canvas.filter(|canvas| canvas.wants_cover()) {
             cover.show(passage, canvas);
-        }
-        memory.stats.samples_owned += seen.samples_owned;
-        if primes {
-            memory
-                .recall
-                .remember(passage, seen.clusters_of_items(&self.content), last);
-        } else {
-            memory.recall.give_back(last);
         }
         memory.put_back(cover);
         memory.put_back(work);
@@ -159,7 +185,6 @@ impl<C: Paints> Walk<'_, C> {
             self.take(&Faces::of_cluster(content, item, cluster, &screen_from_item));
         }
         self.work.first = first;
-        self.stats.clusters_primed += self.primed.len() as u64;
     }
 
     fn take(&mut self, faces: &Faces) {

@@ -14,6 +14,7 @@
 
 mod choose;
 mod flat;
+mod in_mesh;
 mod measure;
 mod outline;
 mod pieces;
@@ -32,22 +33,16 @@ pub use summary::OccluderSummary;
 use crate::content::{Content, Exchanged, ItemId, MeshId, Moved};
 use crate::geom::{Aabb, Line, Octree, Step};
 use crate::mesh::Mesh;
+use crate::threads;
 use glam::{DMat3, DVec3};
-use outline::{EXACT, Outline};
-use pieces::{PieceOf, pieces};
-use sheets::Sheet;
-use soup::Soup;
-
-/// An occluder smaller than this part of its mesh's box, seen from its broadest side, is small: the facets of a column
-/// hide little that the column's others do not.
-const LEAST_SHARE: f64 = 1.0 / 128.0;
-
-/// Of small ones, a mesh keeps the largest, as many as it has clusters, if they are no smaller than this: a mesh may be
-/// a whole city.
-const LEAST_OF_ALL: f64 = 1.0 / 16_384.0;
+use in_mesh::InMesh;
+use outline::EXACT;
 
 /// Polygons or items in a leaf of a tree, at most.
 const FEW: usize = 8;
+
+/// Meshes of no more faces are looked through side by side; of larger ones, each takes much memory, one after the other.
+const LARGEST_SIDE_BY_SIDE: u32 = 1 << 16;
 
 /// The occluders of a content: of each mesh once, in the space of the mesh.
 #[derive(Clone, Debug, Default)]
@@ -127,9 +122,23 @@ impl OccluderSet {
 
     /// Finds the occluders of all meshes.
     pub fn build(content: &Content) -> OccluderSet {
+        let is_small = |mesh: &Mesh| mesh.face_count() <= LARGEST_SIDE_BY_SIDE;
+        let mut found: Vec<InMesh> = Vec::new();
+        found.resize_with(content.meshes().len(), InMesh::default);
+        threads::for_each(&mut found, |place, found| {
+            let mesh = &content.meshes()[place];
+            if is_small(mesh) {
+                *found = InMesh::of(mesh, content);
+            }
+        });
         let mut set = OccluderSet::default();
-        for mesh in content.meshes() {
-            let of_mesh = set.add_mesh(mesh, content);
+        for (mesh, found) in content.meshes().iter().zip(found) {
+            let found = if is_small(mesh) {
+                found
+            } else {
+                InMesh::of(mesh, content)
+            };
+            let of_mesh = set.add(found);
             set.meshes.push(of_mesh);
         }
         set.polygons.shrink_to_fit();
@@ -141,7 +150,7 @@ impl OccluderSet {
     /// Follows items that were edited; gives the number of nodes touched.
     pub(crate) fn follow(&mut self, content: &Content, done: &Exchanged) -> u64 {
         for &mesh in &done.meshes {
-            let of_mesh = self.add_mesh(&content.meshes()[mesh.0 as usize], content);
+            let of_mesh = self.add(InMesh::of(&content.meshes()[mesh.0 as usize], content));
             let place = mesh.0 as usize;
             if place >= self.meshes.len() {
                 self.meshes.resize_with(place + 1, OfMesh::default);
@@ -211,24 +220,9 @@ impl OccluderSet {
         own.chain(below).fold(0.0, f64::max)
     }
 
-    fn add_mesh(&mut self, mesh: &Mesh, content: &Content) -> OfMesh {
+    fn add(&mut self, found: InMesh) -> OfMesh {
         let first = self.polygons.len();
-        let Some(soup) = Soup::of(mesh, content) else {
-            return OfMesh {
-                polygons: [first as u32; 2],
-                ..OfMesh::default()
-            };
-        };
-        let [x, y, z] = mesh.bounds().size().map(f64::from);
-        let broadest = (x * y).max(y * z).max(z * x);
-        let mut found = Vec::new();
-        soup.sheets(LEAST_OF_ALL * broadest, |sheet| {
-            found_in(&soup, &sheet, LEAST_OF_ALL * broadest, &mut found);
-        });
-        found.sort_by(|a, b| b.0.area.total_cmp(&a.0.area));
-        let large = found.partition_point(|(polygon, _)| polygon.area >= LEAST_SHARE * broadest);
-        found.truncate(large + mesh.clusters().len());
-        for (polygon, corners) in found {
+        for (polygon, corners) in found.polygons {
             self.polygons.push(Polygon {
                 first_corner: self.corners.len() as u32,
                 ..polygon
@@ -242,7 +236,7 @@ impl OccluderSet {
             polygons: [first as u32, self.polygons.len() as u32],
             largest: largest_below(&tree, |polygon| polygons[polygon as usize].area),
             tree,
-            opaque_area: (0..soup.face_count() as u32).map(|face| soup.area(face)).sum(),
+            opaque_area: found.opaque_area,
         }
     }
 
@@ -287,49 +281,6 @@ impl OccluderSet {
     }
 }
 
-/// Adds the polygons of a sheet that have `least_area` or more.
-fn found_in(soup: &Soup, sheet: &Sheet, least_area: f64, found: &mut Vec<(Polygon, Vec<DVec3>)>) {
-    let Some(outline) = Outline::of(soup, sheet) else {
-        return;
-    };
-    let pieces = match outline.as_one() {
-        None => pieces(soup, sheet, &outline, least_area),
-        Some(corners) => {
-            let area = area(&corners);
-            vec![PieceOf {
-                corners,
-                inset: 0.0,
-                area,
-                added: area,
-                triangles: sheet.faces.iter().map(|&face| soup.triangles(face)).sum(),
-            }]
-        }
-    };
-    for piece in pieces.into_iter().filter(|piece| piece.area >= least_area) {
-        let corners = &piece.corners;
-        let far = corners
-            .iter()
-            .map(|corner| corner.abs().max_element())
-            .fold(0.0, f64::max);
-        let polygon = Polygon {
-            first_corner: 0,
-            corners: corners.len() as u32,
-            normal: sheet.normal,
-            distance: sheet.distance,
-            // What f64 rounds goes on top: corners that were computed, and eyes that will be.
-            slack: sheet.slack + EXACT * far,
-            inset: piece.inset,
-            area: piece.area,
-            added: piece.added,
-            triangles: piece.triangles.min(u64::from(u32::MAX)) as u32,
-            centre: corners.iter().sum::<DVec3>() / corners.len() as f64,
-            bounds: box_around(corners),
-            double_sided: sheet.double_sided,
-        };
-        found.push((polygon, piece.corners));
-    }
-}
-
 /// The box of an item that hides something; that of nothing where it does not.
 fn box_of(content: &Content, areas: &[f64], item: u32) -> Aabb {
     if areas[item as usize] > 0.0 {
@@ -366,31 +317,4 @@ fn greatest_stretch(matrix: DMat3) -> f64 {
     let gram = matrix.transpose() * matrix;
     let rows = [gram.x_axis, gram.y_axis, gram.z_axis].map(|row| row.abs().element_sum());
     rows.into_iter().fold(0.0, f64::max).sqrt()
-}
-
-fn area(corners: &[DVec3]) -> f64 {
-    let first = corners[0];
-    let sum: DVec3 = corners
-        .windows(2)
-        .map(|pair| (pair[0] - first).cross(pair[1] - first))
-        .sum();
-    0.5 * sum.length()
-}
-
-/// The least box of f32 that holds all points.
-fn box_around(points: &[DVec3]) -> Aabb {
-    let below = |value: f64| {
-        let rounded = value as f32;
-        if f64::from(rounded) > value {
-            rounded.next_down()
-        } else {
-            rounded
-        }
-    };
-    points.iter().fold(Aabb::EMPTY, |held, point| {
-        held.union(&Aabb {
-            min: point.to_array().map(below),
-            max: point.to_array().map(|value| -below(-value)),
-        })
-    })
 }

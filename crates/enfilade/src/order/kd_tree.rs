@@ -19,6 +19,7 @@ pub struct KdTreeOrder {
 }
 
 /// A node that waits to be entered.
+#[derive(Clone, Copy)]
 pub struct Waiting {
     node: u32,
     /// Is it in one that is seen fully? Then nothing in it is asked after.
@@ -65,21 +66,66 @@ impl Order for KdTreeOrder {
     ) {
         hand_out_openings(content, passage, visit);
         waiting.clear();
-        waiting.extend(self.tree.root().map(|node| Waiting { node, fully: false }));
+        waiting.extend(self.root());
+        self.go_on(content, passage, waiting, visit);
+    }
+
+    fn begin(
+        &self,
+        content: &Content,
+        passage: &Passage,
+        least: usize,
+        waiting: &mut Vec<Waiting>,
+        visit: &mut impl Visit,
+    ) -> usize {
+        hand_out_openings(content, passage, visit);
+        waiting.clear();
+        waiting.extend(self.root());
         let eye = passage.eye();
-        while let Some(Waiting { node, mut fully }) = waiting.pop() {
-            let bounds = self.tree.bounds(node);
-            if !fully {
-                match sight(passage, &passage.screen_from_fragment, bounds, visit) {
-                    Sight::Hidden => continue,
-                    Sight::Partly => {}
-                    Sight::Fully => fully = true,
+        // Level by level, so that shares are about as large as each other; what comes first stands last.
+        let mut splits = true;
+        while splits && waiting.len() < least {
+            splits = false;
+            let count = waiting.len();
+            for place in 0..count {
+                let above = waiting[place];
+                let Some(halves) = self.tree.near_and_far(above.node, eye) else {
+                    waiting.push(above);
+                    continue;
+                };
+                if let Some(fully) = self.enter(above, passage, visit) {
+                    splits = true;
+                    waiting.extend(halves.into_iter().rev().map(|node| Waiting { node, fully }));
                 }
             }
-            if let Some(halves) = self.tree.near_and_far(node, eye) {
+            waiting.drain(..count);
+        }
+        waiting.len()
+    }
+
+    fn deal(&self, begun: &Vec<Waiting>, [number, of]: [usize; 2], share: &mut Vec<Waiting>) {
+        let [end, first] = [number, number + 1].map(|number| begun.len() - begun.len() * number / of);
+        share.clear();
+        share.extend_from_slice(&begun[first..end]);
+    }
+
+    fn go_on(
+        &self,
+        content: &Content,
+        passage: &Passage,
+        waiting: &mut Vec<Waiting>,
+        visit: &mut impl Visit,
+    ) {
+        let eye = passage.eye();
+        while let Some(next) = waiting.pop() {
+            let Some(fully) = self.enter(next, passage, visit) else {
+                continue;
+            };
+            let bounds = self.tree.bounds(next.node);
+            if let Some(halves) = self.tree.near_and_far(next.node, eye) {
                 waiting.extend(halves.into_iter().rev().map(|node| Waiting { node, fully }));
             }
-            for &item in self.tree.things(node) {
+            for &item in self.tree.things(next.node) {
                 // What reaches out of the box may be seen elsewhere only.
                 if fully && bounds.union(&content.item(ItemId(item)).bounds) == *bounds {
                     hand_out_whole(content, passage, ItemId(item), visit);
@@ -87,6 +133,25 @@ impl Order for KdTreeOrder {
                     hand_out(content, passage, ItemId(item), visit);
                 }
             }
+        }
+    }
+}
+
+impl KdTreeOrder {
+    fn root(&self) -> Option<Waiting> {
+        self.tree.root().map(|node| Waiting { node, fully: false })
+    }
+
+    /// Is a node seen fully? `None` where nothing of it is seen.
+    fn enter(&self, of: Waiting, passage: &Passage, visit: &mut impl Visit) -> Option<bool> {
+        if of.fully {
+            return Some(true);
+        }
+        let bounds = self.tree.bounds(of.node);
+        match sight(passage, &passage.screen_from_fragment, bounds, visit) {
+            Sight::Hidden => None,
+            Sight::Partly => Some(false),
+            Sight::Fully => Some(true),
         }
     }
 }

@@ -86,6 +86,34 @@ pub trait Order: Send + Sync + Sized + 'static {
         scratch: &mut Self::Scratch,
         visit: &mut impl Visit,
     );
+
+    /// Begins a visit that several visitors can go on with, each in a share of what waits then, side by side. Gives how much
+    /// that is: about `least` and more, or all that there is; 0 where all was handed out, as by orders that cannot do this.
+    fn begin(
+        &self,
+        content: &Content,
+        passage: &Passage,
+        _least: usize,
+        scratch: &mut Self::Scratch,
+        visit: &mut impl Visit,
+    ) -> usize {
+        self.visit(content, passage, scratch, visit);
+        0
+    }
+
+    /// Deals one of so many shares of what waits in a visit begun, by number; what comes first is in the first. All together are
+    /// what one visitor would be handed out, what stands in two of them twice.
+    fn deal(&self, _begun: &Self::Scratch, [_number, _of]: [usize; 2], _share: &mut Self::Scratch) {}
+
+    /// Goes on with a visit begun, or a share of it.
+    fn go_on(
+        &self,
+        _content: &Content,
+        _passage: &Passage,
+        _scratch: &mut Self::Scratch,
+        _visit: &mut impl Visit,
+    ) {
+    }
 }
 
 /// What walks along with an order.

@@ -21,10 +21,10 @@ use crate::content::{Content, OpeningId};
 use crate::fragment::{Built, Fragment};
 use crate::geom::{Aabb, Transform};
 use crate::method::{Method, Ours, Unsuited};
+use crate::threads;
 use crate::view::View;
 use locate::Boxes;
-#[cfg(feature = "rayon")]
-use rayon::prelude::*;
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// Fragments, and portals that join them. Shared and immutable while looked at.
@@ -199,17 +199,22 @@ impl Scene {
     pub fn with_method(&self, method: Method, limit_bytes: u64) -> Result<Scene, Unsuited> {
         let mut scene = self.clone();
         scene.limit_bytes = limit_bytes;
-        #[cfg(feature = "rayon")]
-        let fragments = scene.fragments.par_iter_mut();
-        #[cfg(not(feature = "rayon"))]
-        let fragments = scene.fragments.iter_mut();
-        let build = |placed: &mut Placed| match &placed.body {
-            Body::Ours { fragment, .. } => {
-                placed.rebuild(Arc::clone(fragment.content()), method, limit_bytes)
-            }
-            Body::Own(_) => Ok(()),
+        // Of fragments of one content the first builds what the others share: side by side each would build its own.
+        let mut contents = HashSet::new();
+        let is_first = |placed: &&mut Placed| match &placed.body {
+            Body::Ours { fragment, .. } => contents.insert(Arc::as_ptr(fragment.content())),
+            Body::Own(_) => false,
         };
-        fragments.map(build).collect::<Result<(), _>>()?;
+        let (first, others): (Vec<_>, Vec<_>) = scene.fragments.iter_mut().partition(is_first);
+        for fragments in [first, others] {
+            let mut building: Vec<_> = fragments.into_iter().map(|placed| (placed, Ok(()))).collect();
+            threads::for_each(&mut building, |_, (placed, built)| {
+                if let Body::Ours { fragment, .. } = &placed.body {
+                    *built = placed.rebuild(Arc::clone(fragment.content()), method, limit_bytes);
+                }
+            });
+            building.into_iter().try_for_each(|(_, built)| built)?;
+        }
         Ok(scene)
     }
 

@@ -228,24 +228,24 @@ impl Depths {
             && usize::from(rect.y1) >= y1.min(usize::from(all.y1))
     }
 
-    /// Takes over what the four cells below know.
+    /// Takes over what those of the four cells below know that hold samples of the aperture's rectangle.
     fn bring_up_to_date(&mut self, level: usize, column: usize, row: usize) {
-        let [columns, rows] = match level {
-            1 => [self.tiles.columns, self.tiles.rows],
-            _ => [self.levels[level - 2].columns, self.levels[level - 2].rows],
-        };
+        let [first, last] = cells(&self.tiles.rect, level - 1);
         let mut cell = Cell {
             farthest: u32::MAX,
             stale: false,
         };
-        for below_row in 2 * row..(2 * row + 2).min(rows) {
-            for below in 2 * column..(2 * column + 2).min(columns) {
+        for below_row in (2 * row).max(first[1])..=(2 * row + 1).min(last[1]) {
+            for below in (2 * column).max(first[0])..=(2 * column + 1).min(last[0]) {
                 let known = match level {
                     1 => Cell {
                         farthest: self.tiles.farthest(below, below_row),
                         stale: false,
                     },
-                    _ => self.levels[level - 2].cells[below_row * columns + below],
+                    _ => {
+                        let Level { columns, cells, .. } = &self.levels[level - 2];
+                        cells[below_row * columns + below]
+                    }
                 };
                 cell = Cell {
                     farthest: cell.farthest.min(known.farthest),

@@ -228,6 +228,11 @@ impl<A: Asks> Hides for OcclusionTree<A> {
     fn hide(&mut self, occluder: &Occluder, passage: &Passage, _stats: &mut Stats) {
         self.insert(occluder, f64::from(passage.near), passage.entry);
     }
+
+    fn copy(&mut self, from: &OcclusionTree<A>) {
+        self.tree.copy(&from.tree);
+        self.go_back();
+    }
 }
 
 impl<A> Default for OcclusionTree<A> {
@@ -301,6 +306,15 @@ impl Tree {
                 self.aperture.extend(line);
             }
         }
+    }
+
+    /// What is asked after; nothing can be let in afterwards.
+    fn copy(&mut self, from: &Tree) {
+        self.before.clone_from(&from.before);
+        self.aperture.clone_from(&from.aperture);
+        self.far = from.far;
+        self.root = from.root;
+        self.nodes.clone_from(&from.nodes);
     }
 
     fn at(&self, place: Place) -> Link {

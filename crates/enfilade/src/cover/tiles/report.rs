@@ -21,7 +21,7 @@ impl Tiles {
         let Rect { x0, y0, x1, y1 } = self.rect;
         for row in usize::from(y0) >> TILE_SHIFT..usize::from(y1).div_ceil(TILE) {
             for column in usize::from(x0) >> TILE_SHIFT..usize::from(x1).div_ceil(TILE) {
-                let index = row * self.columns + column;
+                let index = self.index(column, row);
                 match self.tiles[index].state {
                     State::Empty => {}
                     State::Whole(number) => {
@@ -45,7 +45,7 @@ impl Tiles {
             let row = usize::from(y) >> TILE_SHIFT;
             for column in usize::from(x0) >> TILE_SHIFT..usize::from(x1).div_ceil(TILE) {
                 let Rect { x0, x1, .. } = self.rect(column, row);
-                let index = row * self.columns + column;
+                let index = self.index(column, row);
                 match self.tiles[index].state {
                     State::Empty => report.run(x0, x1, OPEN as u32),
                     State::Whole(number) => {

@@ -9,27 +9,41 @@
 
 use super::choose::{Born, Chooser};
 use super::link::BspLink;
+use super::parts::{self, Part, Sizes};
 use super::side::{ROUNDING, Side, Splitter};
 use super::split::{Arena, Cut, Working};
 use super::{BspOptions, BspTree, Node, Piece, Polygons};
 use crate::geom::Aabb;
 use glam::DVec3;
 use std::num::NonZeroU32;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Subtrees of fewer pieces have no box: asking costs more than it can save.
 const FEWEST_IN_BOX: usize = 8;
 
-struct Builder<'a> {
+/// Builds a tree, or a part of one.
+pub(super) struct Builder<'a> {
     options: &'a BspOptions,
-    born: Born,
+    born: &'a Born,
+    /// Of how few polygons what is left is put aside, for others to build; 0: of none.
+    pub(super) largest_part: usize,
+    pub(super) parts: Vec<Part>,
+    /// The number of its first node: lower ones are of the tree that it builds a part of.
+    first_node: u32,
+    /// Bytes of all trees that are built for one, as far as their builders have told, and what this one has told.
+    all_bytes: &'a AtomicU64,
+    told_bytes: u64,
     chooser: Chooser,
     arena: Arena,
     /// The polygons of all tasks, in the order of these.
     stack: Vec<Working>,
     tasks: Vec<Task>,
-    tree: BspTree,
+    pub(super) tree: BspTree,
     cuts: Vec<Cut>,
 }
+
+/// A tree's bytes are told when they have grown by so many.
+const TELL_BYTES: u64 = 1 << 16;
 
 /// What is still to be split: all that stands on the stack from here on, once the later tasks are done.
 struct Task {
@@ -51,39 +65,71 @@ struct Sorted {
 
 /// See [`BspTree::build`].
 pub(super) fn build(polygons: &Polygons, options: &BspOptions) -> BspTree {
-    let corners = polygons.corners.iter().flatten();
-    let largest = corners.fold(0.0_f64, |largest, value| largest.max(value.abs()));
-    let mut builder = Builder {
-        options,
-        born: Born {
-            splitters: Vec::new(),
-            slack: Vec::new(),
-            band: ROUNDING * largest,
-        },
-        chooser: Chooser::new(),
-        arena: Arena::default(),
-        stack: Vec::new(),
-        tasks: Vec::new(),
-        tree: BspTree::default(),
-        cuts: Vec::new(),
-    };
+    let born = Born::of(polygons);
+    // Where memory runs out, what is left unsorted must not depend on who builds first.
+    let mut tree = parts::largest(born.splitters.len())
+        .and_then(|largest| parts::build(polygons, &born, options, largest))
+        .unwrap_or_else(|| whole(polygons, &born, options));
+    tree.shrink();
+    tree
+}
+
+/// The same by one thread, from the first polygon to the last.
+pub(super) fn whole(polygons: &Polygons, born: &Born, options: &BspOptions) -> BspTree {
+    let all_bytes = AtomicU64::new(0);
+    let mut builder = Builder::new(born, options, &all_bytes);
     builder.take_in(polygons);
     builder.run();
-    builder.tree.shrink();
     builder.tree
 }
 
-impl Builder<'_> {
-    fn take_in(&mut self, polygons: &Polygons) {
+impl Born {
+    pub(super) fn of(polygons: &Polygons) -> Born {
+        let corners = polygons.corners.iter().flatten();
+        let largest = corners.fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        let mut born = Born {
+            splitters: Vec::new(),
+            slack: Vec::new(),
+            band: ROUNDING * largest,
+        };
+        let mut corners: Vec<DVec3> = Vec::new();
+        for (polygon, ends) in polygons.starts.windows(2).enumerate() {
+            let slack = polygons.slack.get(polygon).copied().unwrap_or(0.0);
+            let own = &polygons.corners[ends[0] as usize..ends[1] as usize];
+            corners.clear();
+            corners.extend(own.iter().map(|&corner| DVec3::from(corner)));
+            born.splitters
+                .push(Splitter::of(polygon as u32, &corners, born.band, slack));
+            born.slack.push(slack);
+        }
+        born
+    }
+}
+
+impl<'a> Builder<'a> {
+    pub(super) fn new(born: &'a Born, options: &'a BspOptions, all_bytes: &'a AtomicU64) -> Builder<'a> {
+        Builder {
+            options,
+            born,
+            largest_part: 0,
+            parts: Vec::new(),
+            first_node: 0,
+            all_bytes,
+            told_bytes: 0,
+            chooser: Chooser::new(),
+            arena: Arena::default(),
+            stack: Vec::new(),
+            tasks: Vec::new(),
+            tree: BspTree::default(),
+            cuts: Vec::new(),
+        }
+    }
+
+    pub(super) fn take_in(&mut self, polygons: &Polygons) {
         for (polygon, ends) in polygons.starts.windows(2).enumerate() {
             let corners = &polygons.corners[ends[0] as usize..ends[1] as usize];
-            let slack = polygons.slack.get(polygon).copied().unwrap_or(0.0);
             let corners = corners.iter().map(|&corner| DVec3::from(corner));
             let working = self.arena.add(polygon as u32, corners);
-            let corners = self.arena.corners(&working);
-            let splitter = Splitter::of(polygon as u32, corners, self.born.band, slack);
-            self.born.splitters.push(splitter);
-            self.born.slack.push(slack);
             self.stack.push(working);
         }
         if !self.stack.is_empty() {
@@ -91,21 +137,57 @@ impl Builder<'_> {
         }
     }
 
-    fn run(&mut self) {
+    /// Takes in what another builder put aside.
+    pub(super) fn take_in_part(&mut self, part: &mut Part) {
+        self.first_node = part.at.nodes;
+        self.arena = std::mem::take(&mut part.arena);
+        self.stack = std::mem::take(&mut part.members);
+        self.put_off(None, 0, part.depth);
+    }
+
+    /// Leaves a task to another builder.
+    fn put_aside(&mut self, task: &Task) {
+        let mut arena = Arena::default();
+        let members = self.stack.drain(task.first..);
+        let members = members.map(|working| arena.copy(&self.arena, &working)).collect();
+        self.parts.push(Part {
+            parent: task.parent,
+            depth: task.depth,
+            arena,
+            members,
+            at: Sizes::of(&self.tree),
+            tree: BspTree::default(),
+        });
+    }
+
+    /// Bytes of all that is built for one tree, and of the pieces that there will be of what waits here.
+    fn bytes(&mut self, at_least: u64) -> u64 {
+        let own = self.tree.bytes();
+        if own - self.told_bytes >= at_least {
+            self.all_bytes.fetch_add(own - self.told_bytes, Ordering::Relaxed);
+            self.told_bytes = own;
+        }
+        let others = self.all_bytes.load(Ordering::Relaxed) - self.told_bytes;
+        own + others + (self.stack.len() * size_of::<Piece>()) as u64
+    }
+
+    pub(super) fn run(&mut self) {
+        let most_bytes = self.options.limit_bytes.min(BspTree::GREATEST);
         let mut sorted = Sorted::default();
         while let Some(task) = self.tasks.pop() {
             self.arena.forget(task.corners);
             self.tree.depth = self.tree.depth.max(task.depth);
+            if self.stack.len() - task.first <= self.largest_part {
+                self.put_aside(&task);
+                continue;
+            }
+            let full = self.bytes(TELL_BYTES) > most_bytes;
             let members = &self.stack[task.first..];
-            // A piece for each polygon that waits will be there too.
-            let bytes = self.tree.bytes() + (self.stack.len() * size_of::<Piece>()) as u64;
-            let full = bytes > self.options.limit_bytes.min(BspTree::GREATEST);
             let splitter = if members.len() < 2 || full {
                 self.tree.incomplete |= members.len() > 1;
                 None
             } else {
-                self.chooser
-                    .choose(members, &self.arena, &self.born, self.options)
+                self.chooser.choose(members, &self.arena, self.born, self.options)
             };
             match splitter {
                 Some(splitter) => self.split(task, &splitter, &mut sorted),
@@ -116,11 +198,12 @@ impl Builder<'_> {
                 }
             }
         }
+        self.bytes(0);
     }
 
     /// Makes a node of a task, and a task of each side.
     fn split(&mut self, task: Task, splitter: &Splitter, sorted: &mut Sorted) {
-        let node = self.tree.nodes.len() as u32;
+        let node = self.first_node + self.tree.nodes.len() as u32;
         let members = &self.stack[task.first..];
         let bounds = (members.len() >= FEWEST_IN_BOX).then(|| self.bounds(members));
         self.sort(task.first, splitter, node, sorted);
@@ -187,7 +270,7 @@ impl Builder<'_> {
     fn hang(&mut self, parent: Option<(u32, usize)>, link: BspLink) {
         match parent {
             None => self.tree.root = link,
-            Some((node, side)) => self.tree.nodes[node as usize].links[side] = link,
+            Some((node, side)) => self.tree.nodes[(node - self.first_node) as usize].links[side] = link,
         }
     }
 

@@ -10,6 +10,7 @@
 mod build;
 mod choose;
 mod link;
+mod parts;
 mod score;
 mod side;
 mod split;

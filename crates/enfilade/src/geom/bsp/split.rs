@@ -54,6 +54,15 @@ impl Arena {
         self.since(polygon, first)
     }
 
+    /// Takes in a polygon of another arena as it is there.
+    pub(super) fn copy(&mut self, from: &Arena, of: &Working) -> Working {
+        let first = self.corners.len() as u32;
+        self.corners.extend_from_slice(from.corners(of));
+        let run = of.first as usize..(of.first + of.count) as usize;
+        self.made_by.extend_from_slice(&from.made_by[run]);
+        self.since(of.polygon, first)
+    }
+
     pub(super) fn corners(&self, of: &Working) -> &[DVec3] {
         &self.corners[of.first as usize..(of.first + of.count) as usize]
     }

@@ -6,7 +6,7 @@ use super::*;
 use std::collections::BTreeSet;
 
 /// Numbers that look random, the same ones each time.
-struct Random(u64);
+pub(super) struct Random(pub(super) u64);
 
 impl Random {
     fn below(&mut self, end: u32) -> u32 {
@@ -45,7 +45,7 @@ fn corners(polygons: &Polygons, polygon: u32) -> Vec<DVec3> {
 }
 
 /// Triangles every which way through each other, and squares on a coarse grid, many of them in one plane.
-fn jumble(random: &mut Random, size: u32) -> Polygons {
+pub(super) fn jumble(random: &mut Random, size: u32) -> Polygons {
     let mut all = Polygons {
         starts: vec![0],
         ..Polygons::default()

@@ -1,0 +1,117 @@
+//! The occluders of one mesh: of all its sheets, those polygons that are large enough.
+
+use super::Polygon;
+use super::outline::{EXACT, Outline};
+use super::pieces::{PieceOf, pieces};
+use super::sheets::Sheet;
+use super::soup::Soup;
+use crate::content::Content;
+use crate::geom::Aabb;
+use crate::mesh::Mesh;
+use glam::DVec3;
+
+/// An occluder smaller than this part of its mesh's box, seen from its broadest side, is small: the facets of a column
+/// hide little that the column's others do not.
+const LEAST_SHARE: f64 = 1.0 / 128.0;
+
+/// Of small ones, a mesh keeps the largest, as many as it has clusters, if they are no smaller than this: a mesh may be
+/// a whole city.
+const LEAST_OF_ALL: f64 = 1.0 / 16_384.0;
+
+/// What is found in a mesh, the largest first.
+#[derive(Default)]
+pub(super) struct InMesh {
+    pub(super) polygons: Vec<(Polygon, Vec<DVec3>)>,
+    pub(super) opaque_area: f64,
+}
+
+impl InMesh {
+    pub(super) fn of(mesh: &Mesh, content: &Content) -> InMesh {
+        let Some(soup) = Soup::of(mesh, content) else {
+            return InMesh::default();
+        };
+        let [x, y, z] = mesh.bounds().size().map(f64::from);
+        let broadest = (x * y).max(y * z).max(z * x);
+        let mut found = Vec::new();
+        soup.sheets(LEAST_OF_ALL * broadest, |sheet| {
+            found_in(&soup, &sheet, LEAST_OF_ALL * broadest, &mut found);
+        });
+        found.sort_by(|a, b| b.0.area.total_cmp(&a.0.area));
+        let large = found.partition_point(|(polygon, _)| polygon.area >= LEAST_SHARE * broadest);
+        found.truncate(large + mesh.clusters().len());
+        InMesh {
+            polygons: found,
+            opaque_area: (0..soup.face_count() as u32).map(|face| soup.area(face)).sum(),
+        }
+    }
+}
+
+/// Adds the polygons of a sheet that have `least_area` or more.
+fn found_in(soup: &Soup, sheet: &Sheet, least_area: f64, found: &mut Vec<(Polygon, Vec<DVec3>)>) {
+    let Some(outline) = Outline::of(soup, sheet) else {
+        return;
+    };
+    let pieces = match outline.as_one() {
+        None => pieces(soup, sheet, &outline, least_area),
+        Some(corners) => {
+            let area = area(&corners);
+            vec![PieceOf {
+                corners,
+                inset: 0.0,
+                area,
+                added: area,
+                triangles: sheet.faces.iter().map(|&face| soup.triangles(face)).sum(),
+            }]
+        }
+    };
+    for piece in pieces.into_iter().filter(|piece| piece.area >= least_area) {
+        let corners = &piece.corners;
+        let far = corners
+            .iter()
+            .map(|corner| corner.abs().max_element())
+            .fold(0.0, f64::max);
+        let polygon = Polygon {
+            first_corner: 0,
+            corners: corners.len() as u32,
+            normal: sheet.normal,
+            distance: sheet.distance,
+            // What f64 rounds goes on top: corners that were computed, and eyes that will be.
+            slack: sheet.slack + EXACT * far,
+            inset: piece.inset,
+            area: piece.area,
+            added: piece.added,
+            triangles: piece.triangles.min(u64::from(u32::MAX)) as u32,
+            centre: corners.iter().sum::<DVec3>() / corners.len() as f64,
+            bounds: box_around(corners),
+            double_sided: sheet.double_sided,
+        };
+        found.push((polygon, piece.corners));
+    }
+}
+
+fn area(corners: &[DVec3]) -> f64 {
+    let first = corners[0];
+    let sum: DVec3 = corners
+        .windows(2)
+        .map(|pair| (pair[0] - first).cross(pair[1] - first))
+        .sum();
+    0.5 * sum.length()
+}
+
+/// The least box of f32 that holds all points.
+fn box_around(points: &[DVec3]) -> Aabb {
+    let below = |value: f64| {
+        let rounded = value as f32;
+        if f64::from(rounded) > value {
+            rounded.next_down()
+        } else {
+            rounded
+        }
+    };
+    points.iter().fold(Aabb::EMPTY, |held, point| {
+        held.union(&Aabb {
+            min: point.to_array().map(below),
+            max: point.to_array().map(|value| -below(-value)),
+        })
+    })
+}

@@ -1,0 +1,209 @@
+//! However many threads look and build, what is seen is the same, and so is what is built.
+
+use enfilade::{
+    ContentBuilder, FragmentId, Limits, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, Stats,
+    Transform, View, Viewer,
+};
+use enfilade_scenes::built_in;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::collections::BTreeMap;
+
+/// Large enough for many strips, and not divided by their heights.
+const SIZE: [u32; 2] = [1000, 562];
+
+fn pools() -> Vec<ThreadPool> {
+    let pool = |threads| ThreadPoolBuilder::new().num_threads(threads).build();
+    [1, 2, 8]
+        .map(|threads| pool(threads).expect("a few threads"))
+        .into()
+}
+
+/// A scene with each method that suits it.
+fn by_each_method(scene: &Scene) -> impl Iterator<Item = (Method, Scene)> {
+    let suited = Method::ALL.into_iter().filter(|&method| scene.suits(method));
+    suited.map(|method| {
+        let scene = scene.with_method(method, Method::DEFAULT_LIMIT);
+        (method, scene.expect("it is small"))
+    })
+}
+
+/// A camera, and where it stands a step and two on: then what was seen last is seen first.
+fn steps(at: &View) -> [View; 3] {
+    [0.0, 0.02, 0.04].map(|far| {
+        let on = |[x, y, z]: [f32; 3]| [x + far, y, z + 0.5 * far];
+        let mut view = *at;
+        [view.eye, view.toward] = [on(at.eye), on(at.toward)];
+        view
+    })
+}
+
+/// Everything that the looks of a camera on its way say, and what they cost.
+fn seen_on_the_way(viewer: &mut Viewer, scene: &Scene, views: &[View]) -> (Vec<String>, Vec<Stats>) {
+    let look = |view: &View| {
+        let set = viewer.look(scene, view);
+        (format!("{set:?}"), *viewer.stats())
+    };
+    views.iter().map(look).unzip()
+}
+
+fn viewer() -> Viewer {
+    let mut viewer = Viewer::new();
+    let mut limits = Limits::default();
+    limits.max_crossings = 4;
+    viewer.set_limits(limits);
+    viewer
+}
+
+/// What a camera sees on its way is the same in each pool; gives what it cost in each.
+fn same_in_each(pools: &[ThreadPool], scene: &Scene, views: &[View], place: &str) -> Vec<Vec<Stats>> {
+    let in_pool = |pool: &ThreadPool| pool.install(|| seen_on_the_way(&mut viewer(), scene, views));
+    let (seen, costs): (Vec<_>, Vec<_>) = pools.iter().map(in_pool).unzip();
+    for (seen_now, pool) in seen.iter().zip(pools) {
+        let threads = pool.current_num_threads();
+        for (step, (first, now)) in seen[0].iter().zip(seen_now).enumerate() {
+            assert!(
+                first == now,
+                "{place}, step {step}: {threads} threads see\n{now}\nand one\n{first}"
+            );
+        }
+    }
+    costs
+}
+
+/// A block of twelve triangles.
+fn block() -> Mesh {
+    let corner = |i: u32| [i & 1, i >> 1 & 1, i >> 2].map(|side| side as f32);
+    let positions: Vec<[f32; 3]> = (0..8).map(corner).collect();
+    let sides = [
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+    ];
+    let corners: Vec<u32> = sides
+        .iter()
+        .flat_map(|&[a, b, c, d]| [a, b, c, a, c, d])
+        .collect();
+    Mesh::triangles(&positions, &corners, MaterialId(0)).expect("a sound block")
+}
+
+/// Some thousand houses, all turned a little: enough for trees in parts, and for walks in shares.
+fn town() -> Scene {
+    let mut builder = ContentBuilder::new([Material::opaque([0.6; 3])]);
+    let house = builder.mesh(block());
+    for i in 0..1600_u32 {
+        let at = [(i % 40) as f32 * 5.0, 0.0, (i / 40) as f32 * 5.0];
+        let size = [1.0 + (i % 3) as f32, 1.0 + (i * 7 % 5) as f32, 2.0];
+        let place = Transform::translation(at)
+            * Transform::rotation([0.0, 1.0, 0.1], f64::from(i * 37 % 90).to_radians())
+            * Transform::scaling(size);
+        builder.item("house", house, place);
+    }
+    let mut scene = SceneBuilder::new();
+    scene.add("town", builder.build().expect("sound houses"), Method::ZBuffer);
+    scene.build().expect("one fragment")
+}
+
+/// From the middle of a street, from above, and from beside the town.
+fn views_of_the_town() -> [View; 3] {
+    let view = |eye, toward| View::new(eye, toward, SIZE);
+    [
+        view([97.5, 1.0, 97.5], [130.0, 1.0, 150.0]),
+        view([100.0, 60.0, -40.0], [100.0, 0.0, 80.0]),
+        view([-30.0, 8.0, -30.0], [60.0, 0.0, 60.0]),
+    ]
+}
+
+#[test]
+fn two_threads_and_eight_see_what_one_does() {
+    let pools = pools();
+    // Of each method, boxes asked about by one thread, and by eight.
+    let mut asked: BTreeMap<&str, [u64; 2]> = BTreeMap::new();
+    let mut looked_at = 0;
+    let mut look = |name: &str, scene: &Scene, cameras: &[View]| {
+        for (method, scene) in by_each_method(scene) {
+            for (number, camera) in cameras.iter().enumerate() {
+                let place = format!("{method} in @{name} from camera {number}");
+                let costs = same_in_each(&pools, &scene, &steps(camera), &place);
+                let boxes = |costs: &Vec<Stats>| costs.iter().map(|stats| stats.boxes_tested).sum::<u64>();
+                let asked = asked.entry(method.name()).or_default();
+                asked[0] += boxes(&costs[0]);
+                asked[1] += boxes(&costs[2]);
+                looked_at += costs[0].iter().filter(|stats| stats.batches > 0).count();
+            }
+        }
+    };
+    for name in ["enfilade", "mirror", "glass", "bottles", "house"] {
+        let built = built_in(name).expect("a built-in scene");
+        let cameras = built.cameras.iter().take(3).map(|camera| camera.view(SIZE));
+        look(name, &built.scene, &cameras.collect::<Vec<_>>());
+    }
+    look("town", &town(), &views_of_the_town());
+    assert!(looked_at > 300, "hardly anything was looked at: {looked_at}");
+    for (method, [one, eight]) in asked {
+        // What the faces in the masked cover hide goes by the order in which they came, and cells know what is seen.
+        let alone = ["masked", "pvs"].contains(&method);
+        assert_eq!(
+            alone,
+            one == eight,
+            "{method} asked about {one} boxes, and {eight}"
+        );
+    }
+}
+
+#[test]
+fn a_viewer_that_is_not_parallel_does_what_one_thread_does() {
+    let pools = pools();
+    let views = views_of_the_town();
+    for (method, scene) in by_each_method(&town()) {
+        let alone = pools[2].install(|| {
+            let mut viewer = viewer();
+            viewer.set_parallel(false);
+            seen_on_the_way(&mut viewer, &scene, &views)
+        });
+        let one = pools[0].install(|| seen_on_the_way(&mut viewer(), &scene, &views));
+        assert!(alone == one, "{method}");
+    }
+}
+
+#[test]
+fn fragments_of_one_content_are_built_side_by_side_without_waiting_for_each_other() {
+    let content = town().content(FragmentId(0)).expect("of ours").clone();
+    let mut builder = SceneBuilder::new();
+    for name in ["here", "there", "yonder"] {
+        builder.add(name, content.clone(), Method::ZBuffer);
+    }
+    let scene = builder.build().expect("three fragments");
+    for pool in pools() {
+        for method in [Method::Bsp, Method::Svbsp] {
+            let built = pool.install(|| scene.with_method(method, Method::DEFAULT_LIMIT));
+            assert!(built.is_ok_and(|built| built.fragments().all(|id| built.builds(id) == 2)));
+        }
+    }
+}
+
+#[test]
+fn two_threads_and_eight_build_what_one_does() {
+    let pools = pools();
+    let town = town();
+    for method in Method::ALL.into_iter().filter(|&method| town.suits(method)) {
+        let built = pools.iter().map(|pool| {
+            pool.install(|| {
+                // A content of its own: what methods share would be built once.
+                let scene = self::town().with_method(method, Method::DEFAULT_LIMIT);
+                let scene = scene.expect("it is small");
+                let mut viewer = viewer();
+                viewer.set_parallel(false);
+                let looks = seen_on_the_way(&mut viewer, &scene, &views_of_the_town());
+                (scene.built(), scene.bytes(), looks)
+            })
+        });
+        let built: Vec<_> = built.collect();
+        assert!(built.iter().all(|now| *now == built[0]), "{method}");
+        if method == Method::Bsp {
+            assert!(built[0].0.splits > 100, "nothing was cut");
+        }
+    }
+}

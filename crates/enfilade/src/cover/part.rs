@@ -37,6 +37,20 @@ impl Part {
         Rect::around(low, high, limits)
     }
 
+    /// What is left of a polygon at n · p ≥ d for all planes.
+    pub(super) fn clipped(
+        &mut self,
+        polygon: &[DVec3],
+        planes: impl Iterator<Item = (DVec3, f64)>,
+    ) -> &[DVec3] {
+        self.corners.clear();
+        self.corners.extend_from_slice(polygon);
+        for (normal, distance) in planes {
+            self.cut(normal, distance);
+        }
+        &self.corners
+    }
+
     fn cut(&mut self, normal: DVec3, distance: f64) {
         self.next.clear();
         for (i, &here) in self.corners.iter().enumerate() {

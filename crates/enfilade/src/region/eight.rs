@@ -241,8 +241,8 @@ impl<S: Simd> Bounds<S> {
     #[inline(always)]
     fn nearest_w(&self, simd: S, near: f64, half: &[f64; 2]) -> f64x8<S> {
         let mut nearest_w = greater(self.least[2], f64x8::splat(simd, near));
-        for axis in 0..2 {
-            let beside = greater(self.least[axis], -self.greatest[axis]) / half[axis];
+        for (axis, half) in half.iter().enumerate() {
+            let beside = greater(self.least[axis], -self.greatest[axis]) / *half;
             nearest_w = greater(nearest_w, beside);
         }
         nearest_w

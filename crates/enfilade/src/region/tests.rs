@@ -177,7 +177,7 @@ fn eight_boxes_at_once_are_seen_as_one_by_one_at_every_level() {
             if number == 5 {
                 return Aabb::EMPTY;
             }
-            Aabb::of([somewhere(&mut dice, 8.0), somewhere(&mut dice, 8.0)].into_iter())
+            Aabb::of([somewhere(&mut dice, 8.0), somewhere(&mut dice, 8.0)])
         });
         let count = 1 + round as usize % BOXES;
         let space = passage.screen_from_fragment;

@@ -33,7 +33,7 @@ impl Items {
             let share = dice.roll();
             let w = 0.5 * NEAR * (4.0 * BACKDROP / NEAR).powf(share);
             let corner = |x: u16, y: u16| screen.lens.point([x.into(), y.into()], w);
-            let mut bounds = Aabb::of([corner(rect.x0, rect.y0), corner(rect.x1, rect.y1)].into_iter());
+            let mut bounds = Aabb::of([corner(rect.x0, rect.y0), corner(rect.x1, rect.y1)]);
             bounds.min[2] *= 1.001;
             items.boxes.push(bounds);
             items.squares.push((rect, (1.0 / w) as f32));

@@ -28,14 +28,14 @@ impl Default for Corners {
 }
 
 /// A corner farther than this from the middle is odd, in units: sums and differences of two fit 32 bits.
-const FARTHEST: f64 = (1_u32 << 30) as f64;
+pub(super) const FARTHEST: f64 = (1_u32 << 30) as f64;
 
 /// A corner farther than this along the line of sight, or nearer than its inverse, is odd: what is computed in f32 from
 /// others stays a number.
 pub(super) const DEEPEST: f64 = 1e18;
 
 /// What rounds an f64 to the nearest integer when added, and leaves it in the lower half of the bits.
-const TO_INTEGER: f64 = 1.5 * (1_u64 << 52) as f64;
+pub(super) const TO_INTEGER: f64 = 1.5 * (1_u64 << 52) as f64;
 
 /// Sixteen positions: x of each, y of each, z of each.
 pub(in crate::cover::masked_depth) type Block = [[f32; LANES]; 3];

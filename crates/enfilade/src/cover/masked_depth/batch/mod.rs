@@ -3,12 +3,14 @@
 //! Corners are put on the screen in fixed point ([`corners`]), sixteen triangles at a time are looked at ([`queue`]) and
 //! set up ([`lanes`]), and small ones are covered side by side ([`small`]), wide ones row by row ([`wide`]). All of it is
 //! in numbers of 32 bits, which may be off: wherever that could change a sample, the triangle is named in
-//! [`Batch::uncertain`] and left to the rasteriser of the exact covers, of which no bit differs then.
+//! [`Batch::uncertain`] and left to the rasteriser of the exact covers, of which no bit differs then. What has a corner that
+//! is nowhere on the screen is cut first ([`clip`]).
 //! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016; filters as in Shewchuk,
 //!     Adaptive Precision Floating-Point Arithmetic, 1997.
 //! Cost: O(corners + triangles + tiles).
 //! Conservative: covers the very samples that the exact covers do, and is nowhere nearer than they.
 
+mod clip;
 mod corners;
 mod huge;
 mod lanes;
@@ -21,6 +23,7 @@ use super::grid::Grid;
 use super::rows::Waiting;
 use super::tile::{COLUMNS, ROWS};
 use crate::aperture::Rect;
+use crate::cover::part::Part;
 pub(super) use corners::Block;
 use corners::{Corners, DEEPEST, MOST_CORNERS};
 use fearless_simd::prelude::*;
@@ -30,6 +33,9 @@ use records::Records;
 
 /// Lanes of a kernel, at every level.
 pub(super) const LANES: usize = 16;
+
+/// A screen of more columns or rows reaches to where corners are odd.
+const MOST_SAMPLES: u16 = 12_000;
 
 /// A pixel in units of fixed point.
 const ONE_SHIFT: u32 = 17;
@@ -56,6 +62,8 @@ pub(super) struct Frame {
     columns: [i32; 2],
     rows: [i32; 2],
     tile_columns: u32,
+    /// The near distance and the plane of the last portal, where triangles are cut; `None` where they cannot be.
+    clips: Option<(f64, Option<(DVec3, f64)>)>,
 }
 
 impl Frame {
@@ -77,6 +85,8 @@ impl Frame {
             (middle - middle % align) as i32
         };
         let middle_sample = [middle(x0, x1, COLUMNS), middle(y0, y1, ROWS)];
+        // What is cut off far from the middle must be off the screen.
+        let is_small = (x1 - x0).max(y1 - y0) < MOST_SAMPLES;
         Frame {
             matrix: [
                 row(rows.x_axis, offset.x),
@@ -93,7 +103,14 @@ impl Frame {
             rows: [i32::from(y0) - middle_sample[1], i32::from(y1) - middle_sample[1]],
             middle_sample,
             tile_columns: grid.columns as u32,
+            clips: (is_small && near > 1.0 / DEEPEST).then_some((near, entry)),
         }
+    }
+
+    /// (X, Y, W) of a position, by the same operations as those of sixteen.
+    fn on_screen(&self, position: [f32; 3]) -> DVec3 {
+        let [x, y, z] = position.map(f64::from);
+        DVec3::from(self.matrix.map(|to| x * to[0] + y * to[1] + z * to[2] + to[3]))
     }
 }
 
@@ -104,6 +121,7 @@ pub(super) struct Batch {
     queues: Queues,
     records: Records,
     waiting: Waiting,
+    part: Part,
 }
 
 impl Batch {
@@ -124,6 +142,7 @@ impl Batch {
             queues,
             records,
             waiting,
+            part,
         } = self;
         queues.uncertain.clear();
         if positions.len() * LANES > MOST_CORNERS {
@@ -134,22 +153,31 @@ impl Batch {
         let (groups, rest) = which.as_chunks::<{ 3 * LANES }>();
         let mut last = [first_position; 3 * LANES];
         last[..rest.len()].copy_from_slice(rest);
-        let mut first = 0;
-        let lanes = groups.iter().map(|group| (group, LANES));
-        for (group, lanes) in lanes.chain([(&last, rest.len() / 3)]) {
-            let group = Group {
-                corners: group,
-                first_position,
-                first,
-                lanes,
-            };
-            queues.let_in(simd, frame, corners, &group);
-            first += lanes as u32;
-            if queues.small.is_full() || queues.wide.is_full() {
-                work_off(simd, frame, queues, records, waiting, grid, LANES);
+        let count = which.len().div_ceil(3 * LANES);
+        let mut next = 0;
+        loop {
+            if next < count && queues.clipped.count < LANES {
+                let group = Group {
+                    corners: groups.get(next).unwrap_or(&last),
+                    first_position,
+                    first: (next * LANES) as u32,
+                    lanes: (which.len() / 3 - next * LANES).min(LANES),
+                };
+                let odd = queues.let_in(simd, frame, corners, &group);
+                queues.clip(frame, positions, &group, odd, part);
+                next += 1;
+            } else {
+                queues.let_in_clipped(simd, frame);
+            }
+            let done = next == count && queues.clipped.count == 0;
+            if done || queues.small.is_full() || queues.wide.is_full() {
+                let least = if done { 1 } else { LANES };
+                work_off(simd, frame, queues, records, waiting, grid, least);
+            }
+            if done {
+                return;
             }
         }
-        work_off(simd, frame, queues, records, waiting, grid, 1);
     }
 
     /// Numbers of the triangles that were left out because they are not certain, and where their runs may wait.
@@ -173,6 +201,7 @@ fn work_off<S: Simd>(
         small,
         wide,
         uncertain,
+        ..
     } = queues;
     let mut from = 0;
     while wide.count >= from + least {

@@ -7,8 +7,10 @@
 //! Cost: O(triangles).
 //! Exact: what is not certain within a unit of fixed point goes to f64.
 
-use super::corners::{Corners, MOST_CORNERS};
+use super::clip::clip;
+use super::corners::{Block, Corners, MOST_CORNERS};
 use super::{Frame, HALF, LANES, ONE, ONE_SHIFT};
+use crate::cover::part::Part;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16, u32x4, u32x16};
 
@@ -38,6 +40,22 @@ impl Queue {
     #[inline(always)]
     pub(super) fn is_full(&self) -> bool {
         self.count + LANES > MOST
+    }
+
+    /// How many there is room for.
+    pub(super) fn room(&self) -> usize {
+        MOST + LANES - self.count
+    }
+
+    /// Lets one triangle wait: column, row and nearness of its corners.
+    pub(super) fn push_one(&mut self, corners: [[u32; 3]; 3], number: u32) {
+        for (corner, fields) in corners.into_iter().enumerate() {
+            for (kind, field) in fields.into_iter().enumerate() {
+                self.fields[3 * kind + corner][self.count] = field;
+            }
+        }
+        self.fields[FIELDS - 1][self.count] = number;
+        self.count += 1;
     }
 
     #[inline(always)]
@@ -130,6 +148,8 @@ pub(super) struct Queues {
     /// Up to 31 columns and 32 rows, counted from the sub-tile they begin in.
     pub(super) small: Queue,
     pub(super) wide: Queue,
+    /// What is left of triangles that were cut, to be let in.
+    pub(super) clipped: Queue,
     /// Numbers of triangles that are not certain.
     pub(super) uncertain: Vec<u32>,
 }
@@ -138,21 +158,77 @@ pub(super) struct Queues {
 const SMALL: i32 = 31;
 
 impl Queues {
-    /// Lets in triangles.
+    /// Lets in triangles; gives a bit for each of which a corner is odd.
     #[inline(always)]
-    pub(super) fn let_in<S: Simd>(&mut self, simd: S, frame: &Frame, corners: &Corners, group: &Group) {
-        let &Group { first, lanes, .. } = group;
+    pub(super) fn let_in<S: Simd>(
+        &mut self,
+        simd: S,
+        frame: &Frame,
+        corners: &Corners,
+        group: &Group,
+    ) -> u64 {
         let a = group.gather(simd, corners, 0);
         let b = group.gather(simd, corners, 1);
         let c = group.gather(simd, corners, 2);
         let within = (a[3] & b[3] & c[3]).simd_eq(u32x16::splat(simd, 0));
-        let there: mask32x16<S> = mask32x16::from_bitmask(simd, (1_u64 << lanes) - 1) & within;
+        let there: mask32x16<S> = mask32x16::from_bitmask(simd, (1_u64 << group.lanes) - 1) & within;
         let zero = f32x16::splat(simd, 0.0);
         let nearness: [f32x16<S>; 3] = [a[2].bitcast(), b[2].bitcast(), c[2].bitcast()];
         let sound = nearness[0].min(nearness[1]).min(nearness[2]).simd_gt(zero) & there;
-        let x: [i32x16<S>; 3] = [a[0].bitcast(), b[0].bitcast(), c[0].bitcast()];
-        let y: [i32x16<S>; 3] = [a[1].bitcast(), b[1].bitcast(), c[1].bitcast()];
+        let number = u32x16::from_slice(simd, &COUNT) + group.first;
+        let fields = [a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2], number];
+        self.sort_in(simd, frame, &fields, sound);
+        (there & !sound).to_bitmask()
+    }
 
+    /// Cuts the triangles of a group that have an odd corner.
+    pub(super) fn clip(
+        &mut self,
+        frame: &Frame,
+        positions: &[Block],
+        group: &Group,
+        mut odd: u64,
+        part: &mut Part,
+    ) {
+        while odd != 0 {
+            let lane = odd.trailing_zeros();
+            odd &= odd - 1;
+            let at = [0, 1, 2].map(|corner| {
+                let corner = group.corners[3 * lane as usize + corner] - group.first_position;
+                positions[corner as usize / LANES].map(|axis| axis[corner as usize % LANES])
+            });
+            let number = group.first + lane;
+            if !clip(frame, at, number, part, &mut self.clipped) {
+                self.uncertain.push(number);
+            }
+        }
+    }
+
+    /// Lets in up to sixteen of what is left of those that were cut.
+    #[inline(always)]
+    pub(super) fn let_in_clipped<S: Simd>(&mut self, simd: S, frame: &Frame) {
+        let lanes = self.clipped.count.min(LANES);
+        let from = (self.clipped.count - lanes).min(MOST);
+        let mut fields = [u32x16::splat(simd, 0); FIELDS];
+        for (field, kept) in fields.iter_mut().zip(&self.clipped.fields) {
+            *field = u32x16::from_slice(simd, &kept[from..from + LANES]);
+        }
+        let there = mask32x16::from_bitmask(simd, (1_u64 << lanes) - 1);
+        self.sort_in(simd, frame, &fields, there);
+        self.clipped.count = from;
+    }
+
+    /// Lets those in that are worth setting up.
+    #[inline(always)]
+    fn sort_in<S: Simd>(
+        &mut self,
+        simd: S,
+        frame: &Frame,
+        fields: &[u32x16<S>; FIELDS],
+        sound: mask32x16<S>,
+    ) {
+        let x: [i32x16<S>; 3] = [fields[0].bitcast(), fields[1].bitcast(), fields[2].bitcast()];
+        let y: [i32x16<S>; 3] = [fields[3].bitcast(), fields[4].bitcast(), fields[5].bitcast()];
         let columns = Samples::between(simd, &x, frame.columns);
         let rows = Samples::between(simd, &y, frame.rows);
         let any = columns.end.simd_gt(columns.first) & rows.end.simd_gt(rows.first);
@@ -166,27 +242,27 @@ impl Queues {
             + (dx1.abs() + dx2.abs() + dy1.abs() + dy2.abs()) * 4.0
             + 16.0;
         let certain = area.abs().simd_gt(slack);
-        let turned = (area * frame.front).simd_lt(zero);
+        let turned = (area * frame.front).simd_lt(f32x16::splat(simd, 0.0));
         let seen = sound & any & !(certain & turned);
         let sure = seen & certain;
-        let unsure = (there & !sound) | (seen & !sure);
         let small = sure
             & (columns.end - (columns.first & !7)).simd_le(SMALL)
             & (rows.end - (rows.first & !3)).simd_le(SMALL);
         let wide = sure & !small;
-
-        let number = u32x16::from_slice(simd, &COUNT) + first;
-        let fields = [a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2], number];
         if small.any_true() {
-            self.small.push(small, &fields);
+            self.small.push(small, fields);
         }
         if wide.any_true() {
-            self.wide.push(wide, &fields);
+            self.wide.push(wide, fields);
         }
-        let mut left = unsure.to_bitmask();
-        while left != 0 {
-            self.uncertain.push(first + left.trailing_zeros());
-            left &= left - 1;
+        let mut left = (seen & !sure).to_bitmask();
+        if left != 0 {
+            let numbers = fields[FIELDS - 1].to_array();
+            while left != 0 {
+                self.uncertain
+                    .push(numbers[left.trailing_zeros() as usize % LANES]);
+                left &= left - 1;
+            }
         }
     }
 }

@@ -155,11 +155,7 @@ fn boxes_asked_about_together_are_seen_where_their_rectangles_are() {
                 let at = eye + dice.unit() * dice.by_ratio(4.0, 60.0);
                 let size = dice.by_ratio(0.01, 4.0);
                 let corners = [at, at + size * dice.unit()];
-                Aabb::of(
-                    corners
-                        .map(|corner| corner.to_array().map(|value| value as f32))
-                        .into_iter(),
-                )
+                Aabb::of(corners.map(|corner| corner.to_array().map(|value| value as f32)))
             })
             .collect();
         cover.sees_boxes(&passage, &boxes, &mut seen);

@@ -46,7 +46,10 @@ impl Part {
         self.corners.clear();
         self.corners.extend_from_slice(polygon);
         for (normal, distance) in planes {
-            self.cut(normal, distance);
+            // Most planes cut nothing off.
+            if !self.corners.iter().all(|corner| normal.dot(*corner) >= distance) {
+                self.cut(normal, distance);
+            }
         }
         &self.corners
     }

@@ -70,11 +70,7 @@ impl Queue {
     /// Sixteen from a place on.
     #[inline(always)]
     pub(super) fn sixteen<S: Simd>(&self, simd: S, from: usize) -> Sixteen<S> {
-        let from = from.min(MOST);
-        let mut fields = [u32x16::splat(simd, 0); FIELDS];
-        for (field, kept) in fields.iter_mut().zip(&self.fields) {
-            *field = u32x16::from_slice(simd, &kept[from..from + LANES]);
-        }
+        let fields = self.fields(simd, from);
         let lanes = (self.count - from).min(LANES);
         Sixteen {
             x: [fields[0].bitcast(), fields[1].bitcast(), fields[2].bitcast()],
@@ -83,6 +79,17 @@ impl Queue {
             number: fields[9],
             lanes,
         }
+    }
+
+    /// What is kept of sixteen from a place on.
+    #[inline(always)]
+    fn fields<S: Simd>(&self, simd: S, from: usize) -> [u32x16<S>; FIELDS] {
+        let from = from.min(MOST);
+        let mut fields = [u32x16::splat(simd, 0); FIELDS];
+        for (field, kept) in fields.iter_mut().zip(&self.fields) {
+            *field = u32x16::from_slice(simd, &kept[from..from + LANES]);
+        }
+        fields
     }
 
     /// Keeps only those from a place on.
@@ -208,11 +215,8 @@ impl Queues {
     #[inline(always)]
     pub(super) fn let_in_clipped<S: Simd>(&mut self, simd: S, frame: &Frame) {
         let lanes = self.clipped.count.min(LANES);
-        let from = (self.clipped.count - lanes).min(MOST);
-        let mut fields = [u32x16::splat(simd, 0); FIELDS];
-        for (field, kept) in fields.iter_mut().zip(&self.clipped.fields) {
-            *field = u32x16::from_slice(simd, &kept[from..from + LANES]);
-        }
+        let from = self.clipped.count - lanes;
+        let fields = self.clipped.fields(simd, from);
         let there = mask32x16::from_bitmask(simd, (1_u64 << lanes) - 1);
         self.sort_in(simd, frame, &fields, there);
         self.clipped.count = from;

@@ -25,7 +25,7 @@ const SIZE: [u32; 2] = [1280, 720];
 const PATHS: [Path; 3] = [
     Path {
         scene: "enfilade",
-        cameras: &[("enfilade", 2_066), ("rotunda", 2_090), ("gallery", 5_240)],
+        cameras: &[("enfilade", 2_006), ("rotunda", 2_090), ("gallery", 4486)],
         draws: true,
     },
     Path {

@@ -2,7 +2,7 @@
 
 mod eight;
 
-pub(crate) use eight::{BOXES, Eight};
+pub(crate) use eight::{BOXES, EightBoxes};
 
 use crate::aperture::Rect;
 use crate::geom::Aabb;

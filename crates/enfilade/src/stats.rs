@@ -10,11 +10,12 @@ pub struct Stats {
     pub boxes_hidden: u64,
     /// Batches of faces that covers took.
     pub batches: u64,
-    /// Triangles set up, after those that hold no sample or face away were left out.
+    /// Triangles set up, after those that hold no sample or face away were left out; of the masked cover all that it took.
     pub triangles: u64,
     /// Triangles hidden as a whole, before any of their samples was touched.
     pub triangles_hidden: u64,
-    /// Samples that the other triangles cover, each triangle's counted.
+    /// Samples that the other triangles cover, each triangle's counted; of the masked cover those of chosen occluders, and of
+    /// triangles that its kernels leave to f64.
     pub samples: u64,
     /// Clusters that were seen first because the last look saw them.
     pub clusters_primed: u64,

@@ -12,7 +12,7 @@ use crate::content::{Content, ItemId};
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::passage::Passage;
-use crate::region::{BOXES, Eight, Region, Sight};
+use crate::region::{BOXES, EightBoxes, Region, Sight};
 use glam::DAffine3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -222,7 +222,7 @@ impl Queue {
                 0 => return,
                 1 => self.push(passage, screen_from_local, &boxes[0], whats[0]),
                 _ => {
-                    let eight = Eight::of(passage, screen_from_local, &boxes[..count]);
+                    let eight = EightBoxes::of(passage, screen_from_local, &boxes[..count]);
                     for (lane, what) in whats[..count].iter().enumerate() {
                         if let Some(region) = eight.region(lane) {
                             self.push_region(region, *what);

@@ -18,7 +18,7 @@ pub(crate) const BOXES: usize = 8;
 
 /// Up to eight boxes.
 #[derive(Default)]
-pub(crate) struct Eight {
+pub(crate) struct EightBoxes {
     /// x, y and w of the origin, then of each side.
     volumes: [[[f64; BOXES]; 3]; 4],
     /// First columns, first rows; columns and rows after the last.
@@ -29,10 +29,10 @@ pub(crate) struct Eight {
     outside: u64,
 }
 
-impl Eight {
+impl EightBoxes {
     /// Boxes given in another space; those after the eighth are left out.
     #[inline(always)]
-    pub(crate) fn of(passage: &Passage, screen_from_local: &DAffine3, boxes: &[Aabb]) -> Eight {
+    pub(crate) fn of(passage: &Passage, screen_from_local: &DAffine3, boxes: &[Aabb]) -> EightBoxes {
         let mut corners = [[f32::NAN; 2 * BOXES]; 3];
         for (lane, bounds) in boxes.iter().take(BOXES).enumerate() {
             for (axis, corner) in corners.iter_mut().enumerate() {
@@ -40,7 +40,7 @@ impl Eight {
                 corner[BOXES + lane] = bounds.max[axis];
             }
         }
-        let mut eight = Eight::default();
+        let mut eight = EightBoxes::default();
         dispatch!(passage.level, simd => eight.see(simd, passage, screen_from_local, &corners));
         eight
     }

@@ -184,7 +184,7 @@ fn eight_boxes_at_once_are_seen_as_one_by_one_at_every_level() {
         let expected = boxes.map(|bounds| Region::of(&passage, &space, &bounds));
         for level in levels() {
             passage.level = level;
-            let eight = Eight::of(&passage, &space, &boxes[..count]);
+            let eight = EightBoxes::of(&passage, &space, &boxes[..count]);
             let known: [Option<Region>; BOXES] = std::array::from_fn(|lane| eight.region(lane));
             assert_eq!(known[..count], expected[..count], "{boxes:?}");
             assert!(known[count..].iter().all(Option::is_none));

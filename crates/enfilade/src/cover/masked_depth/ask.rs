@@ -11,7 +11,7 @@ use crate::cover::band::{BAND, Band};
 use crate::cover::part::greater;
 use crate::geom::Aabb;
 use crate::passage::Passage;
-use crate::region::{BOXES, Eight, Region, Volume};
+use crate::region::{BOXES, EightBoxes, Region, Volume};
 use fearless_simd::dispatch;
 use fearless_simd::prelude::*;
 
@@ -42,7 +42,7 @@ impl MaskedDepth {
     #[inline(always)]
     fn see_boxes<S: Simd>(&self, _simd: S, passage: &Passage, boxes: &[Aabb], seen: &mut [bool]) {
         for (boxes, seen) in boxes.chunks(BOXES).zip(seen.chunks_mut(BOXES)) {
-            let eight = Eight::of(passage, &passage.screen_from_fragment, boxes);
+            let eight = EightBoxes::of(passage, &passage.screen_from_fragment, boxes);
             for (lane, seen) in seen.iter_mut().enumerate() {
                 let (rect, nearest) = eight.rect(lane);
                 *seen = self.grid.shows(&rect, nearest);
@@ -93,33 +93,24 @@ impl Grid {
     fn plainly_shows(&self, rect: &Rect, volume: &Volume) -> bool {
         /// Fewer columns or rows may have no sample that the box is at.
         const FEW: u16 = 4;
-        let [x, y, z] = volume.sides;
-        let middle = volume.origin + 0.5 * (x + y + z);
-        let farthest = volume.origin.z + greater(x.z, 0.0) + greater(y.z, 0.0) + greater(z.z, 0.0);
-        let [x, y] = [middle.x / middle.z, middle.y / middle.z];
-        let within = |low: u16, value: f64, high: u16| f64::from(low) <= value && value < f64::from(high);
-        if rect.x1 - rect.x0 < FEW
-            || rect.y1 - rect.y0 < FEW
-            || !(within(rect.x0, x, rect.x1) && within(rect.y0, y, rect.y1))
-        {
+        if rect.x1 - rect.x0 < FEW || rect.y1 - rect.y0 < FEW {
             return false;
         }
-        f64::from(self.known(x as usize, y as usize)) * farthest < 1.0
+        let Some([x, y]) = sample_at_middle(rect, volume) else {
+            return false;
+        };
+        let [a, b, c] = volume.sides.map(|side| side.z);
+        let farthest = volume.origin.z + greater(a, 0.0) + greater(b, 0.0) + greater(c, 0.0);
+        f64::from(self.known(x, y)) * farthest < 1.0
     }
 
     /// May the sample at the middle of a box show it? Of boxes that are seen most are by it, and need no more asking.
     #[inline(always)]
     fn shows_middle(&self, rect: &Rect, outline: &Outline, volume: &Volume) -> bool {
-        let [x, y, z] = volume.sides;
-        let middle = volume.origin + 0.5 * (x + y + z);
-        let [x, y] = [middle.x / middle.z, middle.y / middle.z];
-        let within = |low: u16, value: f64, high: u16| f64::from(low) <= value && value < f64::from(high);
-        if !(within(rect.x0, x, rect.x1) && within(rect.y0, y, rect.y1)) {
+        let Some([x, y]) = sample_at_middle(rect, volume) else {
             return false;
-        }
-        let [x, y] = [x as usize, y as usize];
-        let known = self.known(x, y);
-        outline.nearness_at([x as f64 + 0.5, y as f64 + 0.5]) >= f64::from(known)
+        };
+        outline.nearness_at([x as f64 + 0.5, y as f64 + 0.5]) >= f64::from(self.known(x, y))
     }
 
     /// The first row of tiles in which a sample of `rect` may show something as near as `nearest`.
@@ -199,4 +190,14 @@ impl Grid {
         }
         false
     }
+}
+
+/// The sample of `rect` at which the middle of a box is.
+#[inline(always)]
+fn sample_at_middle(rect: &Rect, volume: &Volume) -> Option<[usize; 2]> {
+    let [x, y, z] = volume.sides;
+    let middle = volume.origin + 0.5 * (x + y + z);
+    let [x, y] = [middle.x / middle.z, middle.y / middle.z];
+    let within = |low: u16, value: f64, high: u16| f64::from(low) <= value && value < f64::from(high);
+    (within(rect.x0, x, rect.x1) && within(rect.y0, y, rect.y1)).then_some([x as usize, y as usize])
 }

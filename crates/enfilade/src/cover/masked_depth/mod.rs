@@ -190,6 +190,8 @@ impl MaskedDepth {
         if uncertain.is_empty() {
             return;
         }
+        // They are of a batch that is counted already.
+        let mut alone = Stats::default();
         for &number in uncertain {
             let at = 3 * number as usize;
             let three = [at, at + 1, at + 2].map(|at| {
@@ -207,8 +209,10 @@ impl MaskedDepth {
                 neighbours: &[],
                 ..*faces
             };
-            raster.run(&one, passage, &mut OneByOne::new(grid, waiting), stats);
+            raster.run(&one, passage, &mut OneByOne::new(grid, waiting), &mut alone);
         }
+        stats.triangles_hidden += alone.triangles_hidden;
+        stats.samples += alone.samples;
         dispatch!(*level, simd => waiting.cover(simd, grid));
     }
 }

@@ -54,8 +54,8 @@ fn place_sixteen<S: Simd>(simd: S, frame: &Frame, at: &Block, placed: &mut [Corn
     let (ys, ys_above) = f32x16::from_slice(simd, &at[1]).widen();
     let (zs, zs_above) = f32x16::from_slice(simd, &at[2]).widen();
     let eight = [
-        Eight::new(frame, [xs, ys, zs]),
-        Eight::new(frame, [xs_above, ys_above, zs_above]),
+        OnScreen::new(frame, [xs, ys, zs]),
+        OnScreen::new(frame, [xs_above, ys_above, zs_above]),
     ];
     let [below, above] = [eight[0].place(simd, frame), eight[1].place(simd, frame)];
     // The lower half of each.
@@ -83,17 +83,17 @@ fn place_sixteen<S: Simd>(simd: S, frame: &Frame, at: &Block, placed: &mut [Corn
 }
 
 /// (X, Y, W) of eight corners.
-struct Eight<S: Simd> {
+struct OnScreen<S: Simd> {
     x: f64x8<S>,
     y: f64x8<S>,
     w: f64x8<S>,
 }
 
-impl<S: Simd> Eight<S> {
+impl<S: Simd> OnScreen<S> {
     #[inline(always)]
-    fn new(frame: &Frame, [x, y, z]: [f64x8<S>; 3]) -> Eight<S> {
+    fn new(frame: &Frame, [x, y, z]: [f64x8<S>; 3]) -> OnScreen<S> {
         let [to_x, to_y, to_w] = &frame.matrix;
-        Eight {
+        OnScreen {
             x: x * to_x[0] + y * to_x[1] + z * to_x[2] + to_x[3],
             y: x * to_y[0] + y * to_y[1] + z * to_y[2] + to_y[3],
             w: x * to_w[0] + y * to_w[1] + z * to_w[2] + to_w[3],
@@ -103,7 +103,7 @@ impl<S: Simd> Eight<S> {
     /// Column and row with [`TO_INTEGER`] added, and nearness; 0 where odd.
     #[inline(always)]
     fn place(&self, simd: S, frame: &Frame) -> [f64x8<S>; 3] {
-        let Eight { x, y, w } = *self;
+        let OnScreen { x, y, w } = *self;
         let zero = f64x8::splat(simd, 0.0);
         let nearness = f64x8::splat(simd, 1.0) / w;
         let column = (x * nearness - frame.middle[0]) * ONE as f64;
@@ -129,7 +129,7 @@ impl<S: Simd> Eight<S> {
     fn outside(&self, simd: S, frame: &Frame) -> u32x16<S> {
         /// What f64 rounds, and ample: samples are half a pixel within.
         const ROUNDING: f64 = 1.0 / (1_u64 << 40) as f64;
-        let Eight { x, y, w } = *self;
+        let OnScreen { x, y, w } = *self;
         let mut sides = f64x8::splat(simd, TO_INTEGER);
         for (axis, at) in [x, y].into_iter().enumerate() {
             let [low, high] = [w * frame.limits[axis][0], w * frame.limits[axis][1]];

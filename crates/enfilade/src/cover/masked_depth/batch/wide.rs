@@ -141,26 +141,25 @@ fn draw_one<S: Simd>(
             // All of it anew, or what is there already would be cut off from the rest.
             uncertain.push(stored.number[lane]);
             return;
-        } else {
-            let [start, stop] = [start[0].to_int::<i32x16<S>>(), stop[0].to_int::<i32x16<S>>()];
-            let there = inside & start.simd_lt(stop);
-            let none = i32x16::splat(simd, 0);
-            let starts = there.select(start + left_of, none);
-            let stops = there.select(stop + left_of, none);
-            let (starts, stops) = (starts.to_array(), stops.to_array());
-            // Along each side of a convex face the rows that reach least far in are the first and the last.
-            let whole = if there.all_true() {
-                [starts[0].max(starts[LANES - 1]), stops[0].min(stops[LANES - 1])]
-            } else {
-                [0; 2]
-            };
-            waiting.push(
-                ((above + row) / ROWS as i32) as usize,
-                [starts, stops],
-                whole,
-                &slopes,
-            );
         }
+        let [start, stop] = [start[0].to_int::<i32x16<S>>(), stop[0].to_int::<i32x16<S>>()];
+        let there = inside & start.simd_lt(stop);
+        let none = i32x16::splat(simd, 0);
+        let starts = there.select(start + left_of, none);
+        let stops = there.select(stop + left_of, none);
+        let (starts, stops) = (starts.to_array(), stops.to_array());
+        // Along each side of a convex face the rows that reach least far in are the first and the last.
+        let whole = if there.all_true() {
+            [starts[0].max(starts[LANES - 1]), stops[0].min(stops[LANES - 1])]
+        } else {
+            [0; 2]
+        };
+        waiting.push(
+            ((above + row) / ROWS as i32) as usize,
+            [starts, stops],
+            whole,
+            &slopes,
+        );
         row += LANES as i32;
     }
 }

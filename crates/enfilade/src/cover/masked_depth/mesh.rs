@@ -1,39 +1,43 @@
 //! Whole meshes of occluders, as compact arrays.
 //!
 //! Faces keep the order that they come in, the largest or the nearest first, and are cut into parts of few corners, so that
-//! what is known of a part's corners stays in the first cache. Positions stand sixteen by sixteen, each axis by itself.
+//! what is known of a part's corners stays in the first cache. Positions stand sixteen by sixteen, each axis by itself. Of
+//! triangles, two that follow each other and make a flat convex quad are merged to one.
 //! Source: the order as in Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 4.
 //! Cost: O(faces).
 //! Conservative: as [`super::batch`].
 
-use super::MaskedDepth;
-use super::batch::{Block, LANES};
+use super::batch::{Block, LANES, Shapes};
+use super::{MaskedDepth, Room};
 use crate::faces::Faces;
 use crate::passage::Passage;
 use crate::stats::Stats;
 use fearless_simd::prelude::*;
-use fearless_simd::{dispatch, f32x16};
+use fearless_simd::{dispatch, f32x16, mask32x16};
 use glam::DVec3;
 use std::collections::HashMap;
-use std::ops::Range;
 
 /// Triangles or flat convex quads that hide what is behind them, seen from their front alone.
 #[derive(Clone, Debug, Default)]
 pub struct OccluderMesh {
-    blocks: Vec<Block>,
-    /// Corners of triangles, as places among the positions of their part.
-    corners: Vec<u32>,
-    /// Of each triangle, sixteen by sixteen: n and d of its plane, n · p + d above zero before it.
-    planes: Vec<[[f32; LANES]; 4]>,
     parts: Vec<Part>,
 }
 
-/// A run of triangles that share their corners with no other part.
-#[derive(Clone, Debug)]
+/// A run of faces that share their corners with no other part.
+#[derive(Clone, Debug, Default)]
 struct Part {
-    blocks: Range<usize>,
-    corners: Range<usize>,
-    planes: Range<usize>,
+    blocks: Vec<Block>,
+    quads: Sided<4, 2>,
+    triangles: Sided<3, 1>,
+}
+
+/// Faces of so many sides, and triangles that each consists of.
+#[derive(Clone, Debug, Default)]
+struct Sided<const SIDES: usize, const HALVES: usize> {
+    /// Corners, as places among the positions of the part.
+    faces: Vec<[u32; SIDES]>,
+    /// Of sixteen faces: n and d of the planes of their triangles, n · p + d above zero before them.
+    planes: Vec<[[[f32; LANES]; 4]; HALVES]>,
 }
 
 /// The most corners of a part: 8 kB of them on the screen.
@@ -43,72 +47,177 @@ impl OccluderMesh {
     /// Triangles, as three indices into `positions` each, counter-clockwise seen from their front. One with a corner that
     /// is no number, or is not there, hides nothing.
     pub fn triangles(positions: &[[f32; 3]], corners: &[u32]) -> OccluderMesh {
-        OccluderMesh::new(positions, corners, 3)
+        let mut building = Building::new(positions);
+        let triangles = corners.as_chunks().0;
+        let mut next = 0;
+        while let Some(&one) = triangles.get(next) {
+            let merged = triangles
+                .get(next + 1)
+                .and_then(|&other| merged(positions, one, other));
+            match merged {
+                Some(quad) => building.add_quad(quad),
+                None => building.add_triangle(one),
+            }
+            next += if merged.is_some() { 2 } else { 1 };
+        }
+        building.finish()
     }
 
     /// Flat convex quads, four indices each; else as [`OccluderMesh::triangles`].
     pub fn quads(positions: &[[f32; 3]], corners: &[u32]) -> OccluderMesh {
-        OccluderMesh::new(positions, corners, 4)
-    }
-
-    fn new(positions: &[[f32; 3]], corners: &[u32], sides: usize) -> OccluderMesh {
-        let mut mesh = OccluderMesh::default();
-        let mut places = HashMap::new();
-        let mut used = Vec::new();
-        let mut first_corner = 0;
-        for face in corners.chunks_exact(sides) {
-            if used.len() + sides > MOST_CORNERS {
-                mesh.close_part(&used, first_corner);
-                first_corner = mesh.corners.len();
-                used.clear();
-                places.clear();
-            }
-            let mut at = [0; 4];
-            for (at, &corner) in at.iter_mut().zip(face) {
-                *at = *places.entry(corner).or_insert_with(|| {
-                    let position = positions.get(corner as usize).copied();
-                    used.push(position.unwrap_or([f32::NAN; 3]));
-                    used.len() as u32 - 1
-                });
-            }
-            for last in 2..sides {
-                mesh.corners.extend([at[0], at[last - 1], at[last]]);
-            }
+        let mut building = Building::new(positions);
+        for quad in corners.as_chunks::<4>().0 {
+            building.add_quad(*quad);
         }
-        mesh.close_part(&used, first_corner);
-        mesh
-    }
-
-    fn close_part(&mut self, positions: &[[f32; 3]], first_corner: usize) {
-        let first_block = self.blocks.len();
-        self.blocks.extend(positions.chunks(LANES).map(block));
-        let corners = first_corner..self.corners.len();
-        let first_plane = self.planes.len();
-        for faces in self.corners[corners.clone()].chunks(3 * LANES) {
-            let mut planes = [[0.0; LANES]; 4];
-            for (lane, face) in faces.as_chunks::<3>().0.iter().enumerate() {
-                let [a, b, c] = face.map(|corner| DVec3::from(positions[corner as usize].map(f64::from)));
-                let normal = (b - a).cross(c - a).normalize_or_zero();
-                let plane = [normal.x, normal.y, normal.z, -normal.dot(a)];
-                for (axis, value) in plane.into_iter().enumerate() {
-                    planes[axis][lane] = value as f32;
-                }
-            }
-            self.planes.push(planes);
-        }
-        self.parts.push(Part {
-            blocks: first_block..self.blocks.len(),
-            corners,
-            planes: first_plane..self.planes.len(),
-        });
+        building.finish()
     }
 
     /// Memory in bytes.
     pub fn bytes(&self) -> u64 {
-        (size_of_val(&*self.blocks)
-            + size_of_val(&*self.corners)
-            + size_of_val(&*self.planes)
-            + size_of_val(&*self.parts)) as u64
+        let parts = self.parts.iter().map(|part| {
+            size_of_val(part)
+                + size_of_val(&*part.blocks)
+                + size_of_val(&*part.quads.faces)
+                + size_of_val(&*part.quads.planes)
+                + size_of_val(&*part.triangles.faces)
+                + size_of_val(&*part.triangles.planes)
+        });
+        parts.sum::<usize>() as u64
+    }
+}
+
+/// Two triangles as one quad, of which they are the halves, if they share an edge and it is flat and convex.
+pub(super) fn merged(positions: &[[f32; 3]], one: [u32; 3], other: [u32; 3]) -> Option<[u32; 4]> {
+    /// A quad is so flat, by its size: what is nearer behind it is not hidden.
+    const FLAT: f64 = 1e-4;
+    let turns = |[a, b, c]: [u32; 3]| [[a, b, c], [b, c, a], [c, a, b]];
+    let (one, other) = turns(one)
+        .into_iter()
+        .flat_map(|one| turns(other).map(|other| (one, other)))
+        .find(|(one, other)| one[0] == other[0] && one[2] == other[1])?;
+    let quad = [one[0], one[1], one[2], other[2]];
+    let mut at = [DVec3::ZERO; 4];
+    for (at, corner) in at.iter_mut().zip(quad) {
+        *at = DVec3::from(positions.get(corner as usize)?.map(f64::from));
+    }
+    let [a, b, c, d] = at;
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    let is_flat = normal.dot(d - a).abs() <= FLAT * (c - a).length();
+    let is_convex = [[d, a, b], [a, b, c], [b, c, d], [c, d, a]]
+        .iter()
+        .all(|[before, here, after]| (here - before).cross(after - here).dot(normal) > 0.0);
+    (is_flat && is_convex).then_some(quad)
+}
+
+/// A mesh in the making.
+struct Building<'a> {
+    positions: &'a [[f32; 3]],
+    parts: Vec<Part>,
+    /// The part at hand, the places of its corners, and what is there.
+    part: Part,
+    places: HashMap<u32, u32>,
+    used: Vec<[f32; 3]>,
+}
+
+impl<'a> Building<'a> {
+    fn new(positions: &'a [[f32; 3]]) -> Building<'a> {
+        Building {
+            positions,
+            parts: Vec::new(),
+            part: Part::default(),
+            places: HashMap::new(),
+            used: Vec::new(),
+        }
+    }
+
+    fn add_triangle(&mut self, corners: [u32; 3]) {
+        let face = self.place(corners);
+        self.part.triangles.faces.push(face);
+    }
+
+    fn add_quad(&mut self, corners: [u32; 4]) {
+        let face = self.place(corners);
+        self.part.quads.faces.push(face);
+    }
+
+    /// The places of corners among those of the part at hand, which is another one where it would have too many.
+    fn place<const SIDES: usize>(&mut self, corners: [u32; SIDES]) -> [u32; SIDES] {
+        if self.used.len() + SIDES > MOST_CORNERS {
+            self.close_part();
+        }
+        corners.map(|corner| {
+            *self.places.entry(corner).or_insert_with(|| {
+                let position = self.positions.get(corner as usize).copied();
+                self.used.push(position.unwrap_or([f32::NAN; 3]));
+                self.used.len() as u32 - 1
+            })
+        })
+    }
+
+    fn close_part(&mut self) {
+        let mut part = std::mem::take(&mut self.part);
+        part.blocks.extend(self.used.chunks(LANES).map(block));
+        part.quads.find_planes(&self.used);
+        part.triangles.find_planes(&self.used);
+        self.parts.push(part);
+        self.used.clear();
+        self.places.clear();
+    }
+
+    fn finish(mut self) -> OccluderMesh {
+        self.close_part();
+        OccluderMesh { parts: self.parts }
+    }
+}
+
+impl<const SIDES: usize, const HALVES: usize> Sided<SIDES, HALVES> {
+    fn find_planes(&mut self, positions: &[[f32; 3]]) {
+        for faces in self.faces.chunks(LANES) {
+            let mut planes = [[[0.0; LANES]; 4]; HALVES];
+            for (lane, face) in faces.iter().enumerate() {
+                let at = face.map(|corner| DVec3::from(positions[corner as usize].map(f64::from)));
+                for (half, planes) in planes.iter_mut().enumerate() {
+                    let normal = (at[half + 1] - at[0])
+                        .cross(at[half + 2] - at[0])
+                        .normalize_or_zero();
+                    let plane = [normal.x, normal.y, normal.z, -normal.dot(at[0])];
+                    for (axis, value) in plane.into_iter().enumerate() {
+                        planes[axis][lane] = value as f32;
+                    }
+                }
+            }
+            self.planes.push(planes);
+        }
+    }
+
+    /// Keeps the faces that the eye is not surely behind.
+    #[inline(always)]
+    fn keep_facing<S: Simd>(&self, simd: S, eye: [f32; 3], facing: &mut Vec<[u32; SIDES]>) {
+        /// What rounding may come to, relatively, and ample.
+        const ROUNDING: f32 = 1.0 / (1_u32 << 20) as f32;
+        facing.clear();
+        for (halves, faces) in self.planes.iter().zip(self.faces.chunks(LANES)) {
+            let mut behind = mask32x16::splat(simd, true);
+            for [a, b, c, d] in halves {
+                let a = f32x16::from_slice(simd, a) * eye[0];
+                let b = f32x16::from_slice(simd, b) * eye[1];
+                let c = f32x16::from_slice(simd, c) * eye[2];
+                let d = f32x16::from_slice(simd, d);
+                let slack = (a.abs() + b.abs() + c.abs() + d.abs()) * ROUNDING;
+                // Also of those of which nothing can be said.
+                behind &= (a + b + c + d).simd_lt(-slack);
+            }
+            let kept = !behind.to_bitmask() & ((1 << faces.len()) - 1);
+            if kept == (1 << LANES) - 1 {
+                facing.extend_from_slice(faces);
+                continue;
+            }
+            let mut left = kept;
+            while left != 0 {
+                facing.push(faces[left.trailing_zeros() as usize]);
+                left &= left - 1;
+            }
+        }
     }
 }
 
@@ -126,59 +235,26 @@ pub(super) fn block(positions: &[[f32; 3]]) -> Block {
     block
 }
 
-/// Keeps the triangles that the eye is not surely behind.
-#[inline(always)]
-fn keep_facing<S: Simd>(
-    simd: S,
-    planes: &[[[f32; LANES]; 4]],
-    eye: [f32; 3],
-    corners: &[u32],
-    facing: &mut Vec<u32>,
-) {
-    /// What rounding may come to, relatively, and ample.
-    const ROUNDING: f32 = 1.0 / (1_u32 << 20) as f32;
-    for (planes, corners) in planes.iter().zip(corners.chunks(3 * LANES)) {
-        let [a, b, c, d] = planes;
-        let a = f32x16::from_slice(simd, a) * eye[0];
-        let b = f32x16::from_slice(simd, b) * eye[1];
-        let c = f32x16::from_slice(simd, c) * eye[2];
-        let d = f32x16::from_slice(simd, d);
-        let slack = (a.abs() + b.abs() + c.abs() + d.abs()) * ROUNDING;
-        // Also of those of which nothing can be said.
-        let behind = (a + b + c + d).simd_lt(-slack).to_bitmask();
-        let kept = !behind & ((1 << (corners.len() / 3)) - 1);
-        if kept == (1 << LANES) - 1 {
-            facing.extend_from_slice(corners);
-            continue;
-        }
-        let mut left = kept;
-        while left != 0 {
-            let at = 3 * left.trailing_zeros() as usize;
-            facing.extend_from_slice(&corners[at..at + 3]);
-            left &= left - 1;
-        }
-    }
-}
-
 impl MaskedDepth {
     /// Lets a mesh, in the space of the passage's fragment, hide what is behind it.
     pub fn hide_mesh(&mut self, mesh: &OccluderMesh, passage: &Passage, stats: &mut Stats) {
-        let faces = Faces::of_triangles(&[], &[], &passage.screen_from_fragment);
+        let as_these = Faces::of_triangles(&[], &[], &passage.screen_from_fragment);
         let eye = passage.eye().map(|at| at as f32);
-        let mut facing = std::mem::take(&mut self.room.corners);
-        for Part {
-            blocks,
-            corners,
-            planes,
-        } in &mesh.parts
-        {
-            let corners = &mesh.corners[corners.clone()];
-            facing.clear();
-            dispatch!(self.level, simd => keep_facing(simd, &mesh.planes[planes.clone()], eye, corners, &mut facing));
-            if !facing.is_empty() {
-                self.hide_triangles(&faces, &mesh.blocks[blocks.clone()], &facing, passage, stats);
+        let mut room = std::mem::take(&mut self.room);
+        let Room { quads, triangles, .. } = &mut room;
+        for part in &mesh.parts {
+            dispatch!(self.level, simd => part.quads.keep_facing(simd, eye, quads));
+            dispatch!(self.level, simd => part.triangles.keep_facing(simd, eye, triangles));
+            if quads.is_empty() && triangles.is_empty() {
+                continue;
             }
+            let shapes = Shapes {
+                quads,
+                triangles,
+                first_position: 0,
+            };
+            self.hide_shapes(&as_these, &part.blocks, shapes, passage, stats);
         }
-        self.room.corners = facing;
+        self.room = room;
     }
 }

@@ -37,7 +37,7 @@ use crate::passage::{BEYOND, Passage};
 use crate::region::{Region, Sight};
 use crate::simd::level;
 use crate::stats::Stats;
-use batch::{Batch, Block, Frame, LANES};
+use batch::{Batch, Block, Frame, LANES, Shapes};
 use faces::OneByOne;
 use fearless_simd::{Level, dispatch};
 use fill::Fill;
@@ -65,8 +65,9 @@ pub struct MaskedDepth {
 #[derive(Default)]
 struct Room {
     blocks: Vec<Block>,
-    /// Corners of triangles, of faces that have more.
-    corners: Vec<u32>,
+    /// What faces of more corners than three are taken for, and faces that face the eye.
+    quads: Vec<[u32; 4]>,
+    triangles: Vec<[u32; 3]>,
 }
 
 impl Default for MaskedDepth {
@@ -141,34 +142,38 @@ impl Hides for MaskedDepth {
 impl MaskedDepth {
     /// Lets faces hide what is behind them.
     fn hide_batch(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats) {
+        let mut room = std::mem::take(&mut self.room);
         let Room {
-            mut blocks,
-            mut corners,
-        } = std::mem::take(&mut self.room);
+            blocks,
+            quads,
+            triangles,
+        } = &mut room;
         blocks.clear();
         blocks.extend(faces.positions.chunks(LANES).map(block));
         stats.batches += 1;
-        if faces.starts.is_none() {
-            self.hide_triangles(faces, &blocks, faces.corners, passage, stats);
-        } else {
-            corners.clear();
-            faces.for_each(|_, face| {
-                for last in 2..face.len() {
-                    corners.extend([face[0], face[last - 1], face[last]]);
-                }
-            });
-            self.hide_triangles(faces, &blocks, &corners, passage, stats);
+        let mut shapes = Shapes {
+            quads: &[],
+            triangles: faces.corners.as_chunks().0,
+            first_position: faces.first_position,
+        };
+        if faces.starts.is_some() {
+            quads.clear();
+            triangles.clear();
+            faces.for_each(|_, face| fan(face, quads, triangles));
+            shapes.quads = quads;
+            shapes.triangles = triangles;
         }
-        self.room = Room { blocks, corners };
+        self.hide_shapes(faces, blocks, shapes, passage, stats);
+        self.room = room;
     }
 
-    /// Lets triangles that are otherwise as `faces` hide what is behind them, also in what their corners are counted from:
-    /// most by the kernels, and those of which these are not certain one by one.
-    fn hide_triangles(
+    /// Lets shapes that are otherwise as `faces` hide what is behind them: most by the kernels, and those of which these are
+    /// not certain one by one.
+    fn hide_shapes(
         &mut self,
         faces: &Faces,
         blocks: &[Block],
-        corners: &[u32],
+        shapes: Shapes,
         passage: &Passage,
         stats: &mut Stats,
     ) {
@@ -184,8 +189,8 @@ impl MaskedDepth {
             .entry
             .map(|(normal, distance)| (normal, distance * BEYOND));
         let frame = Frame::new(faces.screen_from_local, *near, entry, faces.front(passage), grid);
-        stats.triangles += corners.len() as u64 / 3;
-        dispatch!(*level, simd => batch.hide(simd, &frame, blocks, corners, faces.first_position, grid));
+        stats.triangles += shapes.triangles();
+        dispatch!(*level, simd => batch.hide(simd, &frame, blocks, shapes, grid));
         let (uncertain, waiting) = batch.uncertain();
         if uncertain.is_empty() {
             return;
@@ -193,26 +198,44 @@ impl MaskedDepth {
         // They are of a batch that is counted already.
         let mut alone = Stats::default();
         for &number in uncertain {
-            let at = 3 * number as usize;
-            let three = [at, at + 1, at + 2].map(|at| {
-                let place = (corners[at] - faces.first_position) as usize;
+            let corners = shapes.corners(number as usize);
+            let at = |corner: u32| {
+                let place = (corner - shapes.first_position) as usize;
                 blocks[place / LANES].map(|axis| axis[place % LANES])
-            });
-            if !three.as_flattened().iter().all(|value| value.is_finite()) {
-                continue;
-            }
-            let one = Faces {
-                positions: &three,
-                first_position: 0,
-                corners: &[0, 1, 2],
-                starts: None,
-                neighbours: &[],
-                ..*faces
             };
-            raster.run(&one, passage, &mut OneByOne::new(grid, waiting), &mut alone);
+            for last in 2..corners.len() {
+                let three = [corners[0], corners[last - 1], corners[last]].map(at);
+                if !three.as_flattened().iter().all(|value| value.is_finite()) {
+                    continue;
+                }
+                let one = Faces {
+                    positions: &three,
+                    first_position: 0,
+                    corners: &[0, 1, 2],
+                    starts: None,
+                    neighbours: &[],
+                    ..*faces
+                };
+                raster.run(&one, passage, &mut OneByOne::new(grid, waiting), &mut alone);
+            }
         }
         stats.triangles_hidden += alone.triangles_hidden;
         stats.samples += alone.samples;
         dispatch!(*level, simd => waiting.cover(simd, grid));
+    }
+}
+
+/// A convex face as quads, and a triangle that is left.
+fn fan(face: &[u32], quads: &mut Vec<[u32; 4]>, triangles: &mut Vec<[u32; 3]>) {
+    let Some((&first, others)) = face.split_first() else {
+        return;
+    };
+    let mut last = 0;
+    while let Some(&[a, b, c]) = others[last..].first_chunk() {
+        quads.push([first, a, b, c]);
+        last += 2;
+    }
+    if let Some(&[a, b]) = others[last..].first_chunk() {
+        triangles.push([first, a, b]);
     }
 }

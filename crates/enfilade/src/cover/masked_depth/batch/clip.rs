@@ -28,7 +28,7 @@ pub(super) fn clip(
     positions: [[f32; 3]; 3],
     number: u32,
     part: &mut Part,
-    clipped: &mut Queue,
+    clipped: &mut Queue<3>,
 ) -> bool {
     if !positions.as_flattened().iter().all(|value| value.is_finite()) {
         return true;

@@ -1,33 +1,39 @@
-//! Sets sixteen triangles up at once: where each row of samples crosses their edges, and how near they are.
+//! Sets sixteen triangles or convex quads up at once: where each row of samples crosses their edges, and how near they are.
 //!
-//! Of the three edges one has the inside to its right, one to its left, and the third either way. Where a row crosses an
-//! edge is computed in f32 from the triangle's own corner of the screen, and with it how far off that may be: what lies
-//! within is not certain, and goes to f64.
+//! Of the edges one has the inside to its right, one to its left, and the others either way. Where a row crosses an edge is
+//! computed in f32 from the face's own corner of the screen, and with it how far off that may be: what lies within is not
+//! certain, and goes to f64. A quad is as near as the plane of three of its corners, or farther by what the fourth is.
 //! Source: filtered predicates as in Shewchuk, Adaptive Precision Floating-Point Arithmetic, 1997; the plane of nearness as
 //!     in Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 3.3.
 //! Cost: O(1) for sixteen.
 //! Conservative: nearness is lowered by what rounding may add to it.
 
-use super::queue::{EXACTNESS, Samples, Sixteen};
-use super::{Frame, HALF, ONE, ONE_SHIFT};
+use super::queue::Sixteen;
+use super::sort::{EXACTNESS, Samples};
+use super::{Frame, ONE, ONE_SHIFT};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16};
 
-/// Sixteen triangles, in pixels from a corner of their own.
-pub(super) struct Lanes<S: Simd> {
+/// Sixteen faces, in pixels from a corner of their own.
+pub(super) struct Lanes<S: Simd, const OTHERS: usize> {
     /// The corner, in samples from the middle.
     pub(super) origin: [i32x16<S>; 2],
     /// The samples that may be in them, from that corner.
     pub(super) columns: [i32x16<S>; 2],
     pub(super) rows: [i32x16<S>; 2],
-    /// The edge that bounds a row on the left, and that on the right.
-    pub(super) left: Edge<S>,
-    pub(super) right: Edge<S>,
-    /// The third edge, as one that bounds on the left, and on the right: one of them bounds nothing.
-    pub(super) third: [Edge<S>; 2],
+    pub(super) edges: Edges<S, OTHERS>,
     pub(super) plane: Plane<S>,
     /// Cannot be told here.
     pub(super) unsure: mask32x16<S>,
+}
+
+/// The edges of sixteen faces: of a triangle one besides the first two, of a quad two.
+pub(super) struct Edges<S: Simd, const OTHERS: usize> {
+    /// One that bounds rows on the left, and one on the right.
+    pub(super) left: Edge<S>,
+    pub(super) right: Edge<S>,
+    /// Each of the others as one that bounds on the left, and on the right: one of the two bounds nothing.
+    pub(super) others: [[Edge<S>; 2]; OTHERS],
 }
 
 /// Where a row whose centre is at y crosses an edge: at `at + slope · y`, less half a pixel, between two bounds.
@@ -39,7 +45,7 @@ pub(super) struct Edge<S: Simd> {
     pub(super) greatest: f32x16<S>,
 }
 
-/// How near triangles are.
+/// How near faces are.
 pub(super) struct Plane<S: Simd> {
     /// At the corner, lowered by what rounding may add anywhere.
     pub(super) at: f32x16<S>,
@@ -54,71 +60,65 @@ const FAR: f32 = 1e9;
 
 const PER_UNIT: f32 = 1.0 / ONE as f32;
 
-impl<S: Simd> Lanes<S> {
+impl<S: Simd, const OTHERS: usize> Lanes<S, OTHERS> {
     /// `align`: the corner is put at multiples of so many columns and rows.
     #[inline(always)]
-    pub(super) fn new(simd: S, frame: &Frame, triangles: &Sixteen<S>, align: [i32; 2]) -> Lanes<S> {
-        let columns = Samples::between(simd, &triangles.x, frame.columns);
-        let rows = Samples::between(simd, &triangles.y, frame.rows);
+    pub(super) fn new<const SIDES: usize>(
+        simd: S,
+        frame: &Frame,
+        faces: &Sixteen<S, SIDES>,
+        align: [i32; 2],
+    ) -> Lanes<S, OTHERS> {
+        const { assert!(SIDES == OTHERS + 2) };
+        let columns = Samples::between(simd, &faces.x, frame.columns);
+        let rows = Samples::between(simd, &faces.y, frame.rows);
         let origin = [columns.first & -align[0], rows.first & -align[1]];
-        // Is the first or the last row less than a unit from a corner's?
-        let [least, greatest] = [
-            triangles.y[0].min(triangles.y[1]).min(triangles.y[2]),
-            triangles.y[0].max(triangles.y[1]).max(triangles.y[2]),
-        ];
-        let unsure = (((least + (ONE - 1 - HALF - 1)) >> ONE_SHIFT)
-            .simd_eq((least + (ONE - 1 - HALF + 1)) >> ONE_SHIFT)
-            & ((greatest + (1 - HALF)) >> ONE_SHIFT).simd_eq((greatest + (-1 - HALF)) >> ONE_SHIFT))
-            ^ mask32x16::splat(simd, true);
 
-        let (x0, x1, x2) = (triangles.x[0], triangles.x[1], triangles.x[2]);
-        let (y0, y1, y2) = (triangles.y[0], triangles.y[1], triangles.y[2]);
-        let area = in_pixels(x1 - x0) * in_pixels(y2 - y0) - in_pixels(x2 - x0) * in_pixels(y1 - y0);
+        let Sixteen {
+            mut x,
+            mut y,
+            mut nearness,
+            ..
+        } = *faces;
+        let last = SIDES - 1;
+        let area = in_pixels(x[1] - x[0]) * in_pixels(y[last] - y[0])
+            - in_pixels(x[last] - x[0]) * in_pixels(y[1] - y[0]);
         // The same way round for all.
         let turned = area.simd_lt(f32x16::splat(simd, 0.0));
-        let (x1, x2) = (turned.select(x2, x1), turned.select(x1, x2));
-        let (y1, y2) = (turned.select(y2, y1), turned.select(y1, y2));
-        let [n0, n1, n2] = triangles.nearness;
-        let (n1, n2) = (turned.select(n2, n1), turned.select(n1, n2));
+        (x[1], x[last]) = (turned.select(x[last], x[1]), turned.select(x[1], x[last]));
+        (y[1], y[last]) = (turned.select(y[last], y[1]), turned.select(y[1], y[last]));
+        let ends = (nearness[1], nearness[last]);
+        nearness[1] = turned.select(ends.1, ends.0);
+        nearness[last] = turned.select(ends.0, ends.1);
 
         let [left_of, above] = [origin[0] << ONE_SHIFT, origin[1] << ONE_SHIFT];
-        let px = [
-            in_pixels(x0 - left_of),
-            in_pixels(x1 - left_of),
-            in_pixels(x2 - left_of),
-        ];
-        let py = [
-            in_pixels(y0 - above),
-            in_pixels(y1 - above),
-            in_pixels(y2 - above),
-        ];
-        let dx = [in_pixels(x1 - x0), in_pixels(x2 - x1), in_pixels(x0 - x2)];
-        let dy = [in_pixels(y1 - y0), in_pixels(y2 - y1), in_pixels(y0 - y2)];
-        let size =
-            px[0].abs().max(px[1].abs()).max(px[2].abs()) + py[0].abs().max(py[1].abs()).max(py[2].abs());
+        let zero = f32x16::splat(simd, 0.0);
+        let [mut px, mut py, mut dx, mut dy] = [[zero; SIDES]; 4];
+        let [mut width, mut height] = [zero; 2];
+        for corner in 0..SIDES {
+            let next = (corner + 1) % SIDES;
+            px[corner] = in_pixels(x[corner] - left_of);
+            py[corner] = in_pixels(y[corner] - above);
+            dx[corner] = in_pixels(x[next] - x[corner]);
+            dy[corner] = in_pixels(y[next] - y[corner]);
+            width = width.max(px[corner].abs());
+            height = height.max(py[corner].abs());
+        }
+        let size = width + height;
         let unit = size * EXACTNESS + PER_UNIT * 2.0;
-        let edges = [
-            Edge::new(simd, px[0], py[0], dx[0], dy[0], unit),
-            Edge::new(simd, px[1], py[1], dx[1], dy[1], unit),
-            Edge::new(simd, px[2], py[2], dx[2], dy[2], unit),
-        ];
-        let (left, right, third) = sort(simd, &edges, &dy);
+        let first = Edge::new(simd, [px[0], py[0]], [dx[0], dy[0]], unit);
+        let mut edges = [first; SIDES];
+        for corner in 1..SIDES {
+            let at = [px[corner], py[corner]];
+            edges[corner] = Edge::new(simd, at, [dx[corner], dy[corner]], unit);
+        }
         Lanes {
             columns: [columns.first - origin[0], columns.end - origin[0]],
             rows: [rows.first - origin[1], rows.end - origin[1]],
             origin,
-            left,
-            right,
-            third,
-            plane: Plane::new(
-                simd,
-                [px[0], py[0]],
-                [dx[0], dx[2], dy[0], dy[2]],
-                [n0, n1, n2],
-                area.abs(),
-                size,
-            ),
-            unsure,
+            edges: Edges::sorted(simd, &edges, &dy),
+            plane: Plane::new(simd, [px[0], py[0]], [&dx, &dy], &nearness, area.abs(), size),
+            unsure: !rows.sure,
         }
     }
 }
@@ -131,7 +131,7 @@ fn in_pixels<S: Simd>(place: i32x16<S>) -> f32x16<S> {
 impl<S: Simd> Edge<S> {
     /// Through a corner, in a direction. `unit`: what places may be off by, with all that is computed from them.
     #[inline(always)]
-    fn new(simd: S, x: f32x16<S>, y: f32x16<S>, dx: f32x16<S>, dy: f32x16<S>, unit: f32x16<S>) -> Edge<S> {
+    fn new(simd: S, [x, y]: [f32x16<S>; 2], [dx, dy]: [f32x16<S>; 2], unit: f32x16<S>) -> Edge<S> {
         let flat = dy.simd_eq(f32x16::splat(simd, 0.0));
         let one = f32x16::splat(simd, 1.0);
         let slope = flat.select(f32x16::splat(simd, 0.0), dx / flat.select(one, dy));
@@ -165,49 +165,76 @@ impl<S: Simd> Edge<S> {
     }
 }
 
-/// One edge that bounds rows on the left, one on the right, and the third as either. An edge that goes up has the inside
-/// to its right, as rows are counted downwards.
-#[inline(always)]
-fn sort<S: Simd>(simd: S, edges: &[Edge<S>; 3], dy: &[f32x16<S>; 3]) -> (Edge<S>, Edge<S>, [Edge<S>; 2]) {
-    let zero = f32x16::splat(simd, 0.0);
-    let up = [dy[0].simd_lt(zero), dy[1].simd_lt(zero), dy[2].simd_lt(zero)];
-    let down = [dy[0].simd_gt(zero), dy[1].simd_gt(zero), dy[2].simd_gt(zero)];
-    let left = Edge::select(up[0], &edges[0], &Edge::select(up[1], &edges[1], &edges[2]));
-    let right = Edge::select(down[0], &edges[0], &Edge::select(down[1], &edges[1], &edges[2]));
-    // The first is one of these unless it is flat; then the second is, unless it goes the same way or is flat.
-    let first = !(up[0] | down[0]);
-    let second = !((up[0] & down[1]) | (down[0] & up[1]));
-    let third = Edge::select(first, &edges[0], &Edge::select(second, &edges[1], &edges[2]));
-    let third_up = (first & up[0]) | (!first & ((second & up[1]) | (!second & up[2])));
-    let third_down = (first & down[0]) | (!first & ((second & down[1]) | (!second & down[2])));
-    (
-        left,
-        right,
-        [
-            third.or_at(simd, third_up, -FAR),
-            third.or_at(simd, third_down, FAR),
-        ],
-    )
+impl<S: Simd, const OTHERS: usize> Edges<S, OTHERS> {
+    /// An edge that goes up has the inside to its right, as rows are counted downwards. A flat one bounds nothing.
+    #[inline(always)]
+    fn sorted<const SIDES: usize>(
+        simd: S,
+        edges: &[Edge<S>; SIDES],
+        dy: &[f32x16<S>; SIDES],
+    ) -> Edges<S, OTHERS> {
+        let zero = f32x16::splat(simd, 0.0);
+        let none = mask32x16::splat(simd, false);
+        let [mut left, mut right] = [edges[SIDES - 1]; 2];
+        let [mut has_left, mut has_right] = [none; 2];
+        let mut others = [edges[SIDES - 1]; OTHERS];
+        let [mut is_taken, mut is_left, mut is_right] = [[none; OTHERS]; 3];
+        for (edge, &dy) in edges.iter().zip(dy) {
+            let [up, down] = [dy.simd_lt(zero), dy.simd_gt(zero)];
+            let [first_up, first_down] = [up & !has_left, down & !has_right];
+            left = Edge::select(first_up, edge, &left);
+            right = Edge::select(first_down, edge, &right);
+            has_left |= up;
+            has_right |= down;
+            let mut waits = !(first_up | first_down);
+            for other in 0..OTHERS {
+                let here = waits & !is_taken[other];
+                others[other] = Edge::select(here, edge, &others[other]);
+                is_left[other] |= here & up;
+                is_right[other] |= here & down;
+                is_taken[other] |= here;
+                waits &= !here;
+            }
+        }
+        let mut both = [[left; 2]; OTHERS];
+        for other in 0..OTHERS {
+            both[other] = [
+                others[other].or_at(simd, is_left[other], -FAR),
+                others[other].or_at(simd, is_right[other], FAR),
+            ];
+        }
+        Edges {
+            left,
+            right,
+            others: both,
+        }
+    }
 }
 
 impl<S: Simd> Plane<S> {
-    /// Through three corners: the first, and the differences of the second and the third from it.
+    /// Through the first corner, the second and the last, where `area` is twice that of their triangle; by the differences
+    /// of corners, each to the next.
     #[inline(always)]
-    fn new(
+    fn new<const SIDES: usize>(
         simd: S,
         [x, y]: [f32x16<S>; 2],
-        [dx1, back_dx2, dy1, back_dy2]: [f32x16<S>; 4],
-        [n0, n1, n2]: [f32x16<S>; 3],
+        [dx, dy]: [&[f32x16<S>; SIDES]; 2],
+        nearness: &[f32x16<S>; SIDES],
         area: f32x16<S>,
         size: f32x16<S>,
     ) -> Plane<S> {
-        let (dx2, dy2) = (-back_dx2, -back_dy2);
-        let [dn1, dn2] = [n1 - n0, n2 - n0];
+        let last = SIDES - 1;
+        let [dx1, dy1, dx2, dy2] = [dx[0], dy[0], -dx[last], -dy[last]];
+        let dn1 = nearness[1] - nearness[0];
+        let dn2 = nearness[last] - nearness[0];
         let per_area = f32x16::splat(simd, 1.0) / area;
         let [a, b, c, d] = [dn1 * dy2, dn2 * dy1, dn2 * dx1, dn1 * dx2];
         let slope = [(a - b) * per_area, (c - d) * per_area];
-        let least = n0.min(n1).min(n2);
-        let greatest = n0.max(n1).max(n2);
+        let [mut least, mut greatest] = [nearness[0]; 2];
+        for &nearness in &nearness[1..] {
+            least = least.min(nearness);
+            greatest = greatest.max(nearness);
+        }
         // What the slopes may be off by, over the way from a corner to where they are used; and what moves with corners.
         let spread = (size + 32.0) * 2.0;
         let area_off = ((dx1 * dy2).abs() + (dx2 * dy1).abs()) * per_area * (2.0 * EXACTNESS) + EXACTNESS;
@@ -215,8 +242,16 @@ impl<S: Simd> Plane<S> {
         let error = (a.abs() + b.abs() + c.abs() + d.abs()) * per_area * spread * (2.0 * EXACTNESS)
             + sum * (spread * area_off + PER_UNIT)
             + greatest * (2.0 * EXACTNESS);
+        let mut at = nearness[0] - slope[0] * x - slope[1] * y - error;
+        // A quad's halves are between this plane and one so much beyond it as the third corner is.
+        for corner in 2..last {
+            let plane = nearness[0] + slope[0] * (dx[0] + dx[1]) + slope[1] * (dy[0] + dy[1]);
+            let beyond = (nearness[corner] - plane).min(f32x16::splat(simd, 0.0));
+            // What is off in the plane is so twice more: at that corner, and in how far beyond it is.
+            at += beyond - error * 2.0;
+        }
         Plane {
-            at: n0 - slope[0] * x - slope[1] * y - error,
+            at,
             slope,
             least: least * (1.0 - EXACTNESS),
             greatest: greatest * (1.0 + EXACTNESS),

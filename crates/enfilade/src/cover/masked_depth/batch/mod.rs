@@ -1,13 +1,13 @@
-//! Batches of triangles, let into the tiles as fast as the machine can.
+//! Batches of triangles and quads, let into the tiles as fast as the machine can.
 //!
-//! Corners are put on the screen in fixed point ([`corners`]), sixteen triangles at a time are looked at ([`queue`]) and
-//! set up ([`lanes`]), and small ones are covered side by side ([`small`]), wide ones row by row ([`wide`]). All of it is
-//! in numbers of 32 bits, which may be off: wherever that could change a sample, the triangle is named in
-//! [`Batch::uncertain`] and left to the rasteriser of the exact covers, of which no bit differs then. What has a corner that
-//! is nowhere on the screen is cut first ([`clip`]).
+//! Corners are put on the screen in fixed point ([`corners`]), sixteen faces at a time are looked at ([`sort`]), wait
+//! ([`queue`]) and are set up ([`lanes`]), and small ones are covered side by side ([`small`]), wide ones row by row
+//! ([`wide`]). All of it is in numbers of 32 bits, which may be off: wherever that could change a sample, the face is named
+//! in [`Batch::uncertain`] and left to the rasteriser of the exact covers, of which no bit differs then. What has a corner
+//! that is nowhere on the screen is cut first ([`clip`]).
 //! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016; filters as in Shewchuk,
 //!     Adaptive Precision Floating-Point Arithmetic, 1997.
-//! Cost: O(corners + triangles + tiles).
+//! Cost: O(corners + faces + tiles).
 //! Conservative: covers the very samples that the exact covers do, and is nowhere nearer than they.
 
 mod clip;
@@ -17,6 +17,7 @@ mod lanes;
 mod queue;
 mod records;
 mod small;
+mod sort;
 mod wide;
 
 use super::grid::Grid;
@@ -28,8 +29,8 @@ pub(super) use corners::Block;
 use corners::{Corners, DEEPEST, MOST_CORNERS};
 use fearless_simd::prelude::*;
 use glam::{DAffine3, DVec3};
-use queue::{Group, Queues};
 use records::Records;
+use sort::{Group, Queues};
 
 /// Lanes of a kernel, at every level.
 pub(super) const LANES: usize = 16;
@@ -124,55 +125,81 @@ pub(super) struct Batch {
     part: Part,
 }
 
+/// Faces of which each corner is a place among some positions, counted from `first_position`.
+#[derive(Clone, Copy)]
+pub(super) struct Shapes<'a> {
+    /// Convex, and the first of all that are numbered.
+    pub(super) quads: &'a [[u32; 4]],
+    pub(super) triangles: &'a [[u32; 3]],
+    pub(super) first_position: u32,
+}
+
+impl Shapes<'_> {
+    /// How many triangles they come to.
+    pub(super) fn triangles(&self) -> u64 {
+        (2 * self.quads.len() + self.triangles.len()) as u64
+    }
+
+    /// The corners of a face.
+    pub(super) fn corners(&self, number: usize) -> &[u32] {
+        match self.quads.get(number) {
+            Some(quad) => quad,
+            None => &self.triangles[number - self.quads.len()],
+        }
+    }
+}
+
 impl Batch {
-    /// Lets triangles hide what is behind them: `which` names three corners each, as places in `positions` counted from
-    /// `first_position`. What is not certain is left in [`Batch::uncertain`].
+    /// Lets faces hide what is behind them. What is not certain is left in [`Batch::uncertain`].
     #[inline(always)]
     pub(super) fn hide<S: Simd>(
         &mut self,
         simd: S,
         frame: &Frame,
         positions: &[Block],
-        which: &[u32],
-        first_position: u32,
+        shapes: Shapes,
         grid: &mut Grid,
     ) {
-        let Batch {
-            corners,
-            queues,
-            records,
-            waiting,
-            part,
-        } = self;
-        queues.uncertain.clear();
+        self.queues.uncertain.clear();
+        let Shapes {
+            quads,
+            triangles,
+            first_position,
+        } = shapes;
         if positions.len() * LANES > MOST_CORNERS {
-            queues.uncertain.extend(0..which.len() as u32 / 3);
+            let all = 0..(quads.len() + triangles.len()) as u32;
+            self.queues.uncertain.extend(all);
             return;
         }
-        corners::place(simd, frame, positions, corners);
-        let (groups, rest) = which.as_chunks::<{ 3 * LANES }>();
-        let mut last = [first_position; 3 * LANES];
-        last[..rest.len()].copy_from_slice(rest);
-        let count = which.len().div_ceil(3 * LANES);
+        corners::place(simd, frame, positions, &mut self.corners);
+        let mut last_quads = [[first_position; 4]; LANES];
+        let mut last_triangles = [[first_position; 3]; LANES];
+        let groups_of_quads = quads.len().div_ceil(LANES);
+        let groups = groups_of_quads + triangles.len().div_ceil(LANES);
         let mut next = 0;
         loop {
-            if next < count && queues.clipped.count < LANES {
-                let group = Group {
-                    corners: groups.get(next).unwrap_or(&last),
-                    first_position,
-                    first: (next * LANES) as u32,
-                    lanes: (which.len() / 3 - next * LANES).min(LANES),
-                };
-                let odd = queues.let_in(simd, frame, corners, &group);
-                queues.clip(frame, positions, &group, odd, part);
+            if next == groups || self.queues.clipped.count >= LANES {
+                self.queues.let_in_clipped(simd, frame);
+            } else if next < groups_of_quads {
+                let group = Group::new(&shapes, quads, next, 0, &mut last_quads);
+                let found = group.find(simd, &self.corners);
+                self.queues.let_in_quads(simd, frame, &found);
+                self.queues
+                    .clip(frame, positions, &group, found.odd, &mut self.part);
                 next += 1;
             } else {
-                queues.let_in_clipped(simd, frame);
+                let which = next - groups_of_quads;
+                let group = Group::new(&shapes, triangles, which, quads.len(), &mut last_triangles);
+                let found = group.find(simd, &self.corners);
+                self.queues.let_in_triangles(simd, frame, &found);
+                self.queues
+                    .clip(frame, positions, &group, found.odd, &mut self.part);
+                next += 1;
             }
-            let done = next == count && queues.clipped.count == 0;
-            if done || queues.small.is_full() || queues.wide.is_full() {
+            let done = next == groups && self.queues.clipped.count == 0;
+            if done || self.queues.are_full() {
                 let least = if done { 1 } else { LANES };
-                work_off(simd, frame, queues, records, waiting, grid, least);
+                self.work_off(simd, frame, grid, least);
             }
             if done {
                 return;
@@ -180,43 +207,50 @@ impl Batch {
         }
     }
 
-    /// Numbers of the triangles that were left out because they are not certain, and where their runs may wait.
+    /// Numbers of the faces that were left out because they are not certain, and where their runs may wait.
     pub(super) fn uncertain(&mut self) -> (&[u32], &mut Waiting) {
         (&self.queues.uncertain, &mut self.waiting)
     }
-}
 
-/// Covers what those that wait cover, wide ones first, where there are at least `least` in a group.
-#[inline(always)]
-fn work_off<S: Simd>(
-    simd: S,
-    frame: &Frame,
-    queues: &mut Queues,
-    records: &mut Records,
-    waiting: &mut Waiting,
-    grid: &mut Grid,
-    least: usize,
-) {
-    let Queues {
-        small,
-        wide,
-        uncertain,
-        ..
-    } = queues;
-    let mut from = 0;
-    while wide.count >= from + least {
-        let triangles = wide.sixteen(simd, from);
-        wide::draw(simd, frame, &triangles, grid, waiting, uncertain);
-        from += triangles.lanes;
+    /// Covers what those that wait cover, wide ones first, where there are at least `least` in a group.
+    #[inline(always)]
+    fn work_off<S: Simd>(&mut self, simd: S, frame: &Frame, grid: &mut Grid, least: usize) {
+        let Batch {
+            queues:
+                Queues {
+                    small,
+                    wide,
+                    quads,
+                    uncertain,
+                    ..
+                },
+            records,
+            waiting,
+            ..
+        } = self;
+        let mut from = 0;
+        while wide.count >= from + least {
+            let faces = wide.sixteen(simd, from);
+            wide::draw(simd, frame, &faces, grid, waiting, uncertain);
+            from += faces.lanes;
+        }
+        waiting.cover(simd, grid);
+        wide.forget_before(from);
+        from = 0;
+        while quads.count >= from + least {
+            let faces = quads.sixteen(simd, from);
+            small::draw::<S, 4, 2>(simd, frame, &faces, records, uncertain);
+            records.merge(grid);
+            from += faces.lanes;
+        }
+        quads.forget_before(from);
+        from = 0;
+        while small.count >= from + least {
+            let faces = small.sixteen(simd, from);
+            small::draw::<S, 3, 1>(simd, frame, &faces, records, uncertain);
+            records.merge(grid);
+            from += faces.lanes;
+        }
+        small.forget_before(from);
     }
-    waiting.cover(simd, grid);
-    wide.forget_before(from);
-    from = 0;
-    while small.count >= from + least {
-        let triangles = small.sixteen(simd, from);
-        small::draw(simd, frame, &triangles, records, uncertain);
-        records.merge(grid);
-        from += triangles.lanes;
-    }
-    small.forget_before(from);
 }

@@ -1,6 +1,6 @@
-//! What small triangles cover: a sub-tile, its samples and a nearness, one after the other.
+//! What small faces cover: a sub-tile, its samples and a nearness, one after the other.
 //!
-//! Written without a branch by sixteen triangles at once, and merged one by one: two of the sixteen may cover the same
+//! Written without a branch by sixteen faces at once, and merged one by one: two of the sixteen may cover the same
 //! sub-tile.
 //! Source: none but ours.
 //! Cost: O(records).
@@ -13,7 +13,7 @@ use crate::cover::masked_depth::tile::{SUB_COLUMNS, SUB_ROWS, SUB_TILES};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u32x16};
 
-/// Room for what sixteen small triangles can cover: 8 sub-tiles down, 4 across.
+/// Room for what sixteen small faces can cover: 8 sub-tiles down, 4 across.
 const MOST: usize = 16 * 8 * 4;
 
 /// Samples of sub-tiles.
@@ -62,7 +62,7 @@ impl Records {
     }
 }
 
-/// Where sixteen small triangles cover sub-tiles, and how near they are there.
+/// Where sixteen small faces cover sub-tiles, and how near they are there.
 pub(super) struct Places<S: Simd> {
     /// The first sub-tile's column and row, counted from the corner of the screen.
     column: u32x16<S>,
@@ -77,7 +77,7 @@ pub(super) struct Places<S: Simd> {
 
 impl<S: Simd> Places<S> {
     #[inline(always)]
-    pub(super) fn new(simd: S, frame: &Frame, lanes: &Lanes<S>) -> Places<S> {
+    pub(super) fn new<const OTHERS: usize>(simd: S, frame: &Frame, lanes: &Lanes<S, OTHERS>) -> Places<S> {
         let zero = f32x16::splat(simd, 0.0);
         // The least over a sub-tile is at one of its corners.
         let [by_column, by_row] = lanes.plane.slope;

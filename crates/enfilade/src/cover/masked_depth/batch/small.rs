@@ -1,11 +1,11 @@
-//! Small triangles: sixteen side by side, row after row.
+//! Small triangles and quads: sixteen side by side, row after row.
 //!
-//! Most triangles of a detailed mesh reach into two or three sub-tiles. Here each lane has a triangle of its own, so that
-//! none waits for a larger one beside it for long; what comes out are records of a sub-tile, its samples and a nearness.
+//! Most faces of a detailed mesh reach into two or three sub-tiles. Here each lane has a face of its own, so that none
+//! waits for a larger one beside it for long; what comes out are records of a sub-tile, its samples and a nearness.
 //! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 3.1, turned: theirs
 //!     has a triangle's rows in the lanes.
 //! Cost: O(rows of the highest) for sixteen.
-//! Exact: a row whose ends are not certain sends its triangle to f64.
+//! Exact: a row whose ends are not certain sends its face to f64.
 
 use super::lanes::{Edge, Lanes};
 use super::queue::Sixteen;
@@ -15,21 +15,21 @@ use crate::cover::masked_depth::tile::{SUB_COLUMNS, SUB_ROWS};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16, u32x16};
 
-/// Sub-tiles that a small triangle may reach into, down and across.
+/// Sub-tiles that a small face may reach into, down and across.
 const DOWN: usize = 8;
 const ACROSS: usize = 4;
 
-/// Writes records of up to sixteen small triangles; those that are not certain are named in `uncertain`.
+/// Writes records of up to sixteen small faces; those that are not certain are named in `uncertain`.
 #[inline(always)]
-pub(super) fn draw<S: Simd>(
+pub(super) fn draw<S: Simd, const SIDES: usize, const OTHERS: usize>(
     simd: S,
     frame: &Frame,
-    triangles: &Sixteen<S>,
+    faces: &Sixteen<S, SIDES>,
     records: &mut Records,
     uncertain: &mut Vec<u32>,
 ) {
-    let lanes = Lanes::new(simd, frame, triangles, [SUB_COLUMNS as i32, SUB_ROWS as i32]);
-    let there: mask32x16<S> = mask32x16::from_bitmask(simd, (1_u64 << triangles.lanes) - 1);
+    let lanes = Lanes::<S, OTHERS>::new(simd, frame, faces, [SUB_COLUMNS as i32, SUB_ROWS as i32]);
+    let there: mask32x16<S> = mask32x16::from_bitmask(simd, (1_u64 << faces.lanes) - 1);
     let [first, end] = [
         lanes.columns[0].to_float::<f32x16<S>>() - 0.5,
         lanes.columns[1].to_float::<f32x16<S>>() - 0.5,
@@ -60,17 +60,16 @@ pub(super) fn draw<S: Simd>(
             let mut rows = [none; SUB_ROWS];
             for (row, held) in rows.iter_mut().enumerate() {
                 let y = (SUB_ROWS * group + row) as f32 + 0.5;
-                let left = lanes.left.crossing(y);
-                let right = lanes.right.crossing(y);
-                let [third_left, third_right] = [lanes.third[0].crossing(y), lanes.third[1].crossing(y)];
-                let start = [
-                    left[0].max(third_left[0]).max(first).min(most).ceil(),
-                    left[1].max(third_left[1]).max(first).min(most).ceil(),
-                ];
-                let stop = [
-                    right[0].min(third_right[0]).min(end).max(least).ceil(),
-                    right[1].min(third_right[1]).min(end).max(least).ceil(),
-                ];
+                let [mut start, mut stop] = [lanes.edges.left.crossing(y), lanes.edges.right.crossing(y)];
+                for other in &lanes.edges.others {
+                    let [left, right] = [other[0].crossing(y), other[1].crossing(y)];
+                    start = [start[0].max(left[0]), start[1].max(left[1])];
+                    stop = [stop[0].min(right[0]), stop[1].min(right[1])];
+                }
+                for bound in 0..2 {
+                    start[bound] = start[bound].max(first).min(most).ceil();
+                    stop[bound] = stop[bound].min(end).max(least).ceil();
+                }
                 unsure |= !(start[0].simd_eq(start[1]) & stop[0].simd_eq(stop[1]));
                 let start = start[0].to_int::<i32x16<S>>().bitcast::<u32x16<S>>();
                 let stop = stop[0].to_int::<i32x16<S>>().bitcast::<u32x16<S>>();
@@ -91,7 +90,7 @@ pub(super) fn draw<S: Simd>(
         // Once more without these, and what was written is forgotten.
         while left != 0 {
             let lane = left.trailing_zeros() as usize % LANES;
-            uncertain.push(triangles.number[lane]);
+            uncertain.push(faces.number[lane]);
             left &= left - 1;
         }
         sure &= !unsure;

@@ -33,12 +33,12 @@ struct Stored {
 pub(super) fn draw<S: Simd>(
     simd: S,
     frame: &Frame,
-    triangles: &Sixteen<S>,
+    triangles: &Sixteen<S, 3>,
     grid: &mut Grid,
     waiting: &mut Waiting,
     uncertain: &mut Vec<u32>,
 ) {
-    let lanes = Lanes::new(simd, frame, triangles, [COLUMNS as i32, ROWS as i32]);
+    let lanes = Lanes::<S, 1>::new(simd, frame, triangles, [COLUMNS as i32, ROWS as i32]);
     let edge = |edge: &Edge<S>| {
         [
             edge.slope.to_array(),
@@ -55,10 +55,10 @@ pub(super) fn draw<S: Simd>(
         columns: [lanes.columns[0].to_array(), lanes.columns[1].to_array()],
         rows: [lanes.rows[0].to_array(), lanes.rows[1].to_array()],
         edges: [
-            edge(&lanes.left),
-            edge(&lanes.right),
-            edge(&lanes.third[0]),
-            edge(&lanes.third[1]),
+            edge(&lanes.edges.left),
+            edge(&lanes.edges.right),
+            edge(&lanes.edges.others[0][0]),
+            edge(&lanes.edges.others[0][1]),
         ],
         plane: [
             lanes.plane.at.to_array(),

@@ -7,46 +7,44 @@
 //! Conservative: hides by the farthest, rounded down, that a face comes in a sub-tile.
 
 use super::fill::Slope;
-use super::grid::Grid;
-use super::rows::{Slopes, Waiting};
+use super::grid::Tiles;
+use super::rows::Waiting;
 use crate::aperture::Rect;
-use crate::cover::band::Band;
+use crate::cover::band::{BAND, Band};
 use crate::cover::raster::Sink;
 use crate::cover::triangle::Triangle;
 use glam::DVec3;
 
 /// Lets the runs of faces wait.
 pub(super) struct OneByOne<'a> {
-    grid: &'a Grid,
+    tiles: &'a Tiles<'a>,
     waiting: &'a mut Waiting,
-    /// How near the face at hand is.
-    slopes: Slopes,
 }
 
 impl OneByOne<'_> {
-    pub(super) fn new<'a>(grid: &'a Grid, waiting: &'a mut Waiting) -> OneByOne<'a> {
-        OneByOne {
-            grid,
-            waiting,
-            slopes: Slope::new(DVec3::ZERO, [0.0; 2], &Rect::default()).slopes(),
-        }
+    pub(super) fn new<'a>(tiles: &'a Tiles<'a>, waiting: &'a mut Waiting) -> OneByOne<'a> {
+        OneByOne { tiles, waiting }
     }
 }
 
 impl Sink for OneByOne<'_> {
     #[inline(always)]
     fn hides(&mut self, rect: &Rect, nearest: f32) -> bool {
-        self.grid.first_seen(rect, nearest).is_none()
+        self.tiles.hides(rect, nearest)
     }
 
     #[inline(always)]
     fn begin(&mut self, triangle: &Triangle, _corners: &[DVec3; 3]) {
         let between = [triangle.least, triangle.greatest];
-        self.slopes = Slope::new(triangle.nearness, between, &self.grid.rect).slopes();
+        let slope = Slope::new(triangle.nearness, between, &self.tiles.rect);
+        self.waiting.begin(&slope.slopes());
     }
 
     #[inline(always)]
     fn band(&mut self, band: &Band, _triangle: &Triangle) {
-        self.waiting.push_band(band, &self.slopes);
+        let Rect { y0, y1, .. } = self.tiles.rect;
+        if y0 < band.y + BAND as u16 && band.y < y1 {
+            self.waiting.push_band(band);
+        }
     }
 }

@@ -74,17 +74,17 @@ impl Fill {
         let Some((rect, slope)) = self.set_up(occluder, passage, &grid.rect) else {
             return 0;
         };
-        let slopes = slope.slopes();
+        self.waiting.begin(&slope.slopes());
         let mut covered = 0;
         let mut y = rect.y0 - rect.y0 % BAND as u16;
         while y < rect.y1 {
             if let Some((band, samples)) = Band::held(simd, y, &rect, &self.planes) {
                 covered += samples;
-                self.waiting.push_band(&band, &slopes);
+                self.waiting.push_band(&band);
             }
             y += BAND as u16;
         }
-        self.waiting.cover(simd, grid);
+        self.waiting.cover(simd, &mut grid.all());
         covered
     }
 

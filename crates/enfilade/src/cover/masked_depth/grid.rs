@@ -1,9 +1,17 @@
 //! The tiles of a screen.
 
+use super::batch::LANES;
 use super::tile::{Across, COLUMNS, ROWS, Tile, tiles};
 use crate::aperture::Rect;
 use crate::cover::band::{BAND, Band};
 use crate::passage::Passage;
+use fearless_simd::f32x16;
+use fearless_simd::prelude::*;
+
+/// The first row of samples of a row of tiles, as far as such rows are numbered.
+fn first_sample(row: usize) -> u16 {
+    (row * ROWS).min(u16::MAX.into()) as u16
+}
 
 /// The tiles of the rows and columns of a passage's rectangle, counted from the corner of the screen.
 #[derive(Default)]
@@ -16,7 +24,98 @@ pub(super) struct Grid {
     open: [Vec<[u16; 2]>; BAND],
 }
 
+/// Rows of tiles that are covered by one thread.
+pub(super) struct Tiles<'a> {
+    /// The samples in them that are in the passage's rectangle.
+    pub(super) rect: Rect,
+    pub(super) columns: usize,
+    /// How many rows of tiles are above, counted from the corner of the screen.
+    pub(super) first_row: usize,
+    pub(super) tiles: &'a mut [Tile],
+    pub(super) farthest: &'a mut [f32],
+}
+
+impl Tiles<'_> {
+    /// A tile, and the farthest that anything hidden by it may come.
+    #[inline(always)]
+    pub(super) fn tile(&mut self, number: u32) -> (&mut Tile, &mut f32) {
+        let number = number as usize;
+        (&mut self.tiles[number], &mut self.farthest[number])
+    }
+
+    /// [`Tile::farthest`] of sixteen tiles from one on; infinite where there are no more.
+    #[inline(always)]
+    pub(super) fn sixteen_farthest<S: Simd>(&self, simd: S, first: usize) -> f32x16<S> {
+        let farthest = &self.farthest[first..];
+        if let Some(sixteen) = farthest.first_chunk::<LANES>() {
+            return f32x16::from_slice(simd, sixteen);
+        }
+        let mut last = [f32::INFINITY; LANES];
+        last[..farthest.len()].copy_from_slice(farthest);
+        f32x16::from_slice(simd, &last)
+    }
+
+    /// Is something as near as `nearest` hidden wherever it may be, as far as whole tiles tell?
+    #[inline(always)]
+    pub(super) fn hides(&self, rect: &Rect, nearest: f32) -> bool {
+        let rect = rect.intersection(&self.rect);
+        if rect.is_empty() {
+            return true;
+        }
+        let columns = tiles(rect.x0, rect.x1, COLUMNS);
+        let mut hides = true;
+        for row in tiles(rect.y0, rect.y1, ROWS) {
+            let first = (row - self.first_row) * self.columns;
+            for &farthest in &self.farthest[first + columns.start..first + columns.end] {
+                hides &= nearest < farthest;
+            }
+        }
+        hides
+    }
+}
+
 impl Grid {
+    /// All tiles.
+    pub(super) fn all(&mut self) -> Tiles<'_> {
+        Tiles {
+            rect: self.rect,
+            columns: self.columns,
+            first_row: 0,
+            tiles: &mut self.tiles,
+            farthest: &mut self.farthest,
+        }
+    }
+
+    /// The tiles in strips of about as many rows each; fewer strips than `count` where there are fewer rows.
+    pub(super) fn strips(&mut self, count: usize) -> impl Iterator<Item = Tiles<'_>> {
+        let Grid {
+            rect,
+            columns,
+            ref mut tiles,
+            ref mut farthest,
+            ..
+        } = *self;
+        let last = usize::from(rect.y1).div_ceil(ROWS);
+        let rows = last.div_ceil(count.max(1)).max(1);
+        let tiles = tiles[..last * columns].chunks_mut(rows * columns.max(1));
+        let farthest = farthest[..last * columns].chunks_mut(rows * columns.max(1));
+        let strips = tiles.zip(farthest).enumerate();
+        strips.map(move |(strip, (tiles, farthest))| {
+            let [start, end] = [strip * rows, (strip + 1) * rows].map(first_sample);
+            Tiles {
+                rect: Rect {
+                    y0: rect.y0.max(start),
+                    y1: rect.y1.min(end),
+                    ..rect
+                },
+                columns,
+                first_row: strip * rows,
+                tiles,
+                farthest,
+            }
+        })
+    }
+
     /// Opens the samples of the aperture, and closes the others of its rectangle.
     pub(super) fn clear(&mut self, passage: &Passage) {
         self.rect = passage.aperture.rect();

@@ -7,13 +7,15 @@
 //! Cost: O(faces).
 //! Conservative: as [`super::batch`].
 
-use super::batch::{Block, LANES, Shapes};
-use super::{MaskedDepth, Room};
-use crate::faces::Faces;
+use super::MaskedDepth;
+use super::batch::{Block, LANES};
+use super::worker::Worker;
+use crate::geom::Aabb;
 use crate::passage::Passage;
 use crate::stats::Stats;
+use crate::threads;
 use fearless_simd::prelude::*;
-use fearless_simd::{dispatch, f32x16, mask32x16};
+use fearless_simd::{f32x16, mask32x16};
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -24,16 +26,18 @@ pub struct OccluderMesh {
 }
 
 /// A run of faces that share their corners with no other part.
-#[derive(Clone, Debug, Default)]
-struct Part {
-    blocks: Vec<Block>,
-    quads: Sided<4, 2>,
-    triangles: Sided<3, 1>,
+#[derive(Clone, Debug)]
+pub(super) struct Part {
+    /// Around all corners that are numbers.
+    pub(super) bounds: Aabb,
+    pub(super) blocks: Vec<Block>,
+    pub(super) quads: Sided<4, 2>,
+    pub(super) triangles: Sided<3, 1>,
 }
 
 /// Faces of so many sides, and triangles that each consists of.
 #[derive(Clone, Debug, Default)]
-struct Sided<const SIDES: usize, const HALVES: usize> {
+pub(super) struct Sided<const SIDES: usize, const HALVES: usize> {
     /// Corners, as places among the positions of the part.
     faces: Vec<[u32; SIDES]>,
     /// Of sixteen faces: n and d of the planes of their triangles, n · p + d above zero before them.
@@ -113,8 +117,9 @@ pub(super) fn merged(positions: &[[f32; 3]], one: [u32; 3], other: [u32; 3]) -> 
 struct Building<'a> {
     positions: &'a [[f32; 3]],
     parts: Vec<Part>,
-    /// The part at hand, the places of its corners, and what is there.
-    part: Part,
+    /// Of the part at hand: its faces, the places of their corners, and what is there.
+    quads: Sided<4, 2>,
+    triangles: Sided<3, 1>,
     places: HashMap<u32, u32>,
     used: Vec<[f32; 3]>,
 }
@@ -124,7 +129,8 @@ impl<'a> Building<'a> {
         Building {
             positions,
             parts: Vec::new(),
-            part: Part::default(),
+            quads: Sided::default(),
+            triangles: Sided::default(),
             places: HashMap::new(),
             used: Vec::new(),
         }
@@ -132,12 +138,12 @@ impl<'a> Building<'a> {
 
     fn add_triangle(&mut self, corners: [u32; 3]) {
         let face = self.place(corners);
-        self.part.triangles.faces.push(face);
+        self.triangles.faces.push(face);
     }
 
     fn add_quad(&mut self, corners: [u32; 4]) {
         let face = self.place(corners);
-        self.part.quads.faces.push(face);
+        self.quads.faces.push(face);
     }
 
     /// The places of corners among those of the part at hand, which is another one where it would have too many.
@@ -155,11 +161,15 @@ impl<'a> Building<'a> {
     }
 
     fn close_part(&mut self) {
-        let mut part = std::mem::take(&mut self.part);
-        part.blocks.extend(self.used.chunks(LANES).map(block));
-        part.quads.find_planes(&self.used);
-        part.triangles.find_planes(&self.used);
-        self.parts.push(part);
+        let is_number = |at: &&[f32; 3]| at.iter().all(|value| value.is_finite());
+        self.quads.find_planes(&self.used);
+        self.triangles.find_planes(&self.used);
+        self.parts.push(Part {
+            bounds: Aabb::of(self.used.iter().filter(is_number).copied()),
+            blocks: self.used.chunks(LANES).map(block).collect(),
+            quads: std::mem::take(&mut self.quads),
+            triangles: std::mem::take(&mut self.triangles),
+        });
         self.used.clear();
         self.places.clear();
     }
@@ -192,33 +202,38 @@ impl<const SIDES: usize, const HALVES: usize> Sided<SIDES, HALVES> {
 
     /// Keeps the faces that the eye is not surely behind.
     #[inline(always)]
-    fn keep_facing<S: Simd>(&self, simd: S, eye: [f32; 3], facing: &mut Vec<[u32; SIDES]>) {
-        /// What rounding may come to, relatively, and ample.
-        const ROUNDING: f32 = 1.0 / (1_u32 << 20) as f32;
+    pub(super) fn keep_facing<S: Simd>(&self, simd: S, eye: [f32; 3], facing: &mut Vec<[u32; SIDES]>) {
         facing.clear();
-        for (halves, faces) in self.planes.iter().zip(self.faces.chunks(LANES)) {
-            let mut behind = mask32x16::splat(simd, true);
-            for [a, b, c, d] in halves {
-                let a = f32x16::from_slice(simd, a) * eye[0];
-                let b = f32x16::from_slice(simd, b) * eye[1];
-                let c = f32x16::from_slice(simd, c) * eye[2];
-                let d = f32x16::from_slice(simd, d);
-                let slack = (a.abs() + b.abs() + c.abs() + d.abs()) * ROUNDING;
-                // Also of those of which nothing can be said.
-                behind &= (a + b + c + d).simd_lt(-slack);
-            }
-            let kept = !behind.to_bitmask() & ((1 << faces.len()) - 1);
-            if kept == (1 << LANES) - 1 {
+        for (planes, faces) in self.planes.iter().zip(self.faces.chunks(LANES)) {
+            let mut left = !behind(simd, planes, eye) & ((1 << faces.len()) - 1);
+            if left == (1 << LANES) - 1 {
                 facing.extend_from_slice(faces);
                 continue;
             }
-            let mut left = kept;
             while left != 0 {
                 facing.push(faces[left.trailing_zeros() as usize]);
                 left &= left - 1;
             }
         }
     }
+}
+
+/// A bit for each of sixteen faces that the eye is surely behind.
+#[inline(always)]
+fn behind<S: Simd, const HALVES: usize>(simd: S, planes: &[[[f32; LANES]; 4]; HALVES], eye: [f32; 3]) -> u64 {
+    /// What rounding may come to, relatively, and ample.
+    const ROUNDING: f32 = 1.0 / (1_u32 << 20) as f32;
+    let mut behind = mask32x16::splat(simd, true);
+    for [a, b, c, d] in planes {
+        let a = f32x16::from_slice(simd, a) * eye[0];
+        let b = f32x16::from_slice(simd, b) * eye[1];
+        let c = f32x16::from_slice(simd, c) * eye[2];
+        let d = f32x16::from_slice(simd, d);
+        let slack = (a.abs() + b.abs() + c.abs() + d.abs()) * ROUNDING;
+        // Also of those of which nothing can be said.
+        behind &= (a + b + c + d).simd_lt(-slack);
+    }
+    behind.to_bitmask()
 }
 
 /// Positions as a kernel takes them; what is missing is no number.
@@ -238,23 +253,37 @@ pub(super) fn block(positions: &[[f32; 3]]) -> Block {
 impl MaskedDepth {
     /// Lets a mesh, in the space of the passage's fragment, hide what is behind it.
     pub fn hide_mesh(&mut self, mesh: &OccluderMesh, passage: &Passage, stats: &mut Stats) {
-        let as_these = Faces::of_triangles(&[], &[], &passage.screen_from_fragment);
-        let eye = passage.eye().map(|at| at as f32);
-        let mut room = std::mem::take(&mut self.room);
-        let Room { quads, triangles, .. } = &mut room;
-        for part in &mesh.parts {
-            dispatch!(self.level, simd => part.quads.keep_facing(simd, eye, quads));
-            dispatch!(self.level, simd => part.triangles.keep_facing(simd, eye, triangles));
-            if quads.is_empty() && triangles.is_empty() {
-                continue;
-            }
-            let shapes = Shapes {
-                quads,
-                triangles,
-                first_position: 0,
-            };
-            self.hide_shapes(&as_these, &part.blocks, shapes, passage, stats);
+        self.worker
+            .hide_parts(&mut self.grid.all(), &mesh.parts, passage, stats);
+    }
+
+    /// As [`MaskedDepth::hide_mesh`], in so many strips of rows, each by whatever thread is free, of the rayon pool that this is
+    /// called in or else of the global one.
+    ///
+    /// Strips share nothing but the mesh: each sorts out by itself what reaches into it. What is hidden then is the same for
+    /// any number of threads. It need not be for another number of strips: the two nearnesses of a sub-tile may be others,
+    /// and neither is ever above the truth.
+    pub fn hide_mesh_in_strips(
+        &mut self,
+        mesh: &OccluderMesh,
+        passage: &Passage,
+        strips: usize,
+        stats: &mut Stats,
+    ) {
+        if self.workers.len() < strips {
+            self.workers.resize_with(strips, || Worker::at(self.level));
         }
-        self.room = room;
+        let mut strips: Vec<_> = self
+            .grid
+            .strips(strips)
+            .zip(&mut self.workers)
+            .map(|(tiles, worker)| (tiles, worker, Stats::default()))
+            .collect();
+        threads::for_each(&mut strips, |_, (tiles, worker, stats)| {
+            worker.hide_parts(tiles, &mesh.parts, passage, stats);
+        });
+        for (_, _, done) in &strips {
+            stats.add(done);
+        }
     }
 }

@@ -25,26 +25,24 @@ mod show;
 #[cfg(test)]
 mod tests;
 mod tile;
+mod worker;
 
-use super::raster::Raster;
 use super::{Cover, Hides};
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, CoverShape};
 use crate::faces::Faces;
 use crate::occluders::{Measure, Occluder};
 use crate::order::Unsorted;
-use crate::passage::{BEYOND, Passage};
+use crate::passage::Passage;
 use crate::region::{Region, Sight};
 use crate::simd::level;
 use crate::stats::Stats;
-use batch::{Batch, Block, Frame, LANES, Shapes};
-use faces::OneByOne;
 use fearless_simd::{Level, dispatch};
 use fill::Fill;
 use grid::Grid;
 pub use mesh::OccluderMesh;
-use mesh::block;
 use tile::{COLUMNS, ROWS, Tile};
+use worker::Worker;
 
 /// Samples of a box, for each face in it, from which on its faces are let in. Where they have fewer, what they hide is not
 /// worth setting them up.
@@ -54,20 +52,11 @@ const WORTH: u64 = 4;
 pub struct MaskedDepth {
     level: Level,
     fill: Fill,
-    raster: Raster,
-    batch: Batch,
-    room: Room,
+    worker: Worker,
+    /// Those of strips.
+    workers: Vec<Worker>,
     grid: Grid,
     near: f64,
-}
-
-/// A batch of faces as a kernel takes it.
-#[derive(Default)]
-struct Room {
-    blocks: Vec<Block>,
-    /// What faces of more corners than three are taken for, and faces that face the eye.
-    quads: Vec<[u32; 4]>,
-    triangles: Vec<[u32; 3]>,
 }
 
 impl Default for MaskedDepth {
@@ -82,9 +71,8 @@ impl MaskedDepth {
         MaskedDepth {
             level,
             fill: Fill::at(level),
-            raster: Raster::at(level),
-            batch: Batch::default(),
-            room: Room::default(),
+            worker: Worker::at(level),
+            workers: Vec::new(),
             grid: Grid::default(),
             near: 0.0,
         }
@@ -129,113 +117,13 @@ impl Hides for MaskedDepth {
 
     fn hide_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) {
         if !Self::are_too_fine(faces.count() as u64, region) {
-            self.hide_batch(faces, passage, stats);
+            self.worker
+                .hide_batch(&mut self.grid.all(), faces, passage, stats);
         }
     }
 
     fn are_too_fine(triangles: u64, region: &Region) -> bool {
         let Rect { x0, y0, x1, y1 } = region.rect;
         u64::from(x1 - x0) * u64::from(y1 - y0) < WORTH * triangles
-    }
-}
-
-impl MaskedDepth {
-    /// Lets faces hide what is behind them.
-    fn hide_batch(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats) {
-        let mut room = std::mem::take(&mut self.room);
-        let Room {
-            blocks,
-            quads,
-            triangles,
-        } = &mut room;
-        blocks.clear();
-        blocks.extend(faces.positions.chunks(LANES).map(block));
-        stats.batches += 1;
-        let mut shapes = Shapes {
-            quads: &[],
-            triangles: faces.corners.as_chunks().0,
-            first_position: faces.first_position,
-        };
-        if faces.starts.is_some() {
-            quads.clear();
-            triangles.clear();
-            faces.for_each(|_, face| fan(face, quads, triangles));
-            shapes.quads = quads;
-            shapes.triangles = triangles;
-        }
-        self.hide_shapes(faces, blocks, shapes, passage, stats);
-        self.room = room;
-    }
-
-    /// Lets shapes that are otherwise as `faces` hide what is behind them: most by the kernels, and those of which these are
-    /// not certain one by one.
-    fn hide_shapes(
-        &mut self,
-        faces: &Faces,
-        blocks: &[Block],
-        shapes: Shapes,
-        passage: &Passage,
-        stats: &mut Stats,
-    ) {
-        let MaskedDepth {
-            level,
-            raster,
-            batch,
-            grid,
-            near,
-            ..
-        } = self;
-        let entry = passage
-            .entry
-            .map(|(normal, distance)| (normal, distance * BEYOND));
-        let frame = Frame::new(faces.screen_from_local, *near, entry, faces.front(passage), grid);
-        stats.triangles += shapes.triangles();
-        dispatch!(*level, simd => batch.hide(simd, &frame, blocks, shapes, grid));
-        let (uncertain, waiting) = batch.uncertain();
-        if uncertain.is_empty() {
-            return;
-        }
-        // They are of a batch that is counted already.
-        let mut alone = Stats::default();
-        for &number in uncertain {
-            let corners = shapes.corners(number as usize);
-            let at = |corner: u32| {
-                let place = (corner - shapes.first_position) as usize;
-                blocks[place / LANES].map(|axis| axis[place % LANES])
-            };
-            for last in 2..corners.len() {
-                let three = [corners[0], corners[last - 1], corners[last]].map(at);
-                if !three.as_flattened().iter().all(|value| value.is_finite()) {
-                    continue;
-                }
-                let one = Faces {
-                    positions: &three,
-                    first_position: 0,
-                    corners: &[0, 1, 2],
-                    starts: None,
-                    neighbours: &[],
-                    ..*faces
-                };
-                raster.run(&one, passage, &mut OneByOne::new(grid, waiting), &mut alone);
-            }
-        }
-        stats.triangles_hidden += alone.triangles_hidden;
-        stats.samples += alone.samples;
-        dispatch!(*level, simd => waiting.cover(simd, grid));
-    }
-}
-
-/// A convex face as quads, and a triangle that is left.
-fn fan(face: &[u32], quads: &mut Vec<[u32; 4]>, triangles: &mut Vec<[u32; 3]>) {
-    let Some((&first, others)) = face.split_first() else {
-        return;
-    };
-    let mut last = 0;
-    while let Some(&[a, b, c]) = others[last..].first_chunk() {
-        quads.push([first, a, b, c]);
-        last += 2;
-    }
-    if let Some(&[a, b]) = others[last..].first_chunk() {
-        triangles.push([first, a, b]);
     }
 }

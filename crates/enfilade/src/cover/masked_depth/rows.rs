@@ -4,11 +4,13 @@
 //! Cost: O(tiles); one that is nearer already is left after one comparison.
 //! Conservative: as [`Tile::cover`], its specification.
 
-use super::grid::Grid;
+use super::batch::{COUNT, LANES};
+use super::grid::Tiles;
 use super::tile::{ACROSS, COLUMNS, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES, Tile};
 use crate::cover::band::Band;
+use crate::cover::part::smaller;
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x16, i32x16, u8x64, u32x16};
+use fearless_simd::{f32x16, i32x16, mask32x16, u8x64, u32x16};
 
 /// Runs of samples in the sixteen rows of a row of tiles.
 #[derive(Clone, Copy)]
@@ -19,38 +21,68 @@ struct Runs {
     stops: [i32; ROWS],
     /// The columns that all rows hold; empty where that is not known.
     whole: [i32; 2],
-    slopes: Slopes,
     row: u32,
-}
-
-/// A tile that runs reach into.
-#[derive(Clone, Copy, Default)]
-struct Part {
-    tile: u32,
-    column: i32,
-    runs: u32,
+    /// Which of the slopes that wait are theirs.
+    slopes: u32,
 }
 
 /// Runs that wait to be covered.
 ///
-/// First all runs are found, then the tiles that they reach into, then these are covered: so no step waits for the one
-/// before it where a branch was guessed wrongly.
+/// First all runs are found, then the tiles that they reach into, then these are covered, each without a branch: so no step
+/// waits for the one before it because a branch was guessed wrongly.
+#[derive(Default)]
 pub(super) struct Waiting {
+    /// Of each face.
+    slopes: Vec<Slopes>,
     runs: Vec<Runs>,
     /// Of which some samples are covered, and all.
-    parts: [Vec<Part>; 2],
+    some: Parts,
+    whole: Parts,
+}
+
+/// Tiles that runs reach into, by their numbers and those of the runs.
+struct Parts {
+    count: usize,
+    tiles: [u32; MOST_PARTS],
+    runs: [u32; MOST_PARTS],
 }
 
 /// So many runs wait before they are covered, or more of a large face; and so many parts of them.
 const MANY_RUNS: usize = 64;
 const MOST_PARTS: usize = 256;
 
-impl Default for Waiting {
-    fn default() -> Waiting {
-        Waiting {
-            runs: Vec::with_capacity(MANY_RUNS),
-            parts: [Vec::with_capacity(MOST_PARTS), Vec::with_capacity(MOST_PARTS)],
+impl Default for Parts {
+    fn default() -> Parts {
+        Parts {
+            count: 0,
+            tiles: [0; MOST_PARTS],
+            runs: [0; MOST_PARTS],
         }
+    }
+}
+
+impl Parts {
+    /// Adds some of sixteen tiles.
+    #[inline(always)]
+    fn push<S: Simd>(&mut self, which: mask32x16<S>, tiles: u32x16<S>, runs: u32x16<S>) {
+        let start = self.count.min(MOST_PARTS - LANES);
+        tiles
+            .compress(which)
+            .store_slice(&mut self.tiles[start..start + LANES]);
+        runs.store_slice(&mut self.runs[start..start + LANES]);
+        self.count = start + which.to_bitmask().count_ones() as usize;
+    }
+
+    fn is_full(&self) -> bool {
+        self.count > MOST_PARTS - LANES
+    }
+
+    /// Tiles and their runs; none are left.
+    #[inline(always)]
+    fn take(&mut self) -> impl Iterator<Item = (u32, u32)> {
+        let count = std::mem::take(&mut self.count).min(MOST_PARTS);
+        let runs = self.runs[..count].iter().copied();
+        self.tiles[..count].iter().copied().zip(runs)
     }
 }
 
@@ -61,26 +93,26 @@ impl Waiting {
         self.runs.len() >= MANY_RUNS
     }
 
+    /// Begins a face: the runs that follow are its.
+    #[inline(always)]
+    pub(super) fn begin(&mut self, slopes: &Slopes) {
+        self.slopes.push(*slopes);
+    }
+
     /// Lets the runs of a row of tiles wait. All rows hold the columns `whole`.
     #[inline(always)]
-    pub(super) fn push(
-        &mut self,
-        row: usize,
-        [starts, stops]: [[i32; ROWS]; 2],
-        whole: [i32; 2],
-        slopes: &Slopes,
-    ) {
+    pub(super) fn push(&mut self, row: usize, [starts, stops]: [[i32; ROWS]; 2], whole: [i32; 2]) {
         self.runs.push(Runs {
             starts,
             stops,
-            slopes: *slopes,
             whole,
             row: row as u32,
+            slopes: self.slopes.len() as u32 - 1,
         });
     }
 
     /// Lets the runs of a band wait.
-    pub(super) fn push_band(&mut self, band: &Band, slopes: &Slopes) {
+    pub(super) fn push_band(&mut self, band: &Band) {
         let y = usize::from(band.y);
         let [mut starts, mut stops] = [[0; ROWS]; 2];
         let rows = starts.iter_mut().zip(&mut stops).skip(y % ROWS);
@@ -89,63 +121,83 @@ impl Waiting {
                 [*start, *stop] = run.map(i32::from);
             }
         }
-        self.push(y / ROWS, [starts, stops], [0; 2], slopes);
+        self.push(y / ROWS, [starts, stops], [0; 2]);
     }
 
-    /// Covers all that waits.
+    /// Covers all that waits. Compiled once, not into all that ask for it: it is long.
+    pub(super) fn cover<S: Simd>(&mut self, simd: S, tiles: &mut Tiles) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.cover_at(simd, tiles),
+        );
+    }
+
     #[inline(always)]
-    pub(super) fn cover<S: Simd>(&mut self, simd: S, grid: &mut Grid) {
+    fn cover_at<S: Simd>(&mut self, simd: S, tiles: &mut Tiles) {
+        const STEP: i32 = (LANES * COLUMNS) as i32;
         let far = i32x16::splat(simd, i32::MAX);
+        let lanes = u32x16::from_slice(simd, &COUNT);
+        let columns = lanes.bitcast::<i32x16<S>>() * COLUMNS as i32;
         for number in 0..self.runs.len() {
             let runs = &self.runs[number];
             let starts = i32x16::from_slice(simd, &runs.starts);
             let stops = i32x16::from_slice(simd, &runs.stops);
             let first = starts.simd_lt(stops).select(starts, far).reduce_min();
-            let (end, greatest, whole) = (stops.reduce_max(), runs.slopes.greatest, runs.whole);
-            let row = runs.row * grid.columns as u32;
+            let (end, whole) = (stops.reduce_max(), runs.whole);
+            let greatest = f32x16::splat(simd, self.slopes[runs.slopes as usize].greatest);
+            let row = (runs.row as usize - tiles.first_row) * tiles.columns;
             let mut column = first & -(COLUMNS as i32);
             while column < end {
-                let tile = row + column as u32 / COLUMNS as u32;
+                let tile = row + column as usize / COLUMNS;
+                let columns = columns + column;
                 // Tiles that are nearer already are left.
-                if greatest > grid.farthest[tile as usize] {
-                    let is_whole = whole[0] <= column && column + COLUMNS as i32 <= whole[1];
-                    self.parts[usize::from(is_whole)].push(Part {
-                        tile,
-                        column,
-                        runs: number as u32,
-                    });
+                let farthest = tiles.sixteen_farthest(simd, tile);
+                let seen = farthest.simd_lt(greatest) & columns.simd_lt(end);
+                let all = columns.simd_ge(whole[0]) & (columns + COLUMNS as i32).simd_le(whole[1]);
+                let (at, number) = (lanes + tile as u32, u32x16::splat(simd, number as u32));
+                self.some.push(seen & !all, at, number);
+                self.whole.push(seen & all, at, number);
+                if self.some.is_full() || self.whole.is_full() {
+                    self.cover_parts(simd, tiles);
                 }
-                column += COLUMNS as i32;
-            }
-            if self.parts[0].len().max(self.parts[1].len()) >= MOST_PARTS / 2 {
-                self.cover_parts(simd, grid);
+                column += STEP;
             }
         }
-        self.cover_parts(simd, grid);
+        self.cover_parts(simd, tiles);
+        self.slopes.clear();
         self.runs.clear();
     }
 
     #[inline(always)]
-    fn cover_parts<S: Simd>(&mut self, simd: S, grid: &mut Grid) {
-        let [some, whole] = &mut self.parts;
-        for Part { tile, column, runs } in whole.drain(..) {
-            let runs = &self.runs[runs as usize];
-            let nearness = runs
-                .slopes
-                .over_tile(simd, [column, (runs.row * ROWS as u32) as i32]);
-            let (tile, farthest) = (&mut grid.tiles[tile as usize], &mut grid.farthest[tile as usize]);
+    fn cover_parts<S: Simd>(&mut self, simd: S, tiles: &mut Tiles) {
+        let (slopes, runs) = (&self.slopes, &self.runs);
+        for (number, of) in self.whole.take() {
+            let runs = &runs[of as usize];
+            let column = runs.column_of(number, tiles);
+            let row = (runs.row * ROWS as u32) as i32;
+            let nearness = slopes[runs.slopes as usize].over_tile(simd, [column, row]);
+            let (tile, farthest) = tiles.tile(number);
             cover_whole(simd, tile, farthest, nearness);
         }
-        for Part { tile, column, runs } in some.drain(..) {
-            let runs = &self.runs[runs as usize];
+        for (number, of) in self.some.take() {
+            let runs = &runs[of as usize];
+            let column = runs.column_of(number, tiles);
+            let row = (runs.row * ROWS as u32) as i32;
             let starts = i32x16::from_slice(simd, &runs.starts) - column;
             let stops = i32x16::from_slice(simd, &runs.stops) - column;
-            let nearness = runs
-                .slopes
-                .over_tile(simd, [column, (runs.row * ROWS as u32) as i32]);
-            let (tile, farthest) = (&mut grid.tiles[tile as usize], &mut grid.farthest[tile as usize]);
+            let nearness = slopes[runs.slopes as usize].over_tile(simd, [column, row]);
+            let (tile, farthest) = tiles.tile(number);
             cover_tile(simd, tile, farthest, masks_of_rows(simd, starts, stops), nearness);
         }
+    }
+}
+
+impl Runs {
+    /// The first column of samples of a tile in their row, by its number.
+    #[inline(always)]
+    fn column_of(&self, tile: u32, tiles: &Tiles) -> i32 {
+        let first = (self.row as usize - tiles.first_row) * tiles.columns;
+        ((tile as usize - first) * COLUMNS) as i32
     }
 }
 
@@ -179,11 +231,9 @@ fn cover_tile<S: Simd>(
     let changes = acts & full;
     acts.select(next_mask, mask).store_slice(&mut tile.mask);
     acts.select(next_working, working).store_slice(&mut tile.working);
-    if changes.any_true() {
-        let next = changes.select(alone.select(near, far), reference);
-        next.store_slice(&mut tile.reference);
-        *farthest = f32::from_bits(next.reduce_min());
-    }
+    let next = changes.select(alone.select(near, far), reference);
+    next.store_slice(&mut tile.reference);
+    *farthest = f32::from_bits(next.reduce_min());
 }
 
 /// As [`cover_tile`], where all samples are covered.
@@ -226,15 +276,11 @@ impl Slopes {
     #[inline(always)]
     pub(super) fn new(at: f64, slopes: [f64; 2], [least, greatest]: [f32; 2]) -> Slopes {
         // Where f32 could overflow, or something is no number already, no more is known than the least.
-        let is_small = [at, slopes[0], slopes[1]].iter().all(|value| value.abs() < LARGE);
+        let is_small = (at.abs() < LARGE) & (slopes[0].abs() < LARGE) & (slopes[1].abs() < LARGE);
         let (at, [by_column, by_row]) = if is_small { (at, slopes) } else { (0.0, [0.0; 2]) };
-        // The least over a sub-tile is at one of its corners.
-        let column = if by_column < 0.0 {
-            SUB_COLUMNS as f64 - 0.5
-        } else {
-            0.5
-        };
-        let row = if by_row < 0.0 { SUB_ROWS as f64 - 0.5 } else { 0.5 };
+        // The least over a sub-tile is at one of its corners: at its first column and row, or the last.
+        let across = smaller(by_column * (SUB_COLUMNS as f64 - 1.0), 0.0);
+        let down = smaller(by_row * (SUB_ROWS as f64 - 1.0), 0.0);
         let rounding = (by_column.abs() * COLUMNS as f64 + by_row.abs() * ROWS as f64) * f64::from(ROUNDING);
         let mut by_sub_tile = [0.0; SUB_TILES];
         for (sub, nearness) in by_sub_tile.iter_mut().enumerate() {
@@ -243,7 +289,7 @@ impl Slopes {
         }
         Slopes {
             by_sub_tile,
-            at: at + by_column * column + by_row * row - rounding,
+            at: at + (0.5 * by_column + across) + (0.5 * by_row + down) - rounding,
             by_column,
             by_row,
             least,

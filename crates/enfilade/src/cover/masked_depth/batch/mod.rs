@@ -20,20 +20,23 @@ mod small;
 mod sort;
 mod wide;
 
-use super::grid::Grid;
+use super::grid::Tiles;
 use super::rows::Waiting;
 use super::tile::{COLUMNS, ROWS};
 use crate::aperture::Rect;
 use crate::cover::part::Part;
+use crate::faces::Faces;
+use crate::passage::{BEYOND, Passage};
 pub(super) use corners::Block;
 use corners::{Corners, DEEPEST, MOST_CORNERS};
 use fearless_simd::prelude::*;
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 use records::Records;
 use sort::{Group, Queues};
 
-/// Lanes of a kernel, at every level.
+/// Lanes of a kernel, at every level, and their numbers.
 pub(super) const LANES: usize = 16;
+pub(super) const COUNT: [u32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 /// A screen of more columns or rows reaches to where corners are odd.
 const MOST_SAMPLES: u16 = 12_000;
@@ -63,23 +66,24 @@ pub(super) struct Frame {
     columns: [i32; 2],
     rows: [i32; 2],
     tile_columns: u32,
+    /// Rows of tiles above those that are covered.
+    first_row: i32,
     /// The near distance and the plane of the last portal, where triangles are cut; `None` where they cannot be.
     clips: Option<(f64, Option<(DVec3, f64)>)>,
 }
 
 impl Frame {
-    pub(super) fn new(
-        screen_from_local: &DAffine3,
-        near: f64,
-        entry: Option<(DVec3, f64)>,
-        front: f64,
-        grid: &Grid,
-    ) -> Frame {
+    /// Of faces that are seen through a passage, and go into some tiles.
+    pub(super) fn new(faces: &Faces, passage: &Passage, tiles: &Tiles) -> Frame {
         /// What f64 rounds, and ample.
         const SURELY: f64 = 1.0 + 1.0 / (1_u64 << 30) as f64;
-        let Rect { x0, y0, x1, y1 } = grid.rect;
-        let rows = screen_from_local.matrix3.transpose();
-        let offset = screen_from_local.translation;
+        let Rect { x0, y0, x1, y1 } = tiles.rect;
+        let near = f64::from(passage.near);
+        let entry = passage
+            .entry
+            .map(|(normal, distance)| (normal, distance * BEYOND));
+        let rows = faces.screen_from_local.matrix3.transpose();
+        let offset = faces.screen_from_local.translation;
         let row = |row: DVec3, offset| [row.x, row.y, row.z, offset];
         let middle = |start: u16, end: u16, align: usize| {
             let middle = (usize::from(start) + usize::from(end)) / 2;
@@ -97,13 +101,14 @@ impl Frame {
             near: (near * SURELY).max(1.0 / DEEPEST),
             behind: near / SURELY,
             entry: entry.map(|(normal, distance)| (normal.into(), distance * SURELY)),
-            front: front as f32,
+            front: faces.front(passage) as f32,
             middle: middle_sample.map(f64::from),
             limits: [[x0, x1], [y0, y1]].map(|limits| limits.map(f64::from)),
             columns: [i32::from(x0) - middle_sample[0], i32::from(x1) - middle_sample[0]],
             rows: [i32::from(y0) - middle_sample[1], i32::from(y1) - middle_sample[1]],
             middle_sample,
-            tile_columns: grid.columns as u32,
+            tile_columns: tiles.columns as u32,
+            first_row: tiles.first_row as i32,
             clips: (is_small && near > 1.0 / DEEPEST).then_some((near, entry)),
         }
     }
@@ -158,7 +163,7 @@ impl Batch {
         frame: &Frame,
         positions: &[Block],
         shapes: Shapes,
-        grid: &mut Grid,
+        tiles: &mut Tiles,
     ) {
         self.queues.uncertain.clear();
         let Shapes {
@@ -199,7 +204,7 @@ impl Batch {
             let done = next == groups && self.queues.clipped.count == 0;
             if done || self.queues.are_full() {
                 let least = if done { 1 } else { LANES };
-                self.work_off(simd, frame, grid, least);
+                self.work_off(simd, frame, tiles, least);
             }
             if done {
                 return;
@@ -214,7 +219,7 @@ impl Batch {
 
     /// Covers what those that wait cover, wide ones first, where there are at least `least` in a group.
     #[inline(always)]
-    fn work_off<S: Simd>(&mut self, simd: S, frame: &Frame, grid: &mut Grid, least: usize) {
+    fn work_off<S: Simd>(&mut self, simd: S, frame: &Frame, tiles: &mut Tiles, least: usize) {
         let Batch {
             queues:
                 Queues {
@@ -231,16 +236,16 @@ impl Batch {
         let mut from = 0;
         while wide.count >= from + least {
             let faces = wide.sixteen(simd, from);
-            wide::draw(simd, frame, &faces, grid, waiting, uncertain);
+            wide::draw(simd, frame, &faces, tiles, waiting, uncertain);
             from += faces.lanes;
         }
-        waiting.cover(simd, grid);
+        waiting.cover(simd, tiles);
         wide.forget_before(from);
         from = 0;
         while quads.count >= from + least {
             let faces = quads.sixteen(simd, from);
             small::draw::<S, 4, 2>(simd, frame, &faces, records, uncertain);
-            records.merge(grid);
+            records.merge(tiles);
             from += faces.lanes;
         }
         quads.forget_before(from);
@@ -248,7 +253,7 @@ impl Batch {
         while small.count >= from + least {
             let faces = small.sixteen(simd, from);
             small::draw::<S, 3, 1>(simd, frame, &faces, records, uncertain);
-            records.merge(grid);
+            records.merge(tiles);
             from += faces.lanes;
         }
         small.forget_before(from);

@@ -8,13 +8,16 @@
 
 use super::Frame;
 use super::lanes::Lanes;
-use crate::cover::masked_depth::grid::Grid;
-use crate::cover::masked_depth::tile::{SUB_COLUMNS, SUB_ROWS, SUB_TILES};
+use crate::cover::masked_depth::grid::Tiles;
+use crate::cover::masked_depth::tile::{ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u32x16};
 
 /// Room for what sixteen small faces can cover: 8 sub-tiles down, 4 across.
 const MOST: usize = 16 * 8 * 4;
+
+/// Sub-tiles of a tile, one below the other.
+const DOWN: i32 = (ROWS / SUB_ROWS) as i32;
 
 /// Samples of sub-tiles.
 pub(super) struct Records {
@@ -41,11 +44,11 @@ impl Default for Records {
 impl Records {
     /// Merges all into the tiles, and forgets them.
     #[inline(always)]
-    pub(super) fn merge(&mut self, grid: &mut Grid) {
+    pub(super) fn merge(&mut self, tiles: &mut Tiles) {
         let count = self.count.min(MOST);
         // All at once into the cache: one by one each would be waited for.
         for &place in &self.places[..count] {
-            self.touched ^= grid.tiles[place as usize / SUB_TILES].reference[place as usize % SUB_TILES];
+            self.touched ^= tiles.tiles[place as usize / SUB_TILES].reference[place as usize % SUB_TILES];
         }
         let all = self.places[..count]
             .iter()
@@ -53,9 +56,9 @@ impl Records {
             .zip(&self.nearness[..count]);
         for ((&place, &mask), &nearness) in all {
             let index = place as usize / SUB_TILES;
-            let tile = &mut grid.tiles[index];
+            let (tile, farthest) = tiles.tile(index as u32);
             if tile.cover(place as usize % SUB_TILES, mask, nearness) {
-                grid.farthest[index] = tile.farthest();
+                *farthest = tile.farthest();
             }
         }
         self.count = 0;
@@ -89,7 +92,7 @@ impl<S: Simd> Places<S> {
             .select(f32x16::splat(simd, 3.5), f32x16::splat(simd, 0.5));
         Places {
             column: ((lanes.origin[0] + frame.middle_sample[0]) >> 3).bitcast(),
-            row: ((lanes.origin[1] + frame.middle_sample[1]) >> 2).bitcast(),
+            row: (((lanes.origin[1] + frame.middle_sample[1]) >> 2) - frame.first_row * DOWN).bitcast(),
             tile_columns: frame.tile_columns,
             nearness: lanes.plane.at + by_column * column + by_row * row,
             by_column: by_column * SUB_COLUMNS as f32,

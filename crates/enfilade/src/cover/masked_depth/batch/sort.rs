@@ -10,7 +10,7 @@
 use super::clip::clip;
 use super::corners::{Block, Corners, MOST_CORNERS};
 use super::queue::{Queue, Sixteen};
-use super::{Frame, HALF, LANES, ONE, ONE_SHIFT, Shapes};
+use super::{COUNT, Frame, HALF, LANES, ONE, ONE_SHIFT, Shapes};
 use crate::cover::part::Part;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16, u32x4, u32x16};
@@ -302,8 +302,6 @@ impl<S: Simd> Turn<S> {
 
 /// What two products and their difference may be off by in f32, relatively, and ample.
 pub(super) const EXACTNESS: f32 = 1.0 / (1_u32 << 21) as f32;
-
-const COUNT: [u32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 /// The samples between the least and the greatest of some places on an axis.
 pub(super) struct Samples<S: Simd> {

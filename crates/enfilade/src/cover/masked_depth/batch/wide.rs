@@ -9,12 +9,12 @@
 use super::huge::Sides;
 use super::lanes::{Edge, Lanes};
 use super::queue::Sixteen;
-use super::{Frame, LANES, ONE};
-use crate::cover::masked_depth::grid::Grid;
+use super::{COUNT, Frame, LANES, ONE};
+use crate::cover::masked_depth::grid::Tiles;
 use crate::cover::masked_depth::rows::{Slopes, Waiting};
 use crate::cover::masked_depth::tile::{COLUMNS, ROWS};
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x16, i32x16};
+use fearless_simd::{f32x16, i32x16, u32x16};
 
 /// What is needed of each of sixteen triangles, by lane.
 struct Stored {
@@ -34,7 +34,7 @@ pub(super) fn draw<S: Simd>(
     simd: S,
     frame: &Frame,
     triangles: &Sixteen<S, 3>,
-    grid: &mut Grid,
+    tiles: &mut Tiles,
     waiting: &mut Waiting,
     uncertain: &mut Vec<u32>,
 ) {
@@ -74,7 +74,7 @@ pub(super) fn draw<S: Simd>(
         if unsure >> lane & 1 != 0 {
             uncertain.push(stored.number[lane]);
         } else {
-            draw_one(simd, frame, &stored, lane, grid, waiting, uncertain);
+            draw_one(simd, frame, &stored, lane, tiles, waiting, uncertain);
         }
     }
 }
@@ -105,7 +105,7 @@ fn draw_one<S: Simd>(
     frame: &Frame,
     stored: &Stored,
     lane: usize,
-    grid: &mut Grid,
+    tiles: &mut Tiles,
     waiting: &mut Waiting,
     uncertain: &mut Vec<u32>,
 ) {
@@ -126,15 +126,16 @@ fn draw_one<S: Simd>(
     let at = f64::from(at) - by_column * f64::from(left_of) - by_row * f64::from(above);
     let slopes = Slopes::new(at, [by_column, by_row], [least, greatest]);
     if waiting.are_many() {
-        waiting.cover(simd, grid);
+        waiting.cover(simd, tiles);
     }
+    waiting.begin(&slopes);
     let mut row = 0;
     while row < end_row {
         let [start, stop] = match &huge {
             Some(sides) => sides.ends(simd, row, between),
             None => ends(simd, &stored.edges, lane, row, between),
         };
-        let number = i32x16::from_slice(simd, &NUMBERS) + row;
+        let number = u32x16::from_slice(simd, &COUNT).bitcast::<i32x16<S>>() + row;
         let inside = number.simd_ge(first_row) & number.simd_lt(end_row);
         let sure = start[0].simd_eq(start[1]) & stop[0].simd_eq(stop[1]);
         if (inside & !sure).any_true() {
@@ -154,17 +155,10 @@ fn draw_one<S: Simd>(
         } else {
             [0; 2]
         };
-        waiting.push(
-            ((above + row) / ROWS as i32) as usize,
-            [starts, stops],
-            whole,
-            &slopes,
-        );
+        waiting.push(((above + row) / ROWS as i32) as usize, [starts, stops], whole);
         row += LANES as i32;
     }
 }
-
-const NUMBERS: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 /// The first column of each of sixteen rows from `row` on, and the one after the last, between two; each as the least and
 /// the greatest that it may be.

@@ -1,13 +1,13 @@
 //! Meshes that the kernels let in, against the rasteriser of the exact covers.
 
+use super::quads::quads;
 use super::*;
 use crate::chance::levels;
-use crate::cover::masked_depth::mesh::merged;
 use crate::cover::raster::{Band, Raster, Sink};
 use crate::cover::triangle::Triangle;
 
 /// The nearest that the rasteriser gives each sample, from the corner of the screen; 0 where nothing is.
-struct Nearest {
+pub(super) struct Nearest {
     width: usize,
     nearness: Vec<f64>,
 }
@@ -28,7 +28,7 @@ impl Sink for Nearest {
     }
 }
 
-fn exact(positions: &[[f32; 3]], corners: &[u32], passage: &Passage) -> Nearest {
+pub(super) fn exact(positions: &[[f32; 3]], corners: &[u32], passage: &Passage) -> Nearest {
     let [width, height] = passage.size.map(|side| side as usize);
     let mut nearest = Nearest {
         width,
@@ -63,7 +63,7 @@ fn soup(dice: &mut Dice, passage: &Passage, count: usize) -> (Vec<[f32; 3]>, Vec
 }
 
 /// A screen on which triangles may be wide, or the passage of another test.
-fn passage_of(seed: u64, dice: &mut Dice) -> Passage {
+pub(super) fn passage_of(seed: u64, dice: &mut Dice) -> Passage {
     if seed.is_multiple_of(2) {
         return passages(seed, dice);
     }
@@ -76,48 +76,16 @@ fn passage_of(seed: u64, dice: &mut Dice) -> Passage {
     Passage::at_the_eye(&view, FragmentId(0), false)
 }
 
-fn hidden_by(level: Level, mesh: &OccluderMesh, passage: &Passage) -> MaskedDepth {
+pub(super) fn hidden_by(level: Level, mesh: &OccluderMesh, passage: &Passage) -> MaskedDepth {
     let mut cover = MaskedDepth::at(level);
     cover.clear(passage);
     cover.hide_mesh(mesh, passage, &mut Stats::default());
     cover
 }
 
-/// Quads of all sizes about the eye: most are flat and convex, and share corners; some are neither, or cross the near
-/// distance.
-fn quads(dice: &mut Dice, passage: &Passage, count: usize) -> (Vec<[f32; 3]>, Vec<u32>) {
-    let eye = DVec3::from(passage.eye());
-    let mut positions: Vec<[f32; 3]> = Vec::new();
-    let mut corners = Vec::new();
-    for _ in 0..count {
-        let at = eye + dice.unit() * dice.by_ratio(0.05, 40.0);
-        let size = dice.by_ratio(1e-3, 10.0);
-        let [across, down] = [size * dice.unit(), size * dice.unit()];
-        let first = positions.len() as u32;
-        // A strip of two, which share two corners.
-        for corner in 0..6 {
-            let column = f64::from(corner % 3);
-            let mut place = at + across * column + down * f64::from(corner / 3) * (1.0 + 0.2 * column);
-            if dice.roll() < 0.03 {
-                place += size * dice.unit();
-            }
-            positions.push(place.to_array().map(|value| value as f32));
-        }
-        for [a, b, c, d] in [[0, 1, 4, 3], [1, 2, 5, 4]] {
-            corners.extend([a, b, c, d].map(|corner| first + corner));
-        }
-    }
-    (positions, corners)
-}
-
-fn halves(corners: &[u32]) -> Vec<u32> {
-    let quads = corners.as_chunks::<4>().0.iter();
-    quads.flat_map(|&[a, b, c, d]| [a, b, c, a, c, d]).collect()
-}
-
 /// Holds a cover against the rasteriser: gives the number of samples covered, and of those that are known to be covered but
 /// not well.
-fn hold(cover: &MaskedDepth, exact: &Nearest, scene: u64) -> [u64; 2] {
+pub(super) fn hold(cover: &MaskedDepth, exact: &Nearest, scene: u64) -> [u64; 2] {
     let [mut covered, mut apart] = [0_u64, 0_u64];
     for (x, y) in samples(cover.grid.rect) {
         let known = cover.nearness_at(x, y);
@@ -138,6 +106,17 @@ fn hold(cover: &MaskedDepth, exact: &Nearest, scene: u64) -> [u64; 2] {
         apart += u64::from(f64::from(known) < 0.5 * truth);
     }
     [covered, apart]
+}
+
+fn same_bits(one: &MaskedDepth, other: &MaskedDepth, scene: u64) {
+    for (number, (a, b)) in one.grid.tiles.iter().zip(&other.grid.tiles).enumerate() {
+        assert_eq!(
+            (a.mask, a.reference, a.working),
+            (b.mask, b.reference, b.working),
+            "tile {number} of scene {scene}"
+        );
+    }
+    assert_eq!(one.grid.farthest, other.grid.farthest, "scene {scene}");
 }
 
 fn hidden_by_triangles(positions: &[[f32; 3]], corners: &[u32], passage: &Passage) -> MaskedDepth {
@@ -204,16 +183,11 @@ fn a_wall_among_more_corners_than_there_is_room_for_hides_as_alone() {
     let alone = hidden_by_triangles(&wall, &[0, 1, 2], &passage);
     let mut positions = vec![[0.0, 0.0, -9.0]; 1500];
     positions.extend(wall);
-    let blocks: Vec<Block> = positions.chunks(LANES).map(block).collect();
     let mut cover = MaskedDepth::default();
     cover.clear(&passage);
-    let faces = Faces::of_triangles(&[], &[], &passage.screen_from_fragment);
-    let shapes = Shapes {
-        quads: &[],
-        triangles: &[[1500, 1501, 1502]],
-        first_position: 0,
-    };
-    cover.hide_shapes(&faces, &blocks, shapes, &passage, &mut Stats::default());
+    let corners = [1500, 1501, 1502];
+    let faces = Faces::of_triangles(&positions, &corners, &passage.screen_from_fragment);
+    cover.hide_batch(&faces, &passage, &mut Stats::default());
     assert!(cover.known(80, 45) > 0.19);
     for (x, y) in samples(cover.grid.rect) {
         let [known, expected] = [cover.known(x, y), alone.known(x, y)];
@@ -222,78 +196,6 @@ fn a_wall_among_more_corners_than_there_is_room_for_hides_as_alone() {
             "{known}, not {expected} at {x}, {y}"
         );
     }
-}
-
-#[test]
-fn quads_flat_and_bent_hide_the_very_samples_of_their_halves_and_are_nowhere_nearer() {
-    let [mut covered, mut apart] = [0_u64, 0_u64];
-    for seed in 0..160 {
-        let mut dice = Dice::new(seed + 6000);
-        let passage = passage_of(seed, &mut dice);
-        let count = 1 + (200.0 * dice.roll() * dice.roll()) as usize;
-        let (positions, corners) = quads(&mut dice, &passage, count);
-        let exact = exact(&positions, &halves(&corners), &passage);
-        let mesh = OccluderMesh::quads(&positions, &corners);
-        let [some, of_these] = hold(&hidden_by(Level::new(), &mesh, &passage), &exact, seed);
-        covered += some;
-        apart += of_these;
-    }
-    assert!(covered > 1_000_000, "{covered}");
-    assert!(apart * 2 < covered, "{apart} of {covered}");
-}
-
-#[test]
-fn a_small_flat_quad_is_as_near_as_its_triangles_but_for_what_each_ends_at() {
-    let mut covered = 0;
-    for seed in 0..60 {
-        let mut dice = Dice::new(seed + 7000);
-        let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [640, 360]);
-        let passage = Passage::at_the_eye(&view, FragmentId(0), false);
-        let at = DVec3::new(dice.roll() - 0.5, dice.roll() - 0.5, -2.0 - dice.roll());
-        let [across, down] = [0.06 * dice.unit(), 0.06 * dice.unit()];
-        let corners = [at, at + across, at + across + down, at + down].map(|at| at.as_vec3().to_array());
-        let either = |face: [u32; 4]| {
-            let quad = OccluderMesh::quads(&corners, &face);
-            // With one between them that is nothing, they stay two.
-            let [a, b, c, d] = face;
-            let halves = OccluderMesh::triangles(&corners, &[a, b, c, a, a, a, a, c, d]);
-            let quad = hidden_by(Level::new(), &quad, &passage);
-            let half = hidden_by(Level::new(), &halves, &passage);
-            let mut covered = 0;
-            for (x, y) in samples(half.grid.rect) {
-                let [known, expected] = [quad.known(x, y), half.known(x, y)];
-                assert!(
-                    known >= expected * 0.97,
-                    "{known}, not {expected} at {x}, {y} of {seed}"
-                );
-                covered += u32::from(expected > 0.0);
-            }
-            covered
-        };
-        // It is seen from one of its sides.
-        covered += either([0, 1, 2, 3]) + either([0, 3, 2, 1]);
-    }
-    assert!(covered > 1000, "{covered}");
-}
-
-#[test]
-fn of_triangles_two_that_make_a_flat_convex_quad_are_one() {
-    let flat = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-    assert_eq!(merged(&flat, [0, 1, 2], [0, 2, 3]), Some([0, 1, 2, 3]));
-    assert_eq!(merged(&flat, [1, 2, 0], [3, 0, 2]), Some([0, 1, 2, 3]));
-    assert_eq!(merged(&flat, [0, 1, 2], [0, 3, 2]), None, "one seen from behind");
-    assert_eq!(merged(&flat, [0, 1, 2], [0, 1, 2]), None);
-    assert_eq!(
-        merged(&flat, [0, 1, 2], [0, 2, 9]),
-        None,
-        "a corner that is not there"
-    );
-    let mut bent = flat;
-    bent[3][2] = 0.1;
-    assert_eq!(merged(&bent, [0, 1, 2], [0, 2, 3]), None);
-    let mut dart = flat;
-    dart[3] = [0.9, 0.2, 0.0];
-    assert_eq!(merged(&dart, [0, 1, 2], [0, 2, 3]), None);
 }
 
 #[test]
@@ -320,17 +222,36 @@ fn a_mesh_leaves_the_same_bits_at_every_simd_level() {
         let expected = hidden_by(Level::new(), &mesh, &passage);
         for level in levels() {
             let cover = hidden_by(level, &mesh, &passage);
-            let all = expected.grid.tiles.iter().zip(&cover.grid.tiles);
-            for (number, (a, b)) in all.enumerate() {
-                assert_eq!(
-                    (a.mask, a.reference, a.working),
-                    (b.mask, b.reference, b.working),
-                    "tile {number} of scene {seed}"
-                );
-            }
-            assert_eq!(expected.grid.farthest, cover.grid.farthest, "scene {seed}");
+            same_bits(&expected, &cover, seed);
         }
     }
+}
+
+#[test]
+fn strips_hide_the_very_samples_of_a_mesh_and_are_nowhere_nearer_by_any_number_of_threads() {
+    let mut covered = 0_u64;
+    for seed in 0..80 {
+        let mut dice = Dice::new(seed + 8000);
+        let passage = passage_of(seed, &mut dice);
+        let (positions, corners) = soup(&mut dice, &passage, 200);
+        let exact = exact(&positions, &corners, &passage);
+        let mesh = OccluderMesh::triangles(&positions, &corners);
+        let strips = 1 + (40.0 * dice.roll() * dice.roll()) as usize;
+        let in_strips = || {
+            let mut cover = MaskedDepth::default();
+            cover.clear(&passage);
+            cover.hide_mesh_in_strips(&mesh, &passage, strips, &mut Stats::default());
+            cover
+        };
+        let cover = in_strips();
+        covered += hold(&cover, &exact, seed)[0];
+        for threads in [1, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            let other = pool.build().expect("threads").install(in_strips);
+            same_bits(&cover, &other, seed);
+        }
+    }
+    assert!(covered > 500_000, "{covered}");
 }
 
 #[test]

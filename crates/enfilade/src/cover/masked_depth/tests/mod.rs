@@ -4,6 +4,7 @@ mod agree;
 mod cases;
 mod meshes;
 mod oracle;
+mod quads;
 
 use super::*;
 use crate::aperture::Rect;
@@ -32,6 +33,11 @@ fn filled(passage: &Passage, polygons: &[Polygon]) -> (MaskedDepth, Oracle) {
 }
 
 impl MaskedDepth {
+    fn hide_batch(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats) {
+        self.worker
+            .hide_batch(&mut self.grid.all(), faces, passage, stats);
+    }
+
     fn sees_rect(&self, rect: &Rect, nearest: f32) -> bool {
         self.grid.shows(rect, nearest)
     }

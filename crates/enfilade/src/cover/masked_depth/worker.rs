@@ -1,0 +1,195 @@
+//! Lets faces into tiles, and has all that this takes.
+//!
+//! Source: ours.
+//! Cost: as [`super::batch`], and O(tiles) for each face that the kernels are not certain of.
+//! Conservative: as both.
+
+use super::batch::{Batch, Block, Frame, LANES, Shapes};
+use super::faces::OneByOne;
+use super::grid::Tiles;
+use super::mesh::{Part, block};
+use crate::cover::raster::Raster;
+use crate::faces::Faces;
+use crate::passage::Passage;
+use crate::region::Region;
+use crate::stats::Stats;
+use fearless_simd::{Level, dispatch};
+
+/// What one thread needs to let faces in.
+pub(super) struct Worker {
+    level: Level,
+    raster: Raster,
+    batch: Batch,
+    blocks: Vec<Block>,
+    /// What faces of more corners are taken for, and faces that the eye is before.
+    quads: Vec<[u32; 4]>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Worker {
+    /// At a SIMD level, which changes the time it takes and no bit of what it does.
+    pub(super) fn at(level: Level) -> Worker {
+        Worker {
+            level,
+            raster: Raster::at(level),
+            batch: Batch::default(),
+            blocks: Vec::new(),
+            quads: Vec::new(),
+            triangles: Vec::new(),
+        }
+    }
+
+    /// Lets faces hide what is behind them.
+    pub(super) fn hide_batch(
+        &mut self,
+        tiles: &mut Tiles,
+        faces: &Faces,
+        passage: &Passage,
+        stats: &mut Stats,
+    ) {
+        let Worker {
+            level,
+            raster,
+            batch,
+            blocks,
+            quads,
+            triangles,
+        } = self;
+        blocks.clear();
+        blocks.extend(faces.positions.chunks(LANES).map(block));
+        stats.batches += 1;
+        let mut shapes = Shapes {
+            quads: &[],
+            triangles: faces.corners.as_chunks().0,
+            first_position: faces.first_position,
+        };
+        if faces.starts.is_some() {
+            quads.clear();
+            triangles.clear();
+            faces.for_each(|_, face| fan(face, quads, triangles));
+            shapes.quads = quads;
+            shapes.triangles = triangles;
+        }
+        Hiding {
+            level: *level,
+            raster,
+            batch,
+            faces,
+            passage,
+        }
+        .hide(tiles, blocks, shapes, stats);
+    }
+
+    /// Lets those parts of a mesh, in the space of the passage's fragment, hide what is behind them that reach into the tiles.
+    pub(super) fn hide_parts(
+        &mut self,
+        tiles: &mut Tiles,
+        parts: &[Part],
+        passage: &Passage,
+        stats: &mut Stats,
+    ) {
+        let Worker {
+            level,
+            raster,
+            batch,
+            quads,
+            triangles,
+            ..
+        } = self;
+        let mut hiding = Hiding {
+            level: *level,
+            raster,
+            batch,
+            faces: &Faces::of_triangles(&[], &[], &passage.screen_from_fragment),
+            passage,
+        };
+        let eye = passage.eye().map(|at| at as f32);
+        for part in parts {
+            let region = Region::of(passage, &passage.screen_from_fragment, &part.bounds);
+            if !region.is_some_and(|region| !region.rect.intersection(&tiles.rect).is_empty()) {
+                continue;
+            }
+            dispatch!(hiding.level, simd => part.quads.keep_facing(simd, eye, quads));
+            dispatch!(hiding.level, simd => part.triangles.keep_facing(simd, eye, triangles));
+            let shapes = Shapes {
+                quads,
+                triangles,
+                first_position: 0,
+            };
+            if shapes.triangles() > 0 {
+                hiding.hide(tiles, &part.blocks, shapes, stats);
+            }
+        }
+    }
+}
+
+/// How shapes are let in.
+struct Hiding<'a> {
+    level: Level,
+    raster: &'a mut Raster,
+    batch: &'a mut Batch,
+    /// What shapes are like, but for their corners.
+    faces: &'a Faces<'a>,
+    passage: &'a Passage,
+}
+
+impl Hiding<'_> {
+    /// Most by the kernels, and those of which these are not certain one by one.
+    fn hide(&mut self, tiles: &mut Tiles, blocks: &[Block], shapes: Shapes, stats: &mut Stats) {
+        let Hiding {
+            level,
+            ref mut raster,
+            ref mut batch,
+            faces,
+            passage,
+        } = *self;
+        let frame = Frame::new(faces, passage, tiles);
+        stats.triangles += shapes.triangles();
+        dispatch!(level, simd => batch.hide(simd, &frame, blocks, shapes, tiles));
+        let (uncertain, waiting) = batch.uncertain();
+        if uncertain.is_empty() {
+            return;
+        }
+        // They are of a batch that is counted already.
+        let mut alone = Stats::default();
+        for &number in uncertain {
+            let corners = shapes.corners(number as usize);
+            let at = |corner: u32| {
+                let place = (corner - shapes.first_position) as usize;
+                blocks[place / LANES].map(|axis| axis[place % LANES])
+            };
+            for last in 2..corners.len() {
+                let three = [corners[0], corners[last - 1], corners[last]].map(at);
+                if !three.as_flattened().iter().all(|value| value.is_finite()) {
+                    continue;
+                }
+                let one = Faces {
+                    positions: &three,
+                    first_position: 0,
+                    corners: &[0, 1, 2],
+                    starts: None,
+                    neighbours: &[],
+                    ..*faces
+                };
+                raster.run(&one, passage, &mut OneByOne::new(tiles, waiting), &mut alone);
+            }
+        }
+        stats.triangles_hidden += alone.triangles_hidden;
+        stats.samples += alone.samples;
+        dispatch!(level, simd => waiting.cover(simd, tiles));
+    }
+}
+
+/// A convex face as quads, and a triangle where one is left.
+fn fan(face: &[u32], quads: &mut Vec<[u32; 4]>, triangles: &mut Vec<[u32; 3]>) {
+    let Some((&first, mut others)) = face.split_first() else {
+        return;
+    };
+    while let Some(&[a, b, c]) = others.first_chunk() {
+        quads.push([first, a, b, c]);
+        others = &others[2..];
+    }
+    if let &[a, b] = others {
+        triangles.push([first, a, b]);
+    }
+}

@@ -106,7 +106,7 @@ impl Worker {
         let eye = passage.eye().map(|at| at as f32);
         for part in parts {
             let region = Region::of(passage, &passage.screen_from_fragment, &part.bounds);
-            if !region.is_some_and(|region| !region.rect.intersection(&tiles.rect).is_empty()) {
+            if region.is_none_or(|region| region.rect.intersection(&tiles.rect).is_empty()) {
                 continue;
             }
             dispatch!(hiding.level, simd => part.quads.keep_facing(simd, eye, quads));

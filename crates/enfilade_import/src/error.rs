@@ -1,6 +1,6 @@
 //! Why a file is not read.
 
-use crate::{AuthoringError, BspError, ObjError, PrtError};
+use crate::{AuthoringError, BspError, ObjError, PrtError, TerrainError};
 use enfilade::{BakedCellsError, ContentError, MeshError};
 use std::io;
 use thiserror::Error;
@@ -33,10 +33,11 @@ pub enum BrokenRule {
         /// The first bytes, as text.
         begins: String,
     },
-    /// Neither glTF nor OBJ nor a map.
+    /// Neither glTF nor OBJ, nor a map, nor a description of terrain.
     #[error(
-        "is neither glTF nor OBJ, nor a map of Quake: it begins with {begins}. Scenes are read from glTF 2.0 (.glb, or .gltf \
-         with its .bin files), from OBJ (.obj with its .mtl files), and from compiled maps (.bsp: BSP29, BSP2, IBSP46)"
+        "is neither glTF nor OBJ, nor a map of Quake, nor terrain: it begins with {begins}. Scenes are read from glTF 2.0 (.glb, \
+         or .gltf with its .bin files), from OBJ (.obj with its .mtl files), from compiled maps (.bsp: BSP29, BSP2, IBSP46), and \
+         from heights (.json with its .raw file)"
     )]
     UnknownFormat {
         /// The first bytes, as text.
@@ -45,6 +46,9 @@ pub enum BrokenRule {
     /// An OBJ file that breaks a rule.
     #[error("{0}")]
     Obj(Box<ObjError>),
+    /// A description of terrain that breaks a rule, or heights that do.
+    #[error("{0}")]
+    Terrain(Box<TerrainError>),
     /// A file of portals that breaks a rule.
     #[error("{0}")]
     Prt(Box<PrtError>),

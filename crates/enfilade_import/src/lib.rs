@@ -1,5 +1,5 @@
 //! Reads scenes from files: glTF 2.0, as `.glb` and as `.gltf` with its buffers beside it or inside it; OBJ, with its MTL files
-//! and their images beside it; and compiled maps of Quake and Quake 3.
+//! and their images beside it; compiled maps of Quake and Quake 3; and terrain, as heights with a JSON file that describes them.
 //!
 //! ```
 //! use enfilade::{FragmentId, Method};
@@ -54,6 +54,10 @@
 //! `enfilade_bake` computes the visible pairs of, which [`with_visibility`] puts into the map. Where the `.prt` is lost,
 //! [`rebuild_portals`] makes it again out of the map.
 //!
+//! Terrain is a file of 16-bit heights and a JSON file beside it, which is the one to be read; see [`TerrainError`] for what it must
+//! say. Its blocks of 32 by 32 cells are items, `block 3 7`: the fourth row from the north, the eighth block from the west. The
+//! diagonal of each cell goes from the corner north-east to the one south-west. x goes east, z south, y up; metres.
+//!
 //! What is read of how a glTF scene looks: colors and images on faces (PNG and JPEG; in the file, beside it, or in an
 //! address), their samplers, cut-outs and glass, light that things send out, normals and colors of corners, lights, and
 //! cameras, also orthographic ones ([`Camera`]). Numbers may be sparse, quantized or compressed. Of extensions these are read:
@@ -85,6 +89,7 @@ mod levels;
 mod obj;
 mod quake;
 mod rooms;
+mod terrain;
 mod warning;
 
 pub use authoring::AuthoringError;
@@ -98,6 +103,7 @@ pub use quake::{
     BspError, ClustersFrom, MapSummary, PlacedPortals, PortalFile, PrtError, PrtKind, RebuiltPortals,
     place_portals, read_portals, rebuild_portals, rebuild_portals_bytes, visibility_bytes, with_visibility,
 };
+pub use terrain::TerrainError;
 pub use warning::{Warning, WarningKind};
 
 use budget::Budget;
@@ -257,6 +263,9 @@ fn import(
     options: &ReadOptions,
     budget: Budget,
 ) -> Result<Import, BrokenRule> {
+    if terrain::describes_terrain(bytes) {
+        return terrain::import(bytes, folder, name, options, budget);
+    }
     if gltf::begins_like_gltf(bytes) {
         return gltf::import(bytes, folder, name, options, budget);
     }

@@ -1,0 +1,120 @@
+//! What fields are refused, and what blocks are made of them.
+
+use super::*;
+use crate::content::{Content, Material};
+use crate::fragment::Ray;
+
+fn field(size: [u32; 2], height: impl Fn(u32, u32) -> f32) -> HeightField {
+    let mut heights = Vec::new();
+    for row in 0..size[1] {
+        for column in 0..size[0] {
+            heights.push(height(column, row));
+        }
+    }
+    HeightField::new(size, [2.0, 3.0], heights).expect("a sound field")
+}
+
+fn content(field: &HeightField) -> Content {
+    let mut builder = ContentBuilder::new([Material::opaque([0.3, 0.5, 0.2])]);
+    let blocks = builder
+        .terrain("ground", field, MaterialId(0), Transform::IDENTITY)
+        .expect("few faces");
+    assert_eq!(blocks.end.0 - blocks.start.0, field.blocks().iter().product());
+    builder.build().expect("sound blocks")
+}
+
+#[test]
+fn what_has_no_cell_no_length_or_a_hole_is_refused_by_its_place() {
+    let new = |size: [u32; 2], cell, heights: &[f32]| HeightField::new(size, cell, heights).map(|_| ());
+    let flat = [0.0; 6];
+    assert_eq!(new([3, 2], [1.0, 1.0], &flat), Ok(()));
+    assert_eq!(
+        new([6, 1], [1.0, 1.0], &flat),
+        Err(HeightFieldError::Size([6, 1]))
+    );
+    assert_eq!(
+        new([2, MOST_SAMPLES + 1], [1.0, 1.0], &flat),
+        Err(HeightFieldError::Size([2, MOST_SAMPLES + 1]))
+    );
+    for cell in [
+        [0.0, 1.0],
+        [1.0, -1.0],
+        [f64::NAN, 1.0],
+        [1.0, 2e38],
+        [1e-60, 1.0],
+    ] {
+        let refused = new([3, 2], cell, &flat).expect_err("no length");
+        assert!(
+            matches!(refused, HeightFieldError::Cell(_)),
+            "{cell:?}: {refused}"
+        );
+    }
+    assert_eq!(
+        new([3, 3], [1.0, 1.0], &flat),
+        Err(HeightFieldError::Count { needs: 9, has: 6 })
+    );
+    for hole in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        let mut heights = flat;
+        heights[5] = hole;
+        let refused = new([3, 2], [1.0, 1.0], &heights).expect_err("a hole");
+        assert!(
+            refused
+                .to_string()
+                .starts_with("the height at column 2, row 1 is "),
+            "{refused}"
+        );
+    }
+}
+
+#[test]
+fn blocks_cover_the_field_once_and_share_their_edges() {
+    for size in [[2, 2], [33, 33], [34, 2], [65, 40], [7, 100]] {
+        let field = field(size, |column, row| ((column * 7 + row * 3) % 5) as f32);
+        let content = content(&field);
+        let cells = u64::from(size[0] - 1) * u64::from(size[1] - 1);
+        assert_eq!(content.triangle_count(), 2 * cells);
+        let bounds = content.bounds();
+        assert_eq!([bounds.min[0], bounds.min[2]], [0.0, 0.0]);
+        let last = field.position(size[0] - 1, size[1] - 1);
+        assert_eq!([bounds.max[0], bounds.max[2]], [last[0], last[2]]);
+        // From above one meets the ground everywhere, and nowhere twice.
+        for number in 0..200 {
+            let place = |step: f64, end: f32| ((f64::from(number) * step).fract() as f32) * end;
+            let origin = [place(0.754_877_7, last[0]), 50.0, place(0.569_840_3, last[2])];
+            let ray = Ray {
+                origin,
+                direction: [0.0, -1.0, 0.0],
+            };
+            let hit = content.cast(&ray).expect("ground below");
+            assert!(!hit.from_behind, "at {origin:?} of {size:?}");
+        }
+    }
+}
+
+#[test]
+fn the_diagonal_of_a_cell_goes_from_north_east_to_south_west() {
+    // A ridge along it, or else a valley.
+    let field = field([2, 2], |column, row| if column == row { 0.0 } else { 1.0 });
+    let content = content(&field);
+    let down = Ray {
+        origin: [1.0, 9.0, 1.5],
+        direction: [0.0, -1.0, 0.0],
+    };
+    let hit = content.cast(&down).expect("ground below");
+    assert!((hit.distance - 8.0).abs() < 1e-6, "{}", hit.distance);
+}
+
+#[test]
+fn blocks_are_called_by_their_row_and_column() {
+    let content = content(&field([70, 40], |_, _| 0.0));
+    let names: Vec<&str> = (0..6).map(|item| content.name(ItemId(item))).collect();
+    let expected = [
+        "ground 0 0",
+        "ground 0 1",
+        "ground 0 2",
+        "ground 1 0",
+        "ground 1 1",
+        "ground 1 2",
+    ];
+    assert_eq!(names, expected);
+}

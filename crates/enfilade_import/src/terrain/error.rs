@@ -1,0 +1,80 @@
+//! Why terrain is not read.
+
+use crate::BrokenRule;
+use enfilade::HeightFieldError;
+use thiserror::Error;
+
+/// What is wrong with a description of terrain, or with its heights.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum TerrainError {
+    /// The JSON lacks something, or has it in another form.
+    #[error(
+        "describes terrain, but {0}; it needs width, height, format, cellMetresX and cellMetresZ, and may have file and noData"
+    )]
+    Description(String),
+    /// Heights are stored in a way that is not read.
+    #[error("has heights in the format `{0}`; `u16 little endian` and `u16 big endian` are read")]
+    Format(String),
+    /// The heights are in a file, and there is no folder to look in.
+    #[error("describes heights in a file, but no folder was given to look for it")]
+    NoFolder,
+    /// There is no such file, or there are several.
+    #[error("describes heights in a file `{wanted}` beside it, but {found}; name one as \"file\"")]
+    NoFile {
+        /// How it would be called.
+        wanted: String,
+        /// What is there.
+        found: String,
+    },
+    /// The name of the file leads elsewhere.
+    #[error(
+        "has its heights in `{0}`; they must lie beside it. Move that file there, and give its name alone"
+    )]
+    NotBeside(String),
+    /// The file of heights is not read.
+    #[error("has its heights in {file}, which {why}")]
+    File {
+        /// Where it was looked for.
+        file: String,
+        /// What is wrong with it.
+        why: Box<BrokenRule>,
+    },
+    /// The file of heights is too short, or too long.
+    #[error(
+        "has {} x {} heights in {file}, which must have {needs} bytes, but has {has}; copy it again, or correct width and height",
+        size[0], size[1]
+    )]
+    Length {
+        /// Which file.
+        file: String,
+        /// Heights from west to east and from north to south.
+        size: [u32; 2],
+        /// The bytes that they take.
+        needs: u64,
+        /// The bytes that are there.
+        has: u64,
+    },
+    /// A hole.
+    #[error(
+        "has no height at column {column}, row {row}, where {number} stands, its noData: terrain has no holes. Fill it, or cut \
+         the field in parts around it"
+    )]
+    NoData {
+        /// What stands there.
+        number: u16,
+        /// Counted from the west.
+        column: u32,
+        /// Counted from the north.
+        row: u32,
+    },
+    /// What is left to the field to check.
+    #[error("is no terrain: {0}")]
+    Field(HeightFieldError),
+}
+
+impl From<TerrainError> for BrokenRule {
+    fn from(why: TerrainError) -> BrokenRule {
+        BrokenRule::Terrain(Box::new(why))
+    }
+}

@@ -1,0 +1,222 @@
+//! Terrain as heights with a description beside them.
+
+use enfilade::Ray;
+use enfilade_import::{ImportError, ReadOptions, read, read_bytes};
+use serde_json::{Value, json};
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+/// A description of 3 heights from west to east, in 2 rows.
+fn description() -> Value {
+    json!({
+        "width": 3, "height": 2,
+        "format": "u16 little endian, row 0 = north, metres",
+        "cellMetresX": 10.0, "cellMetresZ": 20.0,
+        "license": "none"
+    })
+}
+
+/// 1, 2, 3 in the north and 4, 5, 600 in the south.
+fn heights() -> Vec<u8> {
+    [1_u16, 2, 3, 4, 5, 600]
+        .into_iter()
+        .flat_map(u16::to_le_bytes)
+        .collect()
+}
+
+fn written(files: &[(&str, &[u8])]) -> TempDir {
+    let folder = TempDir::new().expect("a folder");
+    for (name, bytes) in files {
+        fs::write(folder.path().join(name), bytes).expect("a file");
+    }
+    folder
+}
+
+fn refusal(description: &Value, files: &[(&str, &[u8])]) -> String {
+    let folder = written(files);
+    fs::write(folder.path().join("hill.json"), description.to_string()).expect("a file");
+    let error: ImportError =
+        read(&folder.path().join("hill.json"), &ReadOptions::default()).expect_err("it breaks a rule");
+    let folder = folder.path().display().to_string();
+    error.to_string().replace(&format!("{folder}/"), "")
+}
+
+/// The height above a place, in either file of the folder.
+fn height(folder: &Path, x: f32, z: f32) -> f64 {
+    let import = read(&folder.join("hill.json"), &ReadOptions::default()).expect("sound terrain");
+    let ray = Ray {
+        origin: [x, 1000.0, z],
+        direction: [0.0, -1.0, 0.0],
+    };
+    1000.0 - import.rooms[0].content.cast(&ray).expect("ground below").distance
+}
+
+#[test]
+fn heights_go_east_and_then_south_whichever_byte_comes_first() {
+    let big: Vec<u8> = heights().chunks(2).flat_map(|two| [two[1], two[0]]).collect();
+    for (format, bytes) in [
+        ("u16 little endian, row 0 = north, metres", heights()),
+        ("u16le", heights()),
+        ("big-endian uint16", big),
+    ] {
+        let mut description = description();
+        description["format"] = json!(format);
+        let text = description.to_string();
+        let folder = written(&[("hill.json", text.as_bytes()), ("hill.raw", &bytes)]);
+        for (x, z, expected) in [
+            (0.0, 0.0, 1.0),
+            (10.0, 0.0, 2.0),
+            (20.0, 20.0, 600.0),
+            (0.0, 20.0, 4.0),
+        ] {
+            // A little within, for rays may pass an edge on either side.
+            let within = |at: f32, middle: f32| at + (middle - at) * 1e-6;
+            let height = height(folder.path(), within(x, 10.0), within(z, 10.0));
+            assert!(
+                (height - expected).abs() < 0.01,
+                "{height} at {x}, {z} in {format}"
+            );
+        }
+    }
+}
+
+#[test]
+fn blocks_are_items_and_the_file_names_the_room() {
+    let folder = written(&[
+        ("hill.json", description().to_string().as_bytes()),
+        ("hill.raw", &heights()),
+    ]);
+    let import = read(&folder.path().join("hill.json"), &ReadOptions::default()).expect("sound terrain");
+    let room = &import.rooms[0];
+    assert_eq!((import.rooms.len(), &*room.name), (1, "hill"));
+    assert_eq!(room.content.items().len(), 1);
+    assert_eq!(room.content.name(enfilade::ItemId(0)), "block 0 0");
+    assert_eq!(room.content.triangle_count(), 4);
+    assert_eq!(room.content.bounds().max, [20.0, 600.0, 20.0]);
+}
+
+#[test]
+fn heights_are_in_the_file_named_or_the_only_one_called_so() {
+    let mut named = description();
+    named["file"] = json!("other.bin");
+    let text = named.to_string();
+    let folder = written(&[
+        ("hill.json", text.as_bytes()),
+        ("other.bin", &heights()),
+        ("hill.raw", b""),
+    ]);
+    assert!(read(&folder.path().join("hill.json"), &ReadOptions::default()).is_ok());
+    let text = description().to_string();
+    let folder = written(&[
+        ("hill.json", text.as_bytes()),
+        ("hill_u16le.RAW", &heights()),
+        ("valley.raw", b""),
+    ]);
+    assert!(read(&folder.path().join("hill.json"), &ReadOptions::default()).is_ok());
+}
+
+#[test]
+fn a_file_of_heights_that_is_not_there_or_not_the_only_one_is_asked_for() {
+    assert_eq!(
+        refusal(&description(), &[("valley.raw", &heights())]),
+        "hill.json: describes heights in a file `hill.raw` beside it, but there is none; name one as \"file\""
+    );
+    assert_eq!(
+        refusal(
+            &description(),
+            &[("hill_a.raw", &heights()), ("hill_b.raw", &heights())]
+        ),
+        "hill.json: describes heights in a file `hill.raw` beside it, but there are hill_a.raw and hill_b.raw; name one as \
+         \"file\""
+    );
+    let mut named = description();
+    for elsewhere in [
+        "../hill.raw",
+        "/etc/passwd",
+        "C:hill.raw",
+        "a\\hill.raw",
+        "",
+        "..",
+    ] {
+        named["file"] = json!(elsewhere);
+        let said = refusal(&named, &[]);
+        assert!(said.contains("they must lie beside it"), "{elsewhere}: {said}");
+    }
+    named["file"] = json!("gone.raw");
+    let said = refusal(&named, &[]);
+    assert!(
+        said.contains("has its heights in gone.raw, which cannot be read"),
+        "{said}"
+    );
+    let text = description().to_string();
+    let said = read_bytes(text.as_bytes(), None, &ReadOptions::default()).expect_err("no folder");
+    assert!(said.to_string().contains("no folder was given"), "{said}");
+}
+
+#[test]
+fn too_few_heights_and_too_many_are_told_apart_from_holes() {
+    assert_eq!(
+        refusal(&description(), &[("hill.raw", &heights()[1..])]),
+        "hill.json: has 3 x 2 heights in hill.raw, which must have 12 bytes, but has 11; copy it again, or correct width and height"
+    );
+    let mut huge = description();
+    huge["width"] = json!(u32::MAX);
+    huge["height"] = json!(u32::MAX);
+    let said = refusal(&huge, &[("hill.raw", &heights())]);
+    assert!(
+        said.contains("36893488130239234050 bytes") || said.contains("must have"),
+        "{said}"
+    );
+    let mut holes = description();
+    holes["noData"] = json!(600);
+    assert_eq!(
+        refusal(&holes, &[("hill.raw", &heights())]),
+        "hill.json: has no height at column 2, row 1, where 600 stands, its noData: terrain has no holes. Fill it, or cut the \
+         field in parts around it"
+    );
+}
+
+#[test]
+fn a_description_that_lacks_something_says_what_it_needs() {
+    let files: &[(&str, &[u8])] = &[("hill.raw", &heights())];
+    for key in ["height", "format", "cellMetresX", "cellMetresZ"] {
+        let mut lacking = description();
+        lacking.as_object_mut().expect("an object").remove(key);
+        let said = refusal(&lacking, files);
+        assert!(said.contains(&format!("missing field `{key}`")), "{said}");
+        assert!(said.contains("it needs width, height, format"), "{said}");
+    }
+    for format in ["f32 little endian", "u16", "u16 little big", "i16 little endian"] {
+        let mut other = description();
+        other["format"] = json!(format);
+        let said = refusal(&other, files);
+        assert!(said.contains(&format!("in the format `{format}`")), "{said}");
+    }
+    let mut flat = description();
+    flat["cellMetresX"] = json!(0.0);
+    let said = refusal(&flat, files);
+    assert!(said.contains("is no terrain: cells are 0 long"), "{said}");
+    let mut line = description();
+    line["width"] = json!(1);
+    line["height"] = json!(6);
+    let said = refusal(&line, files);
+    assert!(said.contains("2 to 65537 samples along each side"), "{said}");
+}
+
+#[test]
+fn what_takes_more_memory_than_allowed_is_refused_before_it_is_read() {
+    let folder = written(&[
+        ("hill.json", description().to_string().as_bytes()),
+        ("hill.raw", &heights()),
+    ]);
+    let options = ReadOptions {
+        limit_bytes: 500,
+        ..ReadOptions::default()
+    };
+    let said = read(&folder.path().join("hill.json"), &options).expect_err("too large");
+    assert!(
+        said.to_string().contains("terrain of 6 heights would take"),
+        "{said}"
+    );
+}

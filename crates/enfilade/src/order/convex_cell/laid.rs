@@ -1,0 +1,58 @@
+//! Faces of one cluster that lie on one another: a picture on its wall.
+
+use super::Plane;
+use super::walls::Face;
+use glam::DVec3;
+
+/// Does any face lie on another, by more than their outlines may be off? Sorts them.
+///
+/// Cost: O(n log n), and a test for each two that are beside each other along the longest side.
+pub(super) fn lie_on_one_another(faces: &mut [Face], corners: &[DVec3], slack: f64) -> bool {
+    if faces.len() < 2 {
+        return false;
+    }
+    let (mut min, mut max) = (corners[0], corners[0]);
+    for &corner in corners {
+        (min, max) = (min.min(corner), max.max(corner));
+    }
+    let axis = (max - min).max_position();
+    let span = |face: &Face| {
+        let along = corners[face.corners[0]..face.corners[1]]
+            .iter()
+            .map(|corner| corner[axis]);
+        along.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, greatest], at| {
+            [least.min(at), greatest.max(at)]
+        })
+    };
+    faces.sort_unstable_by(|a, b| span(a)[0].total_cmp(&span(b)[0]));
+    (0..faces.len()).any(|at| {
+        let [_, end] = span(&faces[at]);
+        let others = faces[at + 1..].iter().take_while(|other| span(other)[0] < end);
+        others
+            .into_iter()
+            .any(|other| overlap(&faces[at], other, corners, slack))
+    })
+}
+
+fn overlap(a: &Face, b: &Face, corners: &[DVec3], slack: f64) -> bool {
+    let [of_a, of_b] = [a, b].map(|face| &corners[face.corners[0]..face.corners[1]]);
+    let in_one_plane = of_b
+        .iter()
+        .all(|&corner| a.plane.height(corner).abs() <= 2.0 * slack);
+    in_one_plane
+        && !is_apart(of_a, a.area, &a.plane, of_b, slack)
+        && !is_apart(of_b, b.area, &a.plane, of_a, slack)
+}
+
+/// Is the other polygon beyond one of the edges of this one, both in `plane`?
+fn is_apart(polygon: &[DVec3], area: DVec3, plane: &Plane, other: &[DVec3], slack: f64) -> bool {
+    let turn = plane.normal * area.dot(plane.normal).signum();
+    let mut from = polygon[polygon.len() - 1];
+    polygon.iter().any(|&to| {
+        let inwards = turn.cross(to - from);
+        let most = slack * inwards.length();
+        let beyond = other.iter().all(|&corner| inwards.dot(corner - from) <= most);
+        from = to;
+        beyond
+    })
+}

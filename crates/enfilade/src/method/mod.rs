@@ -56,13 +56,6 @@ pub type BspPainter = Paired<Bsp<FarToNear>, Nothing>;
 /// BSP tree, near to far: every sample is painted once. Boreskov, Using portals.
 pub type BspFront = Paired<Bsp<NearToFar>, Mask>;
 
-/// Convex cell: faces as they come, painted over each other. Only for contents in which every face has all others on one
-/// side, as in a box of a room: there, no face seen from that side hides another. Boreskov, Using portals.
-///
-/// Takes faces, openings included, that bound a convex space, seen from inside or outside; what hides nothing (glass,
-/// cut-outs, items that never hide) may stand anywhere. An edit that leaves it convex no more is refused.
-pub type Cell = Paired<ConvexCell, Nothing>;
-
 /// z-buffer: any order, and at each sample the nearest face. Catmull 1974; Boreskov, Using portals.
 pub type ZBuffer = Paired<Unordered, DepthBuffer>;
 
@@ -98,6 +91,13 @@ pub type Mobsp = Culled<KdTreeOrder, OcclusionTree<ByBox>>;
 /// wall go on hiding what is behind it when it has gone.
 pub type Pvs = Ordered<BakedCellsOrder>;
 
+/// Convex cell: faces as they come, painted over each other. Only for contents in which every face has all others on one
+/// side, as in a box of a room: there, no face seen from that side hides another. Boreskov, Using portals.
+///
+/// Takes faces, openings included, that bound a convex space, seen from inside or outside; what hides nothing (glass,
+/// cut-outs, items that never hide) may stand anywhere. An edit that leaves it convex no more is refused.
+pub type Cell = Paired<ConvexCell, Nothing>;
+
 /// How a fragment is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -110,8 +110,6 @@ pub enum Method {
     Bsp,
     /// See [`BspFront`](crate::BspFront).
     BspFront,
-    /// See [`Cell`](crate::Cell).
-    Cell,
     /// See [`ZBuffer`](crate::ZBuffer).
     ZBuffer,
     /// See [`SBuffer`](crate::SBuffer).
@@ -128,6 +126,8 @@ pub enum Method {
     Mobsp,
     /// See [`Pvs`](crate::Pvs).
     Pvs,
+    /// See [`Cell`](crate::Cell).
+    Cell,
 }
 
 impl Method {
@@ -137,7 +137,6 @@ impl Method {
         Method::PainterMean,
         Method::Bsp,
         Method::BspFront,
-        Method::Cell,
         Method::ZBuffer,
         Method::SBuffer,
         Method::HierarchicalZ,
@@ -146,6 +145,7 @@ impl Method {
         Method::Svbsp,
         Method::Mobsp,
         Method::Pvs,
+        Method::Cell,
     ];
 
     /// What one fragment's method may build unless told otherwise, in bytes: 1 GB.
@@ -158,7 +158,6 @@ impl Method {
             Method::PainterMean => "painter-mean",
             Method::Bsp => "bsp",
             Method::BspFront => "bsp-front",
-            Method::Cell => "cell",
             Method::ZBuffer => "z-buffer",
             Method::SBuffer => "s-buffer",
             Method::HierarchicalZ => "hierarchical-z",
@@ -167,6 +166,7 @@ impl Method {
             Method::Svbsp => "svbsp",
             Method::Mobsp => "mobsp",
             Method::Pvs => "pvs",
+            Method::Cell => "cell",
         }
     }
 
@@ -247,7 +247,6 @@ impl Method {
             Method::PainterMean => Arc::new(PainterMean::build(self, content, limit_bytes)?),
             Method::Bsp => Arc::new(BspPainter::build(self, content, limit_bytes)?),
             Method::BspFront => Arc::new(BspFront::build(self, content, limit_bytes)?),
-            Method::Cell => Arc::new(Cell::build(self, content, limit_bytes)?),
             Method::ZBuffer => Arc::new(ZBuffer::build(self, content, limit_bytes)?),
             Method::SBuffer => Arc::new(SBuffer::build(self, content, limit_bytes)?),
             Method::HierarchicalZ => Arc::new(InCells(HierarchicalZ::build(self, content, limit_bytes)?)),
@@ -256,6 +255,7 @@ impl Method {
             Method::Svbsp => Arc::new(Svbsp::build(self, content, limit_bytes)?),
             Method::Mobsp => Arc::new(Mobsp::build(self, content, limit_bytes)?),
             Method::Pvs => Arc::new(Pvs::build(self, content, limit_bytes)?),
+            Method::Cell => Arc::new(Cell::build(self, content, limit_bytes)?),
         })
     }
 

@@ -18,7 +18,7 @@ pub enum Unsuited {
     NotBaked(#[from] NotBaked),
     /// It sees convex contents alone, and this is none.
     #[error(transparent)]
-    NotConvex(#[from] NotConvex),
+    NotConvex(#[from] Box<NotConvex>),
 }
 
 impl Unsuited {
@@ -29,7 +29,7 @@ impl Unsuited {
             // What turns out to be more than estimated is twice the limit, as far as is known.
             Refusal::TooLarge => TooLarge::new(method, limit.saturating_mul(2), limit).into(),
             Refusal::NotBaked => NotBaked { method, instead }.into(),
-            Refusal::NotConvex(dent) => NotConvex::new(method, content, &dent, instead).into(),
+            Refusal::NotConvex(dent) => Box::new(NotConvex::new(method, content, &dent, instead)).into(),
         }
     }
 }
@@ -51,7 +51,7 @@ pub struct NotBaked {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
     "not convex: {method} needs every face to have all others on one side, but {wall} has {behind} behind it, \
-     {by:.3e} deep at ({}, {}, {}), and others before it; {instead} takes any content",
+     {by} deep at ({}, {}, {}), and others before it; {instead} takes any content",
     .point[0], .point[1], .point[2]
 )]
 #[non_exhaustive]

@@ -101,7 +101,7 @@ pub enum SceneError {
         /// The fragment's name.
         fragment: String,
         /// Where it is not.
-        why: NotConvex,
+        why: Box<NotConvex>,
     },
 }
 

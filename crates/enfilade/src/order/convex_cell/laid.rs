@@ -16,21 +16,20 @@ pub(super) fn lie_on_one_another(faces: &mut [Face], corners: &[DVec3], slack: f
         (min, max) = (min.min(corner), max.max(corner));
     }
     let axis = (max - min).max_position();
-    let span = |face: &Face| {
-        let along = corners[face.corners[0]..face.corners[1]]
+    for face in &mut *faces {
+        let along = corners[face.corners[0]..face.corners[1]].iter();
+        face.span = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, greatest], corner| {
+            [least.min(corner[axis]), greatest.max(corner[axis])]
+        });
+    }
+    faces.sort_unstable_by(|a, b| a.span[0].total_cmp(&b.span[0]));
+    faces.iter().enumerate().any(|(at, face)| {
+        let beside = faces[at + 1..]
             .iter()
-            .map(|corner| corner[axis]);
-        along.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, greatest], at| {
-            [least.min(at), greatest.max(at)]
-        })
-    };
-    faces.sort_unstable_by(|a, b| span(a)[0].total_cmp(&span(b)[0]));
-    (0..faces.len()).any(|at| {
-        let [_, end] = span(&faces[at]);
-        let others = faces[at + 1..].iter().take_while(|other| span(other)[0] < end);
-        others
+            .take_while(|other| other.span[0] < face.span[1]);
+        beside
             .into_iter()
-            .any(|other| overlap(&faces[at], other, corners, slack))
+            .any(|other| overlap(face, other, corners, slack))
     })
 }
 

@@ -7,8 +7,9 @@
 //! the first, then any order of the second; faces in one plane come by their numbers, the lowest last. What hides nothing
 //! has no say, and may stand anywhere.
 //! Source: Boreskov, Using portals to create aggregate scenes (a convex cell: just draw the front faces).
-//! Cost: building O(faces · log faces) at most, some 0.1 µs for each face in a plane met just before, and a few µs for one in
-//!     a new plane; what is not convex is refused at the first face that shows it. A walk O(items, and clusters in view).
+//! Cost: building 0.2 to 0.4 µs for each face in a plane met just before (a box of 12 million triangles: 3 s), and 2 to 20 µs
+//!     for each in a new one (the more, the finer a dome is cut); what is not convex is refused at the first face that
+//!     shows it, mostly within a millisecond. A walk O(items, and clusters of those in view), and twice for outer sides.
 //! Gives an exact order, far to near, of contents that are convex; others are refused, also after an edit.
 
 mod laid;

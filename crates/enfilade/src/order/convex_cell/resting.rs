@@ -6,7 +6,8 @@
 //! then on a border no wider than the slack, or where two faces lie on one another.
 //! A small face of a large wall is tilted by much more than that: its plane is turned about it until it rests on
 //! corners far away, and only where that takes it off the face, too, it is found to be no wall.
-//! Cost: O(log corners) to find the farthest corner behind a plane where few are, by the trees over items and clusters.
+//! Cost: to ask whether anything is behind a plane, the boxes and clusters that reach behind it though their corners do not,
+//!     by the trees over items and clusters: few under a wall, hundreds under a smooth and finely cut dome.
 
 use super::{Plane, clusters_that_hide};
 use crate::content::{Alpha, Content, ItemId, OpeningId, Owner};
@@ -95,17 +96,28 @@ impl<'a> Resting<'a> {
             .all(|&corner| plane.height(corner).abs() <= self.slack)
     }
 
-    /// The plane that a face lies in with everything on its inner side; else what is farthest behind the face.
-    pub(super) fn under(&self, corners: &[DVec3], area: DVec3) -> Result<Plane, Corner> {
-        let mut plane = through(area.normalize(), corners[0]);
+    /// The plane that a face lies in with everything on its inner side; else what is farthest behind the face, which is
+    /// `outwards` if those before it were.
+    pub(super) fn under(&self, corners: &[DVec3], area: DVec3, outwards: bool) -> Result<Plane, Corner> {
+        let own = through(area.normalize(), corners[0]);
+        let sides = [own, back_of(&own)];
+        for side in [usize::from(outwards), usize::from(!outwards)] {
+            if self.behind(&sides[side], Wanted::Any).is_none() {
+                return Ok(sides[side]);
+            }
+        }
+        self.turned_until_it_rests(corners, own)
+    }
+
+    fn turned_until_it_rests(&self, corners: &[DVec3], mut plane: Plane) -> Result<Plane, Corner> {
         let mut first = None;
         let mut rests: Vec<DVec3> = Vec::new();
         for _ in 0..TURNS {
-            let Some(behind) = self.farthest_behind(&plane) else {
+            let Some(behind) = self.behind(&plane, Wanted::Farthest) else {
                 return Ok(plane);
             };
             let other = back_of(&plane);
-            let Some(before) = self.farthest_behind(&other) else {
+            let Some(before) = self.behind(&other, Wanted::Farthest) else {
                 return Ok(other);
             };
             let first = *first.get_or_insert(behind);
@@ -150,14 +162,15 @@ impl<'a> Resting<'a> {
         best.map(|(_, plane)| plane)
     }
 
-    /// The corner that is farthest behind a plane, if any is by more than the slack.
-    fn farthest_behind(&self, plane: &Plane) -> Option<Corner> {
+    /// A corner that is behind a plane, if any is by more than the slack.
+    fn behind(&self, plane: &Plane, wanted: Wanted) -> Option<Corner> {
         let content = self.content;
         // Seen from behind, what is farthest behind is met first.
         let eye: [f64; 3] = (self.middle - plane.normal * (4.0 * self.radius)).into();
         let mut farthest = Farthest {
             by: self.slack,
             found: None,
+            wanted,
         };
         content.opening_tree().walk(eye, |step| match step {
             Step::Node(bounds) => farthest.may_be_in(bounds, plane),
@@ -250,8 +263,17 @@ impl<'a> Resting<'a> {
 
 /// What was found to be farthest behind a plane, as yet.
 struct Farthest {
+    /// What is no farther behind need not be looked at.
     by: f64,
     found: Option<Corner>,
+    wanted: Wanted,
+}
+
+/// Which of the corners behind a plane is asked for.
+#[derive(Clone, Copy, PartialEq)]
+enum Wanted {
+    Any,
+    Farthest,
 }
 
 impl Farthest {
@@ -270,7 +292,10 @@ impl Farthest {
 
     fn take(&mut self, corner: Corner) {
         if corner.by > self.by {
-            self.by = corner.by;
+            self.by = match self.wanted {
+                Wanted::Any => f64::INFINITY,
+                Wanted::Farthest => corner.by,
+            };
             self.found = Some(corner);
         }
     }

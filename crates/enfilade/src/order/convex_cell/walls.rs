@@ -15,6 +15,8 @@ pub(super) struct Walls<'a> {
     /// The planes found last, the newest last: neighbours often lie in one.
     known: Vec<Known>,
     pub(super) cell: ConvexCell,
+    /// Was the inner side of the plane found last the back of its face?
+    outwards: bool,
     /// Of the cluster at hand.
     faces: Vec<Face>,
     corners: Vec<DVec3>,
@@ -34,6 +36,8 @@ pub(super) struct Face {
     pub(super) plane: Plane,
     /// Across it, as long as twice its area: against it, the corners turn left.
     pub(super) area: DVec3,
+    /// From where to where it reaches along an axis, once that is asked for.
+    pub(super) span: [f64; 2],
 }
 
 /// So many planes are looked through for one that a face lies in.
@@ -53,6 +57,7 @@ impl<'a> Walls<'a> {
                 laid: Vec::new(),
                 hiding: vec![false; content.items().len()],
             },
+            outwards: false,
             faces: Vec::new(),
             corners: Vec::new(),
         }
@@ -112,7 +117,8 @@ impl<'a> Walls<'a> {
             };
             let area = if mirrored { -turned } else { turned };
             let plane = self.known[known].plane;
-            if double_sided || area.dot(plane.normal) < 0.0 {
+            // One that stands across its plane is thinner than the slack: which way it faces cannot be told.
+            if double_sided || area.dot(plane.normal) < 0.5 * area.length() {
                 self.show_outside(known, item, number, face);
             }
             let corners = [start, all.len()];
@@ -120,6 +126,7 @@ impl<'a> Walls<'a> {
                 corners,
                 plane,
                 area: turned,
+                span: [0.0; 2],
             });
         }
         self.corners = all;
@@ -142,14 +149,18 @@ impl<'a> Walls<'a> {
             return Ok(Some((known, area)));
         }
         let front = if mirrored { -area } else { area };
-        let plane = self.resting.under(corners, front).map_err(|behind: Corner| {
-            Refusal::NotConvex(Dent {
-                wall: owner,
-                behind: behind.of,
-                point: behind.point.into(),
-                by: behind.by,
-            })
-        })?;
+        let plane = self
+            .resting
+            .under(corners, front, self.outwards)
+            .map_err(|behind: Corner| {
+                Refusal::NotConvex(Dent {
+                    wall: owner,
+                    behind: behind.of,
+                    point: behind.point.into(),
+                    by: behind.by,
+                })
+            })?;
+        self.outwards = plane.normal.dot(front) < 0.0;
         if self.known.len() == MOST_KNOWN {
             self.known.remove(0);
         }

@@ -1,9 +1,10 @@
 //! Planes that everything rests on: whether all corners of what hides are on one side of a plane.
 //!
 //! What is a slack behind a plane counts as on it. Corners are numbers of f32: each is off by up to √3 · 2⁻²⁴ of the greatest
-//! coordinate from where it was meant, and so is the plane; with what placing an item rounds that is less than 2⁻²².
-//! Only an eye nearer to the plane than 2⁻⁶ of that coordinate could tell such a step by its nearness (by 2⁻¹⁶), and
-//! then on a border no wider than the slack, or where two faces lie on one another.
+//! coordinate from where it was meant, a plane through three of them by up to twice that, and what placing an item rounds
+//! moves both as much again: together less than 2⁻²¹. Trees of planes take corners for coplanar by the same reasoning.
+//! Only an eye nearer to the plane than 2¹⁶ such steps could tell them apart by nearness (which counts as equal within
+//! 2⁻¹⁶), and then on a border no wider than the step, or where two faces lie on one another that little apart.
 //! A small face of a large wall is tilted by much more than that: its plane is turned about it until it rests on
 //! corners far away, and only where that takes it off the face, too, it is found to be no wall.
 //! Cost: to ask whether anything is behind a plane, the boxes and clusters that reach behind it though their corners do not,
@@ -17,6 +18,8 @@ use glam::{DAffine3, DVec3};
 /// All that hides, openings included, and how far off it may be.
 pub(super) struct Resting<'a> {
     content: &'a Content,
+    /// No coordinate is greater.
+    greatest: f64,
     slack: f64,
     /// Its middle, and half the diagonal of its box.
     middle: DVec3,
@@ -33,7 +36,7 @@ pub(super) struct Corner {
 }
 
 /// How far off a plane counts as on it, as a part of the greatest coordinate.
-const SLACK: f64 = 1.0 / (1_u64 << 22) as f64;
+const SLACK: f64 = 1.0 / (1_u64 << 21) as f64;
 
 /// A face is but a line if it is no thicker than this part of the greatest coordinate: f64 cannot tell which way it faces.
 const THIN: f64 = 1.0 / (1_u64 << 45) as f64;
@@ -65,6 +68,7 @@ impl<'a> Resting<'a> {
         };
         Resting {
             content,
+            greatest,
             slack: SLACK * greatest,
             middle: if is_empty { DVec3::ZERO } else { 0.5 * (min + max) },
             radius: if is_empty { 0.0 } else { 0.5 * (max - min).length() },
@@ -85,7 +89,7 @@ impl<'a> Resting<'a> {
                 .max((pair[0] - first).length())
                 .max((pair[1] - first).length());
         }
-        (area.length() > THIN / SLACK * self.slack * longest).then_some(area)
+        (area.length() > THIN * self.greatest * longest).then_some(area)
     }
 
     /// Are all corners in a plane?
@@ -96,8 +100,8 @@ impl<'a> Resting<'a> {
             .all(|&corner| plane.height(corner).abs() <= self.slack)
     }
 
-    /// The plane that a face lies in with everything on its inner side; else what is farthest behind the face, which is
-    /// `outwards` if those before it were.
+    /// The plane that a face lies in with everything on its inner side; else what is farthest behind the face. `outwards`:
+    /// is its back the inner side, most likely?
     pub(super) fn under(&self, corners: &[DVec3], area: DVec3, outwards: bool) -> Result<Plane, Corner> {
         let own = through(area.normalize(), corners[0]);
         let sides = [own, back_of(&own)];

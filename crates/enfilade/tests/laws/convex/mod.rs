@@ -151,6 +151,26 @@ proptest! {
         views.retain(|look| look.eye != look.toward);
         keeps_its_contract(&scene, &views, &format!("seed {seed}"));
     }
+
+    #[test]
+    fn a_room_of_copies_of_one_square_turned_into_place_is_convex(seed in any::<u64>()) {
+        let random = &mut Random::new(seed);
+        let place = place(random, 30.0);
+        let mut builder = ContentBuilder::new(materials());
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]].to_vec();
+        let square = builder.mesh(polygons(&[corners], random.once_in(2), MaterialId(0)));
+        let solid = Solid::cuboid([0.5, 1.0, 2.0]).placed(&place);
+        for face in &solid.faces {
+            let [a, b, d] = [face[0], face[1], face[3]].map(|at| solid.corners[at]);
+            let columns = [b - a, d - a, (b - a).cross(d - a).normalize(), a];
+            let there = Transform::from_columns(columns.map(|column| column.as_vec3().into()));
+            builder.item("wall", square, there);
+        }
+        let mut scene = SceneBuilder::new();
+        scene.add("room", builder.build().expect("sound"), Method::Cell);
+        let scene = scene.build().map_err(|why| TestCaseError::fail(why.to_string()))?;
+        keeps_its_contract(&scene, &views(&solid, random, true), &format!("seed {seed}"));
+    }
 }
 
 #[test]

@@ -153,8 +153,8 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
     let mut reference = Reference::new(&scene);
     let mut candidates = Vec::new();
     for &method in methods {
-        if args.edits > 0 && method.goes_by_cells() {
-            println!("{name}: {method} goes by walls that stay: skipped where all is edited");
+        if args.edits > 0 && !method.takes_any_content() {
+            println!("{name}: {method} needs walls that stay: skipped where all is edited");
             continue;
         }
         match scene.with_method(method, Method::DEFAULT_LIMIT) {

@@ -109,7 +109,9 @@ fn open_file(file: &str, wanted: For, choice: Choice, flat: bool, limits: &Limit
     };
     let scene = import.scene(method, limits.memory()).map_err(|why| {
         let remedy = match why {
-            SceneError::NotBaked { .. } => "choose another --method, or have the file name another",
+            SceneError::NotBaked { .. } | SceneError::NotConvex { .. } => {
+                "choose another --method, or have the file name another"
+            }
             _ => "raise --memory, or choose another --method",
         };
         anyhow!("{file}: {why}; {remedy}")

@@ -92,6 +92,7 @@ pub(crate) fn prepare(
         let built = build(choice).map_err(|why| {
             let remedy = match why {
                 Unsuited::NotBaked(_) => "choose another --method, or a scene that has cells",
+                Unsuited::NotConvex(_) => "choose another --method, or part the scene into convex rooms",
                 _ => "raise --memory, or choose a smaller --size or another --method",
             };
             anyhow!("{}: {why}; {remedy}", opened.file)

@@ -4,7 +4,7 @@ mod support;
 
 use enfilade::Method;
 use serde_json::{Value, json};
-use support::Folder;
+use support::{Folder, document, glb, yard};
 
 fn keys(value: &Value) -> Vec<&str> {
     value
@@ -129,7 +129,9 @@ fn all_methods_see_the_same() {
     assert_eq!(keys(&report), ["methods", "skipped"]);
     let methods = report["methods"].as_array().expect("a list");
     let names: Vec<&Value> = methods.iter().map(|method| &method["method"]).collect();
-    let suited = Method::ALL.into_iter().filter(|method| !method.goes_by_cells());
+    let suited = Method::ALL
+        .into_iter()
+        .filter(|method| method.takes_any_content());
     assert_eq!(names, suited.map(Method::name).collect::<Vec<_>>());
     assert_eq!(report["skipped"][0]["method"], "pvs");
     for method in methods
@@ -159,6 +161,50 @@ fn a_method_that_needs_too_much_is_skipped_where_all_were_asked_for() {
             .expect("a reason")
             .contains("bytes")
     );
+}
+
+#[test]
+fn a_convex_scene_is_seen_as_one_and_another_is_told_what_stands_in_the_way() {
+    let folder = Folder::new();
+    let block = json!({ "name": "block", "mesh": 0 });
+    folder.add("block.glb", glb(&document(&[block], json!([]))));
+    let report = folder.json("look block.glb --method cell --eye 2,1,3 --toward 0,0,0 --size 96x54 --check");
+    assert_eq!([&report["method"], &report["contract"]], ["cell", "exact"]);
+    assert_eq!(report["summary"]["items_visible_mean"], 1.0);
+    assert_eq!(report["summary"]["pixels_different"], 0);
+    let run = folder.run("look scene.glb --method cell");
+    assert_eq!(run.code, Some(2));
+    for word in [
+        "scene.glb: not convex: cell",
+        "`floor`",
+        "hierarchical-z takes any content",
+        "choose another --method",
+    ] {
+        assert!(run.stderr.contains(word), "{}", run.stderr);
+    }
+    let report = folder.json("look scene.glb --method all --size 16x9");
+    let skipped = &report["skipped"][1];
+    assert_eq!(skipped["method"], "cell");
+    assert!(
+        skipped["why"]
+            .as_str()
+            .expect("a reason")
+            .starts_with("not convex")
+    );
+    // So is a room of a file that says itself how it is to be seen.
+    let mut room = yard();
+    let marked = json!({ "name": "yard", "children": [0, 1, 2, 3], "extras": { "enfilade": { "kind": "room", "method": "cell" } } });
+    room["nodes"].as_array_mut().expect("nodes").push(marked);
+    room["scenes"][0]["nodes"] = json!([4, 5, 6, 7]);
+    folder.add("room.glb", glb(&room));
+    let run = folder.run("look room.glb");
+    assert_eq!(run.code, Some(2));
+    for word in [
+        "room.glb: fragment `yard`: not convex: cell",
+        "have the file name another",
+    ] {
+        assert!(run.stderr.contains(word), "{}", run.stderr);
+    }
 }
 
 #[test]

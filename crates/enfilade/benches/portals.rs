@@ -315,7 +315,10 @@ fn mirrors_face_to_face(times: bool) {
     );
     let (passages, most_ms) = MIRRORS;
     let mirrors = enfilade_scenes::built_in("mirrors").expect("it is built in");
-    for method in Method::ALL.into_iter().filter(|method| !method.goes_by_cells()) {
+    for method in Method::ALL
+        .into_iter()
+        .filter(|method| method.takes_any_content())
+    {
         let scene = mirrors
             .scene
             .with_method(method, Method::DEFAULT_LIMIT)
@@ -350,7 +353,10 @@ fn memory_of_mirrors() {
         ),
         (within.scene, within.cameras[0].view([1920, 1080])),
     ];
-    for method in Method::ALL.into_iter().filter(|method| !method.goes_by_cells()) {
+    for method in Method::ALL
+        .into_iter()
+        .filter(|method| method.takes_any_content())
+    {
         let taken = [0, 1].map(|which| {
             let (scene, view) = &scenes[which];
             let scene = scene.with_method(method, Method::DEFAULT_LIMIT).expect("small");

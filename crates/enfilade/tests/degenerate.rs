@@ -63,7 +63,10 @@ fn scene(content: Content) -> Scene {
 /// Holds every method to its contract; gives how many items the reference sees for certain.
 fn every_method_keeps_its_contract(scene: &Scene, view: &View) -> usize {
     let truth = Reference::new(scene).see(scene, view, &Limits::default());
-    for method in Method::ALL.into_iter().filter(|method| !method.goes_by_cells()) {
+    for method in Method::ALL
+        .into_iter()
+        .filter(|method| method.takes_any_content())
+    {
         let seen = scene
             .with_method(method, Method::DEFAULT_LIMIT)
             .expect("few faces");
@@ -149,7 +152,10 @@ fn a_hundred_thousand_faces_in_one_plane_are_one_node_of_a_tree() {
     }
     let scene = scene(content.build().expect("ten sheets"));
     let view = View::new([12.5, 6.25, 12.0], [12.5, 6.25, 0.0], [96, 54]);
-    for method in Method::ALL.into_iter().filter(|method| !method.goes_by_cells()) {
+    for method in Method::ALL
+        .into_iter()
+        .filter(|method| method.takes_any_content())
+    {
         let seen = scene
             .with_method(method, Method::DEFAULT_LIMIT)
             .expect("they fit");
@@ -192,7 +198,10 @@ fn items_without_faces_or_extent_are_never_seen_and_hide_nothing() {
     let view = View::new([0.0, 0.0, 4.0], [0.0; 3], [64, 48]);
     for (scene, expected) in [(build(true), 1), (build(false), 0)] {
         assert_eq!(every_method_keeps_its_contract(&scene, &view), expected);
-        for method in Method::ALL.into_iter().filter(|method| !method.goes_by_cells()) {
+        for method in Method::ALL
+            .into_iter()
+            .filter(|method| method.takes_any_content())
+        {
             let seen = scene
                 .with_method(method, Method::DEFAULT_LIMIT)
                 .expect("few faces");
@@ -221,7 +230,10 @@ fn a_thousand_copies_of_one_face_look_like_one() {
         0,
         "all is contested between copies"
     );
-    for method in Method::ALL.into_iter().filter(|method| !method.goes_by_cells()) {
+    for method in Method::ALL
+        .into_iter()
+        .filter(|method| method.takes_any_content())
+    {
         let seen = scene
             .with_method(method, Method::DEFAULT_LIMIT)
             .expect("few faces");

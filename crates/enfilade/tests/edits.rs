@@ -41,7 +41,10 @@ fn seen(viewer: &mut Viewer, scene: &Scene) -> Vec<String> {
 
 #[test]
 fn what_is_removed_is_not_seen_and_its_number_goes_to_the_next_that_comes() {
-    for method in Method::ALL.into_iter().filter(|method| !method.goes_by_cells()) {
+    for method in Method::ALL
+        .into_iter()
+        .filter(|method| method.takes_any_content())
+    {
         let (mut scene, mut viewer) = (hall(method), Viewer::new());
         assert_eq!(seen(&mut viewer, &scene), ["wall", "left", "middle", "right"]);
         let mut edit = scene.edit();
@@ -75,7 +78,10 @@ fn an_edit_that_is_dropped_changes_nothing() {
 
 #[test]
 fn a_copy_of_a_scene_stays_as_it_was() {
-    for method in Method::ALL.into_iter().filter(|method| !method.goes_by_cells()) {
+    for method in Method::ALL
+        .into_iter()
+        .filter(|method| method.takes_any_content())
+    {
         let mut scene = hall(method);
         let (copy, content) = (scene.clone(), scene.content(HALL).expect("ours").clone());
         let mut edit = scene.edit();
@@ -95,7 +101,10 @@ fn a_copy_of_a_scene_stays_as_it_was() {
 
 #[test]
 fn a_leaf_that_is_seen_past_hides_nothing() {
-    for method in Method::ALL.into_iter().filter(|method| !method.goes_by_cells()) {
+    for method in Method::ALL
+        .into_iter()
+        .filter(|method| method.takes_any_content())
+    {
         let (mut scene, mut viewer) = (hall(method), Viewer::new());
         let mut edit = scene.edit();
         // Before the eye stands a leaf that hides everything, then one that does not.

@@ -26,7 +26,10 @@ fn main() {
     for known in &ROOMS {
         let place = open(&folder, known.file);
         let mut drawn = Vec::new();
-        for method in Method::ALL.into_iter().filter(|method| !method.goes_by_cells()) {
+        for method in Method::ALL
+            .into_iter()
+            .filter(|method| method.takes_any_content())
+        {
             let Some(scene) = place.seen_by(method) else {
                 println!("{:20}{:16}{:>10}", known.file, method.name(), "too large");
                 continue;

@@ -153,7 +153,8 @@ impl Import {
     /// `limit_bytes` in each room.
     ///
     /// # Errors
-    /// [`SceneError::TooLarge`].
+    /// [`SceneError::TooLarge`], and [`SceneError::NotConvex`] or [`SceneError::NotBaked`] where a room says a method that does
+    /// not suit it.
     pub fn scene(&self, method: Method, limit_bytes: u64) -> Result<Scene, SceneError> {
         let mut builder = SceneBuilder::new();
         builder.limit_bytes(limit_bytes);

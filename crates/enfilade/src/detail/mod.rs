@@ -190,7 +190,8 @@ impl Details {
     /// `seen` is what looks at the scene as it is now saw, each of its own camera.
     ///
     /// # Errors
-    /// [`SceneError::TooLarge`] where a method cannot see so fine a scene; then it stays as it was.
+    /// [`SceneError::TooLarge`] where a method cannot see so fine a scene, [`SceneError::NotConvex`] where it cannot see
+    /// levels that hide; then it stays as it was.
     pub fn refine(&mut self, scene: &mut Scene, seen: &[&VisibleSet]) -> Result<Refined, SceneError> {
         self.step += 1;
         let mut refined = Refined::default();

@@ -10,7 +10,7 @@ use super::gathered::draw_gathered;
 use super::in_cells::InParts;
 use super::ours::{Edited, Ours, edit_order};
 use super::shares::find_by_shares;
-use super::{Method, TooLarge};
+use super::{Method, TooLarge, Unsuited};
 use crate::canvas::Canvas;
 use crate::content::{Changes, Content, ItemId, Opening};
 use crate::cover::{Coarse, Hides};
@@ -44,12 +44,13 @@ where
     C: Hides,
     O::Gives: Gives<C::CullNeeds>,
 {
-    pub(super) fn build(method: Method, content: Arc<Content>, limit: u64) -> Result<Self, TooLarge> {
+    pub(super) fn build(method: Method, content: Arc<Content>, limit: u64) -> Result<Self, Unsuited> {
         let needs_bytes = O::needs_bytes(&content) + OccluderSet::needs_bytes(&content);
         if needs_bytes > limit {
-            return Err(TooLarge::new(method, needs_bytes, limit));
+            return Err(TooLarge::new(method, needs_bytes, limit).into());
         }
-        let order = O::build(&content, limit).ok_or_else(|| TooLarge::new(method, needs_bytes, limit))?;
+        let order =
+            O::build(&content, limit).map_err(|refusal| Unsuited::of(method, &content, refusal, limit))?;
         let culled = Culled {
             method,
             occluders: OnceLock::new(),
@@ -227,15 +228,15 @@ where
         &self.content
     }
 
-    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, TooLarge> {
+    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, Unsuited> {
         let (mut edited, done) = edit_order(
+            self.method,
             &mut self.order,
             &mut self.content,
             changes,
             limit,
             OccluderSet::needs_bytes,
-        )
-        .map_err(|needs_bytes| TooLarge::new(self.method, needs_bytes, limit))?;
+        )?;
         if let Some(occluders) = self.occluders.get_mut() {
             edited.nodes += Arc::make_mut(occluders).follow(&self.content, &done);
         }

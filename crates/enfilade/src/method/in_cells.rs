@@ -6,7 +6,7 @@
 //!     resolution than the screen, and another rasteriser draws.
 //! Conservative at the screen's samples, and at any place between them.
 
-use super::TooLarge;
+use super::Unsuited;
 use super::enlarged::Enlarged;
 use super::found::{Against, find};
 use super::gathered::draw_gathered;
@@ -160,7 +160,7 @@ impl<M: InParts> Ours for InCells<M> {
         self.0.content()
     }
 
-    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, TooLarge> {
+    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, Unsuited> {
         self.0.edit(changes, limit)
     }
 }

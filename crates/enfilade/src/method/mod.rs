@@ -11,12 +11,14 @@ mod ours;
 mod paired;
 mod shares;
 mod strips;
+mod unsuited;
 
 pub use culled::Culled;
 pub use ordered::Ordered;
 pub use ours::Edited;
 pub(crate) use ours::Ours;
 pub use paired::Paired;
+pub use unsuited::{FaceName, NotBaked, NotConvex, TooLarge, Unsuited};
 
 use crate::canvas::CoverShape;
 use crate::content::Content;
@@ -26,14 +28,13 @@ use crate::cover::{
 };
 use crate::fragment::{Contract, Fragment};
 use crate::order::{
-    BakedCellsOrder, Bsp, BvhOrder, DepthSort, FarToNear, KdTreeOrder, Mean, Min, NearToFar, OctreeOrder,
-    Unordered,
+    BakedCellsOrder, Bsp, BvhOrder, ConvexCell, DepthSort, FarToNear, KdTreeOrder, Mean, Min, NearToFar,
+    OctreeOrder, Order, Unordered,
 };
 use crate::view::View;
 use in_cells::InCells;
 use std::fmt;
 use std::sync::Arc;
-use thiserror::Error;
 
 /// Painter's algorithm, sorted by each face's nearest corner. Thesis Painter's Algorithm and Binary Space Partitioning,
 /// 1.1.
@@ -90,6 +91,13 @@ pub type Mobsp = Culled<KdTreeOrder, OcclusionTree<ByBox>>;
 /// wall go on hiding what is behind it when it has gone.
 pub type Pvs = Ordered<BakedCellsOrder>;
 
+/// Convex cell: faces as they come, painted over each other. Only for contents in which every face has all others on one
+/// side, as in a box of a room: there, no face seen from that side hides another. Boreskov, Using portals.
+///
+/// Takes faces, openings included, that bound a convex space, seen from inside or outside; what hides nothing (glass,
+/// cut-outs, items that never hide) may stand anywhere. An edit that leaves it convex no more is refused.
+pub type Cell = Paired<ConvexCell, Nothing>;
+
 /// How a fragment is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -118,68 +126,13 @@ pub enum Method {
     Mobsp,
     /// See [`Pvs`](crate::Pvs).
     Pvs,
-}
-
-/// Why a method cannot see a content.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum Unsuited {
-    /// It would need too much memory.
-    #[error(transparent)]
-    TooLarge(#[from] TooLarge),
-    /// It goes by what was computed ahead, and nothing was.
-    #[error(transparent)]
-    NotBaked(#[from] NotBaked),
-}
-
-/// A method goes by cells that were computed ahead, but a content has none.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error(
-    "not baked: {method} goes by cells that were computed ahead, and there are none; {instead} needs none"
-)]
-#[non_exhaustive]
-pub struct NotBaked {
-    /// The method that was asked for.
-    pub method: Method,
-    /// A method that needs no cells.
-    pub instead: Method,
-}
-
-/// A method would need too much memory; told by an estimate, before anything is built.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[error("{method} needs about {needs_bytes} bytes, but {limit} are allowed{}", self.advice())]
-#[non_exhaustive]
-pub struct TooLarge {
-    /// The method that was asked for.
-    pub method: Method,
-    /// What it would need.
-    pub needs_bytes: u64,
-    /// What is allowed.
-    pub limit: u64,
-    /// A method that needs less, if there is one.
-    pub instead: Option<Method>,
-}
-
-impl TooLarge {
-    fn new(method: Method, needs_bytes: u64, limit: u64) -> TooLarge {
-        let instead = (method != Method::ZBuffer).then_some(Method::ZBuffer);
-        TooLarge {
-            method,
-            needs_bytes,
-            limit,
-            instead,
-        }
-    }
-
-    fn advice(&self) -> String {
-        self.instead
-            .map_or_else(String::new, |method| format!("; {method} needs fewer"))
-    }
+    /// See [`Cell`](crate::Cell).
+    Cell,
 }
 
 impl Method {
     /// Every method there is.
-    pub const ALL: [Method; 12] = [
+    pub const ALL: [Method; 13] = [
         Method::PainterMin,
         Method::PainterMean,
         Method::Bsp,
@@ -192,6 +145,7 @@ impl Method {
         Method::Svbsp,
         Method::Mobsp,
         Method::Pvs,
+        Method::Cell,
     ];
 
     /// What one fragment's method may build unless told otherwise, in bytes: 1 GB.
@@ -212,6 +166,7 @@ impl Method {
             Method::Svbsp => "svbsp",
             Method::Mobsp => "mobsp",
             Method::Pvs => "pvs",
+            Method::Cell => "cell",
         }
     }
 
@@ -226,6 +181,7 @@ impl Method {
             Method::PainterMin | Method::PainterMean => Contract::Approximate,
             Method::Bsp
             | Method::BspFront
+            | Method::Cell
             | Method::ZBuffer
             | Method::SBuffer
             | Method::HierarchicalZ
@@ -258,16 +214,25 @@ impl Method {
         self == Method::Pvs
     }
 
-    /// Has a content what the method goes by?
+    /// Can it see contents of every kind? Those that cannot ask for cells, or for convexity.
+    pub fn takes_any_content(self) -> bool {
+        !matches!(self, Method::Pvs | Method::Cell)
+    }
+
+    /// Has a content what the method goes by? Of [`Method::Cell`] that costs as much as to build it.
     pub fn suits(self, content: &Content) -> bool {
-        !self.goes_by_cells() || content.cells().is_some()
+        match self {
+            Method::Pvs => content.cells().is_some(),
+            Method::Cell => ConvexCell::build(content, u64::MAX).is_ok(),
+            _ => true,
+        }
     }
 
     /// Prepares a content to be seen.
     ///
     /// # Errors
-    /// [`Unsuited::TooLarge`] where more than `limit_bytes` would be needed, [`Unsuited::NotBaked`] where the content has not
-    /// what the method goes by.
+    /// [`Unsuited::TooLarge`] where more than `limit_bytes` would be needed, [`Unsuited::NotBaked`] and
+    /// [`Unsuited::NotConvex`] where the content has not what the method goes by.
     pub fn build(self, content: Arc<Content>, limit_bytes: u64) -> Result<Arc<dyn Fragment>, Unsuited> {
         Ok(self.build_ours(content, limit_bytes)?)
     }
@@ -277,14 +242,6 @@ impl Method {
         content: Arc<Content>,
         limit_bytes: u64,
     ) -> Result<Arc<dyn Ours>, Unsuited> {
-        if !self.suits(&content) {
-            let instead = Method::HierarchicalZ;
-            return Err(NotBaked {
-                method: self,
-                instead,
-            }
-            .into());
-        }
         Ok(match self {
             Method::PainterMin => Arc::new(PainterMin::build(self, content, limit_bytes)?),
             Method::PainterMean => Arc::new(PainterMean::build(self, content, limit_bytes)?),
@@ -298,6 +255,7 @@ impl Method {
             Method::Svbsp => Arc::new(Svbsp::build(self, content, limit_bytes)?),
             Method::Mobsp => Arc::new(Mobsp::build(self, content, limit_bytes)?),
             Method::Pvs => Arc::new(Pvs::build(self, content, limit_bytes)?),
+            Method::Cell => Arc::new(Cell::build(self, content, limit_bytes)?),
         })
     }
 
@@ -316,7 +274,9 @@ impl Method {
     fn cover_bytes(self, size: [u32; 2]) -> u64 {
         match self {
             Method::BspFront => Mask::needs_bytes(size),
-            Method::PainterMin | Method::PainterMean | Method::Bsp => Nothing::needs_bytes(size),
+            Method::PainterMin | Method::PainterMean | Method::Bsp | Method::Cell => {
+                Nothing::needs_bytes(size)
+            }
             Method::ZBuffer | Method::Pvs => DepthBuffer::needs_bytes(size),
             Method::SBuffer | Method::HierarchicalS => SpanBuffer::needs_bytes(size),
             Method::HierarchicalZ => DepthPyramid::needs_bytes(size),
@@ -332,7 +292,7 @@ impl Method {
     pub fn cover_shape(self) -> Option<CoverShape> {
         match self {
             Method::BspFront => Mask::SHAPE,
-            Method::PainterMin | Method::PainterMean | Method::Bsp => Nothing::SHAPE,
+            Method::PainterMin | Method::PainterMean | Method::Bsp | Method::Cell => Nothing::SHAPE,
             Method::ZBuffer | Method::Pvs => DepthBuffer::SHAPE,
             Method::SBuffer | Method::HierarchicalS => SpanBuffer::SHAPE,
             Method::HierarchicalZ => DepthPyramid::SHAPE,

@@ -7,7 +7,7 @@ use super::count::count_faces;
 use super::found::{Against, find};
 use super::gathered::draw_gathered;
 use super::ours::{Edited, Ours, edit_order};
-use super::{Method, TooLarge};
+use super::{Method, TooLarge, Unsuited};
 use crate::canvas::Canvas;
 use crate::content::{Changes, Content, ItemId, Opening};
 use crate::faces::Faces;
@@ -29,14 +29,13 @@ pub struct Ordered<O> {
 }
 
 impl<O: Order> Ordered<O> {
-    pub(super) fn build(method: Method, content: Arc<Content>, limit: u64) -> Result<Self, TooLarge> {
+    pub(super) fn build(method: Method, content: Arc<Content>, limit: u64) -> Result<Self, Unsuited> {
         let needs_bytes = O::needs_bytes(&content);
         if needs_bytes > limit {
-            return Err(TooLarge::new(method, needs_bytes, limit));
+            return Err(TooLarge::new(method, needs_bytes, limit).into());
         }
-        // What turns out to be more than estimated is twice the limit, as far as is known.
         let order =
-            O::build(&content, limit).ok_or_else(|| TooLarge::new(method, limit.saturating_mul(2), limit))?;
+            O::build(&content, limit).map_err(|refusal| Unsuited::of(method, &content, refusal, limit))?;
         Ok(Ordered {
             method,
             order,
@@ -115,9 +114,13 @@ impl<O: Order> Ours for Ordered<O> {
         &self.content
     }
 
-    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, TooLarge> {
-        edit_order(&mut self.order, &mut self.content, changes, limit, |_| 0)
-            .map(|(edited, _)| edited)
-            .map_err(|needs_bytes| TooLarge::new(self.method, needs_bytes, limit))
+    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, Unsuited> {
+        let Self {
+            method,
+            content,
+            order,
+            ..
+        } = self;
+        edit_order(*method, order, content, changes, limit, |_| 0).map(|(edited, _)| edited)
     }
 }

@@ -1,6 +1,6 @@
 //! A fragment that is content, seen by a method of ours: its items can be edited.
 
-use super::TooLarge;
+use super::{Method, TooLarge, Unsuited};
 use crate::content::{Changes, Content, Exchanged};
 use crate::fragment::Fragment;
 use crate::order::Order;
@@ -11,8 +11,8 @@ pub(crate) trait Ours: Fragment {
     fn content(&self) -> &Arc<Content>;
 
     /// Exchanges items for those of `changes`, which then undo it; content that others share becomes a copy first. Where
-    /// that needs more than `limit` bytes, nothing is changed.
-    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, TooLarge>;
+    /// that needs more than `limit` bytes, or leaves what the method cannot see, nothing is changed.
+    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, Unsuited>;
 }
 
 /// What an edit came to.
@@ -36,27 +36,31 @@ impl Edited {
 }
 
 /// Edits a content and has an order over it follow, or builds it anew. Where that, and what `beside` says is needed besides,
-/// is more than `limit` bytes, all stays as it was, and the error is how many.
+/// is more than `limit` bytes, or the order cannot be built, all stays as it was.
 pub(super) fn edit_order<O: Order>(
+    method: Method,
     order: &mut O,
     content: &mut Arc<Content>,
     changes: &mut Changes,
     limit: u64,
     beside: impl Fn(&Content) -> u64,
-) -> Result<(Edited, Exchanged), u64> {
+) -> Result<(Edited, Exchanged), Unsuited> {
     let edited = Arc::make_mut(content);
     let done = edited.exchange(changes);
-    let mut needs = O::needs_bytes(edited) + beside(edited);
+    let needs = O::needs_bytes(edited) + beside(edited);
     let mut touched = Vec::new();
     let follows = needs <= limit && order.follow(edited, &done.moved, &mut touched);
     if !follows {
-        match (needs <= limit).then(|| O::build(edited, limit)).flatten() {
-            Some(built) => *order = built,
-            None => {
-                // What turns out to be more than estimated is twice the limit, as far as is known.
-                needs = needs.max(limit.saturating_mul(2));
+        let built = if needs <= limit {
+            O::build(edited, limit).map_err(|refusal| Unsuited::of(method, edited, refusal, limit))
+        } else {
+            Err(TooLarge::new(method, needs, limit).into())
+        };
+        match built {
+            Ok(built) => *order = built,
+            Err(why) => {
                 edited.exchange(changes);
-                return Err(needs);
+                return Err(why);
             }
         }
     }

@@ -9,7 +9,7 @@
 //! Gives an exact order, far to near or near to far; content must not move.
 
 use super::items::{hand_out_see_through, opening_faces};
-use super::{FarToNear, NearToFar, Order, Visit};
+use super::{FarToNear, NearToFar, Order, Refusal, Visit};
 use crate::content::{Alpha, Content, ItemId, OpeningId, Owner};
 use crate::faces::{Cut, Faces};
 use crate::fragment::Built;
@@ -182,13 +182,14 @@ impl<D: Direction> Order for Bsp<D> {
     type Gives = D;
     type Scratch = BspScratch;
 
-    fn build(content: &Content, limit_bytes: u64) -> Option<Bsp<D>> {
+    fn build(content: &Content, limit_bytes: u64) -> Result<Bsp<D>, Refusal> {
         let options = BspOptions {
             limit_bytes,
             ..BspOptions::default()
         };
         let sorted = content.share(|| Sorted::build(content, &options));
-        sorted.tree.is_complete().then(|| Bsp::over(sorted))
+        let complete = sorted.tree.is_complete();
+        complete.then(|| Bsp::over(sorted)).ok_or(Refusal::TooLarge)
     }
 
     fn needs_bytes(content: &Content) -> u64 {

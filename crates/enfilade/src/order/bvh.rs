@@ -7,7 +7,7 @@
 //! Gives nodes near to far; single faces may come in any order.
 
 use super::queue::{Queue, Tree, walk};
-use super::{NodesNearToFar, Order, Visit};
+use super::{NodesNearToFar, Order, Refusal, Visit};
 use crate::content::{Content, Moved};
 use crate::geom::{Aabb, Bvh};
 use crate::passage::Passage;
@@ -25,9 +25,9 @@ impl Order for BvhOrder {
     type Gives = NodesNearToFar;
     type Scratch = Queue;
 
-    fn build(content: &Content, _limit_bytes: u64) -> Option<BvhOrder> {
+    fn build(content: &Content, _limit_bytes: u64) -> Result<BvhOrder, Refusal> {
         let bounds: Vec<Aabb> = content.items().iter().map(|item| item.bounds).collect();
-        Some(BvhOrder {
+        Ok(BvhOrder {
             tree: Bvh::build(&bounds, FEW_ITEMS),
         })
     }

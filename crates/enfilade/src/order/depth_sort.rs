@@ -8,7 +8,7 @@
 //!     and `@crossing-triangles` show it. Right for things apart from each other, and faces of like size.
 
 use super::items::{hand_out_see_through, may_be_seen, opening_faces};
-use super::{FarToNear, Order, Visit};
+use super::{FarToNear, Order, Refusal, Visit};
 use crate::content::{Alpha, Content, ItemId, Moved, OpeningId};
 use crate::faces::Faces;
 use crate::passage::Passage;
@@ -66,8 +66,8 @@ impl<K: SortKey> Order for DepthSort<K> {
     type Gives = FarToNear;
     type Scratch = Sorting;
 
-    fn build(_content: &Content, _limit_bytes: u64) -> Option<DepthSort<K>> {
-        Some(DepthSort(PhantomData))
+    fn build(_content: &Content, _limit_bytes: u64) -> Result<DepthSort<K>, Refusal> {
+        Ok(DepthSort(PhantomData))
     }
 
     fn needs_bytes(content: &Content) -> u64 {

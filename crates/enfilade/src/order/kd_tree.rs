@@ -7,7 +7,7 @@
 //! Gives nodes near to far; an item that a plane cuts comes with the first leaf of its that is met.
 
 use super::items::{hand_out, hand_out_openings, hand_out_whole, sight};
-use super::{NodesNearToFar, Order, Visit};
+use super::{NodesNearToFar, Order, Refusal, Visit};
 use crate::content::{Content, ItemId, Moved};
 use crate::geom::{Aabb, KdTree};
 use crate::passage::Passage;
@@ -33,9 +33,9 @@ impl Order for KdTreeOrder {
     type Gives = NodesNearToFar;
     type Scratch = Vec<Waiting>;
 
-    fn build(content: &Content, _limit_bytes: u64) -> Option<KdTreeOrder> {
+    fn build(content: &Content, _limit_bytes: u64) -> Result<KdTreeOrder, Refusal> {
         let bounds: Vec<Aabb> = content.items().iter().map(|item| item.bounds).collect();
-        Some(KdTreeOrder {
+        Ok(KdTreeOrder {
             tree: KdTree::build(&bounds, FEW_ITEMS),
         })
     }

@@ -3,6 +3,7 @@
 mod baked_cells;
 mod bsp;
 mod bvh;
+mod convex_cell;
 mod depth_sort;
 mod items;
 mod kd_tree;
@@ -13,12 +14,13 @@ mod unordered;
 pub use baked_cells::BakedCellsOrder;
 pub use bsp::{Bsp, Direction};
 pub use bvh::BvhOrder;
+pub use convex_cell::ConvexCell;
 pub use depth_sort::{DepthSort, Mean, Min, SortKey};
 pub use kd_tree::KdTreeOrder;
 pub use octree::OctreeOrder;
 pub use unordered::Unordered;
 
-use crate::content::{Content, ItemId, Moved};
+use crate::content::{Content, ItemId, Moved, Owner};
 use crate::faces::Faces;
 use crate::fragment::Built;
 use crate::geom::Aabb;
@@ -47,6 +49,32 @@ impl Gives<NodesNearToFar> for NearToFar {}
 impl Gives<NearToFar> for NearToFar {}
 impl Gives<FarToNear> for FarToNear {}
 
+/// Why an order cannot be built over a content.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Refusal {
+    /// It turns out that more bytes are needed than are allowed.
+    TooLarge,
+    /// There are no cells to go by.
+    NotBaked,
+    /// A face has others on both of its sides.
+    NotConvex(Dent),
+}
+
+/// A face, and what is farthest behind it although something else is before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Dent {
+    /// The face, or the opening.
+    pub wall: Owner,
+    /// What has a corner behind it.
+    pub behind: Owner,
+    /// That corner, in the space of the fragment.
+    pub point: [f64; 3],
+    /// How far behind the plane of `wall` it is, in scene units.
+    pub by: f64,
+}
+
 /// Hands out faces, in batches, in the order it promises; asks before it enters a node.
 pub trait Order: Send + Sync + Sized + 'static {
     /// One of [`Unsorted`], [`NodesNearToFar`], [`NearToFar`], [`FarToNear`].
@@ -55,8 +83,11 @@ pub trait Order: Send + Sync + Sized + 'static {
     /// What a walk needs; kept from one to the next.
     type Scratch: Default + Send + 'static;
 
-    /// Prepares the order of a content. `None` where it turns out that more than `limit_bytes` are needed.
-    fn build(content: &Content, limit_bytes: u64) -> Option<Self>;
+    /// Prepares the order of a content.
+    ///
+    /// # Errors
+    /// [`Refusal`], which is [`Refusal::TooLarge`] where it turns out that more than `limit_bytes` are needed.
+    fn build(content: &Content, limit_bytes: u64) -> Result<Self, Refusal>;
 
     /// At most how many bytes [`Order::build`] will take, by an estimate made without building.
     fn needs_bytes(content: &Content) -> u64;

@@ -7,7 +7,7 @@
 //! Gives nodes near to far; single faces may come in any order.
 
 use super::queue::{Queue, Tree, walk};
-use super::{NodesNearToFar, Order, Visit};
+use super::{NodesNearToFar, Order, Refusal, Visit};
 use crate::content::{Content, Moved};
 use crate::geom::{Aabb, Octree};
 use crate::passage::Passage;
@@ -20,9 +20,9 @@ impl Order for OctreeOrder {
     type Gives = NodesNearToFar;
     type Scratch = Queue;
 
-    fn build(content: &Content, _limit_bytes: u64) -> Option<OctreeOrder> {
+    fn build(content: &Content, _limit_bytes: u64) -> Result<OctreeOrder, Refusal> {
         content.item_tree();
-        Some(OctreeOrder)
+        Ok(OctreeOrder)
     }
 
     fn needs_bytes(content: &Content) -> u64 {

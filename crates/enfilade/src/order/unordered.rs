@@ -6,7 +6,7 @@
 //! Gives nothing: only covers that need no order take it.
 
 use super::items::{hand_out, hand_out_openings};
-use super::{Order, Unsorted, Visit};
+use super::{Order, Refusal, Unsorted, Visit};
 use crate::content::{Content, ItemId, Moved};
 use crate::passage::Passage;
 
@@ -17,8 +17,8 @@ impl Order for Unordered {
     type Gives = Unsorted;
     type Scratch = ();
 
-    fn build(_content: &Content, _limit_bytes: u64) -> Option<Unordered> {
-        Some(Unordered)
+    fn build(_content: &Content, _limit_bytes: u64) -> Result<Unordered, Refusal> {
+        Ok(Unordered)
     }
 
     fn needs_bytes(_content: &Content) -> u64 {

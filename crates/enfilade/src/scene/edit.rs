@@ -83,8 +83,8 @@ impl Scene {
     /// ```
     ///
     /// Cost: O(log items) for each change where the fragment's order can follow in place, which is all but
-    /// [`Method::Bsp`](crate::Method::Bsp) and [`Method::BspFront`](crate::Method::BspFront): those are built anew at the
-    /// end. What the scene shares with a copy of it, or a content that somebody else holds too, becomes its own first, once.
+    /// [`Method::Bsp`](crate::Method::Bsp) and [`Method::BspFront`](crate::Method::BspFront), and
+    /// [`Method::Cell`](crate::Method::Cell) where what changes hides anything: those are built anew at the end. What the scene shares with a copy of it, or a content that somebody else holds too, becomes its own first, once.
     pub fn edit(&mut self) -> Edit<'_> {
         Edit {
             scene: self,
@@ -174,7 +174,8 @@ impl Edit<'_> {
     /// Does everything that was asked for.
     ///
     /// # Errors
-    /// [`SceneError::TooLarge`] where a fragment would need too much memory, and then the scene is as it was.
+    /// [`SceneError::TooLarge`] where a fragment would need too much memory, [`SceneError::NotConvex`] where its method sees
+    /// convex contents alone and it would be one no more; and then the scene is as it was.
     pub fn finish(self) -> Result<Edited, SceneError> {
         let Edit { scene, mut changes } = self;
         changes.retain(|_, changes| !changes.is_empty());

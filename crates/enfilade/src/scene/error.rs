@@ -1,6 +1,6 @@
 //! Why fragments and portals do not make a scene.
 
-use crate::method::{NotBaked, TooLarge, Unsuited};
+use crate::method::{NotBaked, NotConvex, TooLarge, Unsuited};
 use std::fmt;
 use thiserror::Error;
 
@@ -95,6 +95,14 @@ pub enum SceneError {
         /// What it lacks.
         why: NotBaked,
     },
+    /// A fragment is not convex, and its method sees no others.
+    #[error("fragment `{fragment}`: {why}")]
+    NotConvex {
+        /// The fragment's name.
+        fragment: String,
+        /// Where it is not.
+        why: Box<NotConvex>,
+    },
 }
 
 /// What a broken rule is about.
@@ -125,6 +133,7 @@ impl SceneError {
         match why {
             Unsuited::TooLarge(why) => SceneError::TooLarge { fragment, why },
             Unsuited::NotBaked(why) => SceneError::NotBaked { fragment, why },
+            Unsuited::NotConvex(why) => SceneError::NotConvex { fragment, why },
         }
     }
 

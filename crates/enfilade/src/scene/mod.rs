@@ -133,8 +133,8 @@ impl Scene {
     /// Cost: that of building the method, which is next to nothing for [`Method::ZBuffer`] and [`Method::SBuffer`].
     ///
     /// # Errors
-    /// [`SceneError::NotOurs`], [`SceneError::Openings`], [`SceneError::TooLarge`] or [`SceneError::NotBaked`], and then it
-    /// stays as it was.
+    /// [`SceneError::NotOurs`], [`SceneError::Openings`], [`SceneError::TooLarge`], [`SceneError::NotBaked`] or
+    /// [`SceneError::NotConvex`], and then it stays as it was.
     pub fn set_content(
         &mut self,
         id: FragmentId,
@@ -155,7 +155,8 @@ impl Scene {
     /// Has a fragment seen by another method; no other is touched.
     ///
     /// # Errors
-    /// [`SceneError::NotOurs`], [`SceneError::TooLarge`] or [`SceneError::NotBaked`], and then it stays as it was.
+    /// [`SceneError::NotOurs`], [`SceneError::TooLarge`], [`SceneError::NotBaked`] or [`SceneError::NotConvex`], and then it
+    /// stays as it was.
     pub fn set_method(&mut self, id: FragmentId, method: Method) -> Result<(), SceneError> {
         let (content, _) = self.ours(id)?;
         self.rebuild(id, Arc::clone(content), method)
@@ -195,7 +196,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`Unsuited::TooLarge`] where a fragment would need more than `limit_bytes` for what the method builds,
-    /// [`Unsuited::NotBaked`] where one has not what the method goes by.
+    /// [`Unsuited::NotBaked`] or [`Unsuited::NotConvex`] where one has not what the method goes by.
     pub fn with_method(&self, method: Method, limit_bytes: u64) -> Result<Scene, Unsuited> {
         let mut scene = self.clone();
         scene.limit_bytes = limit_bytes;

@@ -79,7 +79,10 @@ fn a_source_that_fails_leaves_its_item_its_box() {
         (|_| Ok(of_gold()), "item `odd` is made of material 7"),
     ];
     for (make, why) in sources {
-        for method in Method::ALL.into_iter().filter(|method| !method.goes_by_cells()) {
+        for method in Method::ALL
+            .into_iter()
+            .filter(|method| method.takes_any_content())
+        {
             let (mut scene, mut viewer) = (empty(method), Viewer::new());
             let mut details = Details::new(DetailOptions::default());
             let odd = Arc::new(Odd { make, ..SOUND });

@@ -29,11 +29,11 @@ fn afresh(content: &Content) -> Content {
     builder.build().expect("as sound as it was")
 }
 
-/// The methods that go by what is there at the moment. What was computed ahead holds for as long as walls stay: see
-/// `tests/baked_cells/`.
+/// The methods that go by what is there at the moment, whatever it is. What was computed ahead holds for as long as walls
+/// stay: see `tests/baked_cells/`; and what must be convex, for as long as it is: see `tests/laws/convex/`.
 static FOLLOWING: LazyLock<Vec<Method>> = LazyLock::new(|| {
     let all = Method::ALL.into_iter();
-    all.filter(|method| !method.goes_by_cells()).collect()
+    all.filter(|method| method.takes_any_content()).collect()
 });
 
 /// Edits a scene round after round, as each method sees it, and holds every look to the method's contract, and to that at
@@ -202,7 +202,10 @@ fn a_thing_that_was_turned_and_flattened_is_seen_where_it_looks_over_a_wall() {
         let tip = flattened.point([0.5, 1.0, 1.0])[1];
         for (height, is_seen) in [(1.25, true), (0.9, false)] {
             let there = Transform::translation([0.0, height - tip, -1.0]) * flattened;
-            for method in Method::ALL.into_iter().filter(|method| !method.goes_by_cells()) {
+            for method in Method::ALL
+                .into_iter()
+                .filter(|method| method.takes_any_content())
+            {
                 let mut scene = scene.with_method(method, u64::MAX).expect("small");
                 let mut edit = scene.edit();
                 let placed = edit.place(FragmentId(0), ItemId(0), there);

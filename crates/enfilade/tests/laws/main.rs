@@ -1,5 +1,6 @@
 //! The laws: each is stated once, and holds for every method on every scene.
 
+mod convex;
 mod doors;
 mod edits;
 mod glass;
@@ -271,7 +272,7 @@ fn every_kind_of_trouble_has_a_scene() {
 }
 
 /// The same scenes every time, unless `PROPTEST_CASES` asks for more and others.
-fn by_chance() -> ProptestConfig {
+pub(crate) fn by_chance() -> ProptestConfig {
     let default = ProptestConfig {
         failure_persistence: None,
         ..ProptestConfig::default()

@@ -28,7 +28,10 @@ impl Canvas for Nothing {
 
 /// By every method, looking and drawing through a hundred passages takes no more than `most` bytes.
 fn stays_small(scene: &Scene, view: &View, most: u64) {
-    for method in Method::ALL.into_iter().filter(|method| !method.goes_by_cells()) {
+    for method in Method::ALL
+        .into_iter()
+        .filter(|method| method.takes_any_content())
+    {
         let scene = scene
             .with_method(method, Method::DEFAULT_LIMIT)
             .expect("it is small");

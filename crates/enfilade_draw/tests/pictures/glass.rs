@@ -61,7 +61,10 @@ fn a_dozen_panes_before_a_wall_lose_no_colour() {
         let [r, g, b, a] = pane.base_color.map(f64::from);
         expected = [(r, 0), (g, 1), (b, 2), (1.0, 3)].map(|(own, i)| expected[i] * (1.0 - a) + own * a);
     }
-    for method in Method::ALL.into_iter().filter(|method| !method.goes_by_cells()) {
+    for method in Method::ALL
+        .into_iter()
+        .filter(|method| method.takes_any_content())
+    {
         let scene = scene.with_method(method, u64::MAX).expect("small");
         let image = drawn(&scene, &view(), &Settings::default()).image;
         let shown = image.get_pixel(SIZE[0] / 2, SIZE[1] / 2).0;

@@ -14,7 +14,10 @@ fn every_texel_is_where_a_ray_meets_it_also_beyond_the_sides_and_in_a_mirror() {
         let mut texture = mosaic([4, 3]);
         texture.wrap = wrap;
         let scene = gallery(vec![texture.clone()], &[poster()]);
-        for method in Method::ALL.into_iter().filter(|method| !method.goes_by_cells()) {
+        for method in Method::ALL
+            .into_iter()
+            .filter(|method| method.takes_any_content())
+        {
             if method.contract() == Contract::Approximate {
                 continue;
             }

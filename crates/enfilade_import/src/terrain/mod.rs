@@ -72,7 +72,7 @@ pub(crate) fn import(
     let description: Description =
         serde_json::from_slice(bytes).map_err(|why| TerrainError::Description(why.to_string()))?;
     let is_big_endian = description.is_big_endian()?;
-    let folder = folder.ok_or_else(|| TerrainError::NoFolder)?;
+    let folder = folder.ok_or(TerrainError::NoFolder)?;
     let path = files::heights_of(&description.file, folder, name)?;
     let samples = u64::from(description.width) * u64::from(description.height);
     let in_file = |why| TerrainError::File {

@@ -112,6 +112,22 @@ fn the_nearest_room_above_a_node_has_it() {
 }
 
 #[test]
+fn a_room_that_says_it_is_a_convex_cell_is_held_to_it() {
+    let mut file = two_rooms(&[
+        door("Door-portal", Value::Null),
+        json!({ "name": "broom", "mesh": 2 }),
+    ]);
+    file.json["nodes"][0]["extras"] = json!({ "enfilade": { "kind": "room", "method": "cell" } });
+    let scene = |file: &File| reads(file).scene(Method::ZBuffer, Method::DEFAULT_LIMIT);
+    let scene_of_cells = scene(&file).expect("a box with a door is convex");
+    assert_eq!(scene_of_cells.method(FragmentId(0)), Some(Method::Cell));
+    file.json["nodes"][0]["children"] = json!([1, 5]);
+    let why = scene(&file).err().expect("a broom stands in it").to_string();
+    assert!(why.starts_with("fragment `A-room`: not convex: cell"), "{why}");
+    assert!(why.contains("`broom`"), "{why}");
+}
+
+#[test]
 fn a_portal_joins_the_two_rooms_at_its_sides() {
     for (name, extras) in [
         ("Door-portal", Value::Null),

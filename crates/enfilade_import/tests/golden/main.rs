@@ -91,7 +91,10 @@ fn faults(file: &Path) -> Vec<String> {
                 continue;
             }
         };
-        for method in Method::ALL.into_iter().filter(|method| !method.goes_by_cells()) {
+        for method in Method::ALL
+            .into_iter()
+            .filter(|method| method.takes_any_content())
+        {
             if method.contract() == Contract::Approximate {
                 continue;
             }

@@ -11,7 +11,7 @@ mod stands;
 mod start;
 
 use super::items::{hand_out, hand_out_openings};
-use super::{Order, Unsorted, Visit};
+use super::{Order, Refusal, Unsorted, Visit};
 use crate::content::{BakedCells, Content, ItemId, Moved, Room};
 use crate::faces::{Faces, Of};
 use crate::fragment::Built;
@@ -79,11 +79,11 @@ impl Order for BakedCellsOrder {
     type Gives = Unsorted;
     type Scratch = BakedCellsScratch;
 
-    fn build(content: &Content, limit_bytes: u64) -> Option<BakedCellsOrder> {
-        let cells = Arc::clone(content.cells()?);
-        let stands = Stands::new(&cells, content, limit_bytes)?;
+    fn build(content: &Content, limit_bytes: u64) -> Result<BakedCellsOrder, Refusal> {
+        let cells = Arc::clone(content.cells().ok_or(Refusal::NotBaked)?);
+        let stands = Stands::new(&cells, content, limit_bytes).ok_or(Refusal::TooLarge)?;
         let openings = cells_of_openings(&cells, content);
-        Some(BakedCellsOrder {
+        Ok(BakedCellsOrder {
             cells,
             stands,
             openings,

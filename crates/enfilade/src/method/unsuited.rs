@@ -1,0 +1,165 @@
+//! Why a method cannot see a content, and what to do about it.
+
+use super::Method;
+use crate::content::{Content, Owner};
+use crate::order::{Dent, Refusal};
+use std::fmt;
+use thiserror::Error;
+
+/// Why a method cannot see a content.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Unsuited {
+    /// It would need too much memory.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
+    /// It goes by what was computed ahead, and nothing was.
+    #[error(transparent)]
+    NotBaked(#[from] NotBaked),
+    /// It sees convex contents alone, and this is none.
+    #[error(transparent)]
+    NotConvex(#[from] Box<NotConvex>),
+}
+
+impl Unsuited {
+    /// What an order refused, in the words of the method that it is of.
+    pub(super) fn of(method: Method, content: &Content, refusal: Refusal, limit: u64) -> Unsuited {
+        let instead = Method::HierarchicalZ;
+        match refusal {
+            // What turns out to be more than estimated is twice the limit, as far as is known.
+            Refusal::TooLarge => TooLarge::new(method, limit.saturating_mul(2), limit).into(),
+            Refusal::NotBaked => NotBaked { method, instead }.into(),
+            Refusal::NotConvex(dent) => Box::new(NotConvex::new(method, content, &dent, instead)).into(),
+        }
+    }
+}
+
+/// A method goes by cells that were computed ahead, but a content has none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error(
+    "not baked: {method} goes by cells that were computed ahead, and there are none; {instead} needs none"
+)]
+#[non_exhaustive]
+pub struct NotBaked {
+    /// The method that was asked for.
+    pub method: Method,
+    /// A method that needs no cells.
+    pub instead: Method,
+}
+
+/// A method sees contents in which every face has all others on one side, but in this one a face has some on both.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error(
+    "not convex: {method} needs every face to have all others on one side, but {wall} has {behind} behind it, \
+     {by} deep at ({}, {}, {}), and others before it; {instead} takes any content",
+    .point[0], .point[1], .point[2]
+)]
+#[non_exhaustive]
+pub struct NotConvex {
+    /// The method that was asked for.
+    pub method: Method,
+    /// The face that has others on both sides.
+    pub wall: FaceName,
+    /// What reaches farthest behind it.
+    pub behind: FaceName,
+    /// The corner that does, in the space of the fragment.
+    pub point: [f32; 3],
+    /// How far that is behind the plane of `wall`, in scene units.
+    pub by: f32,
+    /// A method that takes any content.
+    pub instead: Method,
+}
+
+/// A face of an item, or an opening, by name and number.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FaceName {
+    /// A face of an item's mesh.
+    OfItem {
+        /// The item's name.
+        item: String,
+        /// Its number.
+        number: u32,
+        /// The face of its mesh.
+        face: u32,
+    },
+    /// An opening.
+    Opening {
+        /// The opening's name.
+        name: String,
+        /// Its number.
+        number: u16,
+    },
+}
+
+impl FaceName {
+    fn new(content: &Content, owner: Owner) -> FaceName {
+        match owner {
+            Owner::Face(item, face) => FaceName::OfItem {
+                item: content.name(item).to_owned(),
+                number: item.0,
+                face,
+            },
+            Owner::Opening(opening) => FaceName::Opening {
+                name: content.openings()[usize::from(opening.0)].name.clone(),
+                number: opening.0,
+            },
+        }
+    }
+}
+
+impl fmt::Display for FaceName {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            FaceName::OfItem { item, number, face } if item.is_empty() => {
+                write!(f, "face {face} of item {number}")
+            }
+            FaceName::OfItem { item, number, face } => write!(f, "face {face} of item {number} `{item}`"),
+            FaceName::Opening { name, .. } => write!(f, "opening `{name}`"),
+        }
+    }
+}
+
+impl NotConvex {
+    fn new(method: Method, content: &Content, dent: &Dent, instead: Method) -> NotConvex {
+        NotConvex {
+            method,
+            wall: FaceName::new(content, dent.wall),
+            behind: FaceName::new(content, dent.behind),
+            point: dent.point.map(|value| value as f32),
+            by: dent.by as f32,
+            instead,
+        }
+    }
+}
+
+/// A method would need too much memory; told by an estimate, before anything is built.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{method} needs about {needs_bytes} bytes, but {limit} are allowed{}", self.advice())]
+#[non_exhaustive]
+pub struct TooLarge {
+    /// The method that was asked for.
+    pub method: Method,
+    /// What it would need.
+    pub needs_bytes: u64,
+    /// What is allowed.
+    pub limit: u64,
+    /// A method that needs less, if there is one.
+    pub instead: Option<Method>,
+}
+
+impl TooLarge {
+    pub(super) fn new(method: Method, needs_bytes: u64, limit: u64) -> TooLarge {
+        let instead = (method != Method::ZBuffer).then_some(Method::ZBuffer);
+        TooLarge {
+            method,
+            needs_bytes,
+            limit,
+            instead,
+        }
+    }
+
+    fn advice(&self) -> String {
+        self.instead
+            .map_or_else(String::new, |method| format!("; {method} needs fewer"))
+    }
+}

@@ -1,0 +1,57 @@
+//! Faces of one cluster that lie on one another: a picture on its wall.
+
+use super::Plane;
+use super::walls::Face;
+use glam::DVec3;
+
+/// Does any face lie on another, by more than their outlines may be off? Sorts them.
+///
+/// Cost: O(n log n), and a test for each two that are beside each other along the longest side.
+pub(super) fn lie_on_one_another(faces: &mut [Face], corners: &[DVec3], slack: f64) -> bool {
+    if faces.len() < 2 {
+        return false;
+    }
+    let (mut min, mut max) = (corners[0], corners[0]);
+    for &corner in corners {
+        (min, max) = (min.min(corner), max.max(corner));
+    }
+    let axis = (max - min).max_position();
+    for face in &mut *faces {
+        let along = corners[face.corners[0]..face.corners[1]].iter();
+        face.span = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, greatest], corner| {
+            [least.min(corner[axis]), greatest.max(corner[axis])]
+        });
+    }
+    faces.sort_unstable_by(|a, b| a.span[0].total_cmp(&b.span[0]));
+    faces.iter().enumerate().any(|(at, face)| {
+        let beside = faces[at + 1..]
+            .iter()
+            .take_while(|other| other.span[0] < face.span[1]);
+        beside
+            .into_iter()
+            .any(|other| overlap(face, other, corners, slack))
+    })
+}
+
+fn overlap(a: &Face, b: &Face, corners: &[DVec3], slack: f64) -> bool {
+    let [of_a, of_b] = [a, b].map(|face| &corners[face.corners[0]..face.corners[1]]);
+    let in_one_plane = of_b
+        .iter()
+        .all(|&corner| a.plane.height(corner).abs() <= 2.0 * slack);
+    in_one_plane
+        && !is_apart(of_a, a.area, &a.plane, of_b, slack)
+        && !is_apart(of_b, b.area, &a.plane, of_a, slack)
+}
+
+/// Is the other polygon beyond one of the edges of this one, both in `plane`?
+fn is_apart(polygon: &[DVec3], area: DVec3, plane: &Plane, other: &[DVec3], slack: f64) -> bool {
+    let turn = plane.normal * area.dot(plane.normal).signum();
+    let mut from = polygon[polygon.len() - 1];
+    polygon.iter().any(|&to| {
+        let inwards = turn.cross(to - from);
+        let most = slack * inwards.length();
+        let beyond = other.iter().all(|&corner| inwards.dot(corner - from) <= most);
+        from = to;
+        beyond
+    })
+}

@@ -1,0 +1,300 @@
+//! Convex cells: what is convex is seen exactly, and what is not is refused where it is not.
+
+mod refused;
+mod worlds;
+
+use crate::subject::{SIZE, drawn, limits, subjects, viewer};
+use enfilade::laws::Reference;
+use enfilade::{
+    ContentBuilder, FragmentId, ItemId, MaterialId, Method, Owner, Scene, SceneBuilder, Transform, View,
+};
+use enfilade_scenes::Random;
+use glam::DVec3;
+use proptest::prelude::*;
+use worlds::{Dress, FIRST, Solid, materials, place, polygons, through};
+
+/// Holds looks and pictures against the reference; gives how many items that sees for certain.
+fn keeps_its_contract(scene: &Scene, views: &[View], place: &str) -> usize {
+    let reference = Reference::new(scene);
+    let mut looked_at = 0;
+    for (number, view) in views.iter().enumerate() {
+        let truth = reference.see(scene, view, &limits());
+        looked_at += truth.visible().len();
+        let mut viewer = viewer();
+        let picture = drawn(&mut viewer, scene, view);
+        let verdict = truth.check(viewer.visible(), Some(&picture));
+        let first = truth.different(&picture).next();
+        let why = first.map(|at| format!("{at:?} is {:?}, not {}", picture.owner(at), truth.describe(at)));
+        let told = format!("{place}, view {number} from {:?}", view.eye);
+        assert_eq!(verdict.pixels_different, 0, "{told}: {why:?}");
+        assert_eq!((verdict.missed, verdict.extra), (Vec::new(), 0), "{told}");
+    }
+    looked_at
+}
+
+fn view(fragment: FragmentId, eye: DVec3, toward: DVec3, near: f32) -> View {
+    let mut view = View::new(eye.as_vec3().into(), toward.as_vec3().into(), [64, 48]);
+    view.fragment = Some(fragment);
+    view.fov_y = 1.3;
+    view.near = near;
+    view
+}
+
+/// Looks from anywhere inside, from close to walls, in an opening's frame, and from outside.
+fn views(solid: &Solid, random: &mut Random, close: bool) -> Vec<View> {
+    let size = solid.corners[0].distance(solid.corners[1]);
+    let mut views = Vec::new();
+    for look in 0..8 {
+        let face = random.below(solid.faces.len());
+        let near = if close {
+            [0.0, 0.5, 0.9999, 1.0001][look % 4]
+        } else {
+            [0.0, 0.4][look % 2]
+        };
+        let mut eye = solid.point(random, if near > 1.0 { 0 } else { face }, near);
+        if look > 5 {
+            eye = eye * 3.0 - solid.point(random, face, 0.0) * 2.0;
+        }
+        let toward = solid.point(random, face, 0.3);
+        let near = (size * [1e-3, 0.3][look / 4]) as f32;
+        views.push(view(FragmentId(0), eye, toward, near));
+    }
+    views
+}
+
+fn dress(random: &mut Random) -> Dress {
+    Dress {
+        double_sided: random.below(3),
+        apart: random.once_in(2),
+        triangles: random.once_in(2),
+        openings: random.below(3),
+        pictures: false,
+        glass: random.once_in(2),
+    }
+}
+
+/// One cell, whose first opening is a mirror, if it has one.
+fn alone(solid: &Solid, random: &mut Random, dress: &Dress) -> Scene {
+    let mut scene = SceneBuilder::new();
+    let cell = scene.add("cell", solid.content(random, dress), Method::Cell);
+    if dress.openings > 0 {
+        scene.mirror(cell, FIRST);
+    }
+    scene.build().expect("it is convex")
+}
+
+/// So many cells in a row, each of them seen through an opening of the one before; some of them by another method.
+fn chain(solids: &[Solid], random: &mut Random, dress: &Dress) -> Scene {
+    let mut scene = SceneBuilder::new();
+    for solid in solids {
+        let method = if random.once_in(4) {
+            Method::HierarchicalZ
+        } else {
+            Method::Cell
+        };
+        scene.add("cell", solid.content(random, dress), method);
+    }
+    for (from, pair) in (0..).zip(solids.windows(2)) {
+        let there_from_here = through(&pair[0].outline(1), &pair[1].outline(0));
+        let here = (FragmentId(from), enfilade::OpeningId(1));
+        scene.portal(here, (FragmentId(from + 1), FIRST), there_from_here);
+    }
+    scene.build().expect("they are convex")
+}
+
+proptest! {
+    #![proptest_config(crate::by_chance())]
+
+    #[test]
+    fn a_convex_room_is_seen_from_anywhere(seed in any::<u64>()) {
+        let random = &mut Random::new(seed);
+        let solid = match random.below(4) {
+            0 => Solid::cuboid([1.0, 0.7, 2.0]),
+            1 => Solid::prism(3 + random.below(9), 4.0),
+            _ => Solid::by_chance(random),
+        };
+        let solid = solid.placed(&place(random, 30.0));
+        let dress = dress(random);
+        let scene = alone(&solid, random, &dress);
+        keeps_its_contract(&scene, &views(&solid, random, true), &format!("seed {seed}"));
+    }
+
+    #[test]
+    fn pictures_lie_flat_on_walls(seed in any::<u64>()) {
+        let random = &mut Random::new(seed);
+        let dress = Dress { pictures: true, ..dress(random) };
+        let straight = random.once_in(2);
+        let solid = if straight {
+            Solid::cuboid([1.0, 0.75, 2.0])
+        } else {
+            Solid::by_chance(random).placed(&place(random, 3.0))
+        };
+        let scene = alone(&solid, random, &dress);
+        keeps_its_contract(&scene, &views(&solid, random, straight), &format!("seed {seed}"));
+    }
+
+    #[test]
+    fn convex_rooms_in_a_row_are_seen_through_their_doors(seed in any::<u64>()) {
+        let random = &mut Random::new(seed);
+        let solids: Vec<Solid> =
+            (0..3).map(|_| Solid::by_chance(random).placed(&place(random, 10.0))).collect();
+        let dress = Dress { openings: 2, ..dress(random) };
+        let scene = chain(&solids, random, &dress);
+        let mut views = views(&solids[0], random, true);
+        for look in &mut views {
+            // Out of the door, mostly.
+            if random.once_in(3) {
+                continue;
+            }
+            look.toward = solids[0].point(random, 1, 1.0).as_vec3().into();
+        }
+        views.retain(|look| look.eye != look.toward);
+        keeps_its_contract(&scene, &views, &format!("seed {seed}"));
+    }
+
+    #[test]
+    fn a_room_of_copies_of_one_square_turned_into_place_is_convex(seed in any::<u64>()) {
+        let random = &mut Random::new(seed);
+        let place = place(random, 30.0);
+        let mut builder = ContentBuilder::new(materials());
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]].to_vec();
+        let square = builder.mesh(polygons(&[corners], random.once_in(2), MaterialId(0)));
+        let solid = Solid::cuboid([0.5, 1.0, 2.0]).placed(&place);
+        for face in &solid.faces {
+            let [a, b, d] = [face[0], face[1], face[3]].map(|at| solid.corners[at]);
+            let columns = [b - a, d - a, (b - a).cross(d - a).normalize(), a];
+            let there = Transform::from_columns(columns.map(|column| column.as_vec3().into()));
+            builder.item("wall", square, there);
+        }
+        let mut scene = SceneBuilder::new();
+        scene.add("room", builder.build().expect("sound"), Method::Cell);
+        let scene = scene.build().map_err(|why| TestCaseError::fail(why.to_string()))?;
+        keeps_its_contract(&scene, &views(&solid, random, true), &format!("seed {seed}"));
+    }
+}
+
+#[test]
+fn worlds_by_chance_show_something() {
+    let mut looked_at = 0;
+    for seed in 0..8 {
+        let random = &mut Random::new(seed);
+        let solids = [0; 3].map(|_| Solid::by_chance(random).placed(&place(random, 10.0)));
+        let dress = Dress {
+            openings: 2,
+            apart: true,
+            glass: true,
+            ..Dress::default()
+        };
+        let scene = chain(&solids, random, &dress);
+        let eye = solids[0].point(random, 0, 0.3);
+        let door = solids[0].point(random, 1, 1.0);
+        let place = format!("seed {seed}");
+        looked_at += keeps_its_contract(&scene, &[view(FragmentId(0), eye, door, 1e-3)], &place);
+    }
+    assert!(looked_at > 40, "{looked_at}");
+}
+
+/// A box of a room whose walls are seen from both sides, each an item.
+fn double_sided_box() -> (Solid, Scene) {
+    let solid = Solid::cuboid([1.0, 1.0, 1.0]);
+    let dress = Dress {
+        double_sided: 1,
+        apart: true,
+        ..Dress::default()
+    };
+    let scene = alone(&solid, &mut Random::new(0), &dress);
+    (solid, scene)
+}
+
+#[test]
+fn from_outside_a_double_sided_box_shows_the_sides_that_are_near() {
+    let (_, scene) = double_sided_box();
+    let outside = view(FragmentId(0), DVec3::new(3.0, 4.0, 5.0), DVec3::ZERO, 0.1);
+    let mut viewer = viewer();
+    let items: Vec<ItemId> = viewer
+        .look(&scene, &outside)
+        .items()
+        .iter()
+        .map(|seen| seen.item)
+        .collect();
+    // The sides at +x, +y and +z, and none that these hide.
+    assert_eq!(items, [0, 2, 4].map(ItemId));
+    assert_eq!(keeps_its_contract(&scene, &[outside], "outside"), 3);
+    let inside = view(
+        FragmentId(0),
+        DVec3::new(0.0, 0.0, 0.9),
+        DVec3::new(0.3, 0.2, -1.0),
+        0.01,
+    );
+    assert!(keeps_its_contract(&scene, &[inside], "inside") >= 3);
+}
+
+#[test]
+fn a_block_seen_from_outside_is_as_convex_as_a_room() {
+    let mut block = Solid::cuboid([1.0, 1.0, 1.0]);
+    block.faces.iter_mut().for_each(|face| face.reverse());
+    let dress = Dress {
+        apart: true,
+        ..Dress::default()
+    };
+    let scene = alone(&block, &mut Random::new(0), &dress);
+    let outside = view(FragmentId(0), DVec3::new(3.0, 4.0, 5.0), DVec3::ZERO, 0.1);
+    assert_eq!(keeps_its_contract(&scene, &[outside], "outside"), 3);
+    let inside = view(FragmentId(0), DVec3::ZERO, DVec3::X, 0.01);
+    assert_eq!(keeps_its_contract(&scene, &[inside], "inside"), 0);
+}
+
+/// A square wall at z = −2 of this half, its front towards the eye at the origin.
+fn square(half: f32) -> Vec<[f32; 3]> {
+    [[-half, -half], [half, -half], [half, half], [-half, half]]
+        .map(|[x, y]| [x, y, -2.0])
+        .to_vec()
+}
+
+#[test]
+fn of_faces_in_one_plane_the_lowest_is_seen_in_one_mesh_and_over_items() {
+    let middle = |builder: ContentBuilder| {
+        let mut scene = SceneBuilder::new();
+        scene.add("wall", builder.build().expect("sound"), Method::Cell);
+        let scene = scene.build().expect("flat is convex");
+        let ahead = view(FragmentId(0), DVec3::ZERO, -DVec3::Z, 0.1);
+        drawn(&mut viewer(), &scene, &ahead).owner([32, 24])
+    };
+    for sizes in [[0.5, 3.0], [3.0, 0.5]] {
+        let mut builder = ContentBuilder::new(materials());
+        for size in sizes {
+            let mesh = builder.mesh(polygons(&[square(size)], false, MaterialId(0)));
+            builder.item("square", mesh, Transform::IDENTITY);
+        }
+        assert_eq!(middle(builder), Some(Owner::Face(ItemId(0), 0)), "{sizes:?}");
+        let mut builder = ContentBuilder::new(materials());
+        let mesh = builder.mesh(polygons(&sizes.map(square), false, MaterialId(0)));
+        builder.item("squares", mesh, Transform::IDENTITY);
+        assert_eq!(middle(builder), Some(Owner::Face(ItemId(0), 0)), "{sizes:?}");
+    }
+}
+
+#[test]
+fn built_in_scenes_that_are_convex_are_seen_as_such() {
+    let mut suited = Vec::new();
+    for subject in subjects() {
+        let Some((_, scene)) = subject.seen.iter().find(|(method, _)| *method == Method::Cell) else {
+            continue;
+        };
+        let cameras = subject.built.cameras.iter();
+        let views: Vec<View> = cameras.map(|camera| camera.view(SIZE)).collect();
+        let looked_at = keeps_its_contract(scene, &views, subject.name);
+        suited.push((subject.name, looked_at > 0));
+    }
+    // Solids seen from outside, as far as they are convex.
+    let solids = [
+        "tetrahedron",
+        "wrong-winding",
+        "cylinders-8",
+        "cylinders-16",
+        "cylinders-32",
+    ];
+    let cones = ["cones-8", "cones-16", "cones-32"];
+    let all = solids.into_iter().chain(cones).map(|name| (name, true));
+    assert_eq!(suited, all.collect::<Vec<_>>());
+}

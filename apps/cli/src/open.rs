@@ -140,6 +140,9 @@ fn format(path: &Path) -> &'static str {
         [b'B', b'S', b'P', b'2', ..] => "BSP2, a map of Quake",
         [b'I', b'B', b'S', b'P', ..] => "IBSP46, a map of Quake 3",
         [b'g', b'l', b'T', b'F', ..] => "glTF 2.0, binary",
+        [b'{', rest @ ..] if rest.windows(13).any(|key| key == b"\"cellMetresX\"") => {
+            "16-bit heights, and a description of them"
+        }
         [b'{', ..] => "glTF 2.0",
         _ => "OBJ",
     }

@@ -42,7 +42,7 @@ Examples:
   enfilade bench scene.glb --method masked --path views.jsonl --size 160x90 --json bench.json
   enfilade bench --micro --rows tri-1000,rect-hidden-16,rect-visible --rounds 3")]
 pub(crate) struct BenchArgs {
-    /// A .glb, .gltf, .obj or .bsp file, or a built-in scene by its @NAME [default: @enfilade, none with --micro]
+    /// A .glb, .gltf, .obj or .bsp file, a .json that describes terrain, or a built-in scene by its @NAME [default: @enfilade, none with --micro]
     #[arg(value_name = "SCENE")]
     pub(crate) scene: Option<String>,
     /// Measure the masked cover alone: faces and boxes a second, and how close that is to what the machine can do

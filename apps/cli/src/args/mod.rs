@@ -219,7 +219,7 @@ pub(crate) struct InfoArgs {
 /// Which scene.
 #[derive(Debug, clap::Args)]
 pub(crate) struct SceneArg {
-    /// A .glb, .gltf, .obj or .bsp file, or a built-in scene by its @NAME
+    /// A .glb, .gltf, .obj or .bsp file, a .json that describes terrain, or a built-in scene by its @NAME
     #[arg(value_name = "SCENE", default_value = "@enfilade")]
     pub(crate) scene: String,
 }

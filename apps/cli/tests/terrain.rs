@@ -1,0 +1,63 @@
+//! Terrain wherever a scene is asked for.
+
+mod support;
+
+use serde_json::json;
+use support::Folder;
+
+/// 70 x 40 heights ten metres apart: a ridge from north to south, which hides what is east of it from the west.
+fn valley() -> Folder {
+    let folder = Folder::new();
+    let description = json!({
+        "width": 70, "height": 40, "format": "u16 little endian", "cellMetresX": 10.0, "cellMetresZ": 10.0
+    });
+    folder.add("valley.json", description.to_string());
+    let mut heights = Vec::new();
+    for row in 0..40_u16 {
+        for column in 0..70_u16 {
+            let ridge = 150_u16.saturating_sub(30 * column.abs_diff(30));
+            heights.extend((ridge + (column * 7 + row * 5) % 4).to_le_bytes());
+        }
+    }
+    std::fs::write(folder.path("valley.raw"), heights).expect("a file");
+    folder
+}
+
+const FROM_THE_WEST: &str = "--eye 40,12,200 --toward 400,12,200 --size 64x36";
+
+#[test]
+fn info_says_what_is_in_a_field_of_heights() {
+    let info = valley().json("info valley.json");
+    assert_eq!(info["format"], "16-bit heights, and a description of them");
+    assert_eq!(info["items"], 6, "blocks of 32 by 32 cells");
+    assert_eq!(info["triangles_drawn"], 2 * 69 * 39);
+}
+
+#[test]
+fn a_ridge_hides_what_is_behind_it_by_every_method() {
+    let folder = valley();
+    let report = folder.json(&format!("look valley.json {FROM_THE_WEST} --method all --check"));
+    for method in report["methods"].as_array().expect("a list") {
+        let [missed, different] = ["missed", "pixels_different"].map(|key| &method["summary"][key]);
+        assert!(
+            (missed == 0 && different == 0) || method["contract"] == "approximate",
+            "{method}"
+        );
+    }
+    let seen = folder.json(&format!("look valley.json {FROM_THE_WEST}"));
+    let visible = seen["views"][0]["visible"].as_array().expect("a list");
+    assert!(visible.contains(&json!("block 0 0")), "{visible:?}");
+    assert!(!visible.contains(&json!("block 0 2")), "{visible:?}");
+}
+
+#[test]
+fn heights_that_lack_their_file_are_told_where_it_should_be() {
+    let folder = valley();
+    std::fs::remove_file(folder.path("valley.raw")).expect("it is there");
+    for verb in ["info", "look", "draw -o a.png"] {
+        let run = folder.run(&format!("{verb} valley.json"));
+        assert_eq!(run.code, Some(2), "{verb}: {}", run.stderr);
+        let says = "valley.json: describes heights in a file `valley.raw` beside it, but there is none";
+        assert!(run.stderr.contains(says), "{verb}: {}", run.stderr);
+    }
+}

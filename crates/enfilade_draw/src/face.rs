@@ -123,8 +123,8 @@ impl Linear {
 
 impl Along {
     #[inline]
-    pub(crate) fn at(&self, x: u16) -> f32 {
-        self.start + self.right * f32::from(x)
+    pub(crate) fn at(&self, column: f32) -> f32 {
+        self.start + self.right * column
     }
 }
 

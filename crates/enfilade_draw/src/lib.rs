@@ -36,6 +36,7 @@ mod samples;
 mod shade;
 mod show;
 mod sky;
+mod smooth;
 mod stage;
 
 pub use clip::Clip;

@@ -11,6 +11,7 @@ use crate::samples::{Known, Others};
 use crate::shade::{Illumination, Row, Shade};
 use crate::show::Show;
 use crate::sky::Sky;
+use crate::smooth::SmoothRow;
 use crate::stage::{Picture, Settings, Stage};
 use enfilade::{Alpha, Canvas, CoverSpan, FragmentId, Method, Owner, Passage, PassageId, Scene, Span, View};
 use glam::Vec3;
@@ -280,7 +281,10 @@ impl Work<'_, '_> {
                             }
                         }
                         _ => {
-                            at.for_each(|(x, at)| put(at, row.at(x), || behind(x)));
+                            match SmoothRow::of(face, self.light, span.y) {
+                                Some(smooth) => smooth.paint(span.x0, &mut pixels[run]),
+                                None => at.for_each(|(x, at)| put(at, row.at(x), || behind(x))),
+                            }
                             shaded += length;
                         }
                     }

@@ -41,10 +41,13 @@ pub(crate) fn put(at: &mut Pixel, shade: Shade, behind: impl FnOnce() -> Vec3) {
 pub(crate) fn fill(pixels: &mut [Pixel], size: [u32; 2], sky: &Sky) {
     let rows = pixels.par_chunks_mut(size[0] as usize).enumerate();
     rows.for_each(|(y, row)| {
-        for (x, at) in row.iter_mut().enumerate() {
-            if *at == UNPAINTED {
-                *at = pixel(sky.at([x, y]));
+        let mut x = 0;
+        for run in row.chunk_by_mut(|&one, &next| (one == UNPAINTED) == (next == UNPAINTED)) {
+            let length = run.len();
+            if run[0] == UNPAINTED {
+                sky.paint([x, y], run);
             }
+            x += length;
         }
     });
 }

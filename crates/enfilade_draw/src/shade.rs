@@ -57,11 +57,12 @@ impl<'a, 's> Row<'a, 's> {
     #[inline]
     pub(crate) fn at(&self, x: u16) -> Shade {
         let face = self.face;
-        let per_facing = 1.0 / self.facing.at(x);
+        let column = f32::from(x);
+        let per_facing = 1.0 / self.facing.at(column);
         let [mut r, mut g, mut b, mut coverage] = face.color;
         let mut emission = face.emission;
         if let Some(varying) = &face.colors {
-            let channel = |i: usize| varying[i].base + self.colors[i].at(x) * per_facing;
+            let channel = |i: usize| varying[i].base + self.colors[i].at(column) * per_facing;
             let [vr, vg, vb, va] = [0, 1, 2, 3].map(channel).map(sound);
             (r, g, b, coverage) = (r * vr, g * vg, b * vb, coverage * va);
         }
@@ -99,7 +100,7 @@ impl<'a, 's> Row<'a, 's> {
         let normal = match &face.normals {
             None => face.normal,
             Some(varying) => {
-                let axis = |i: usize| varying[i].base + self.normals[i].at(x) * per_facing;
+                let axis = |i: usize| varying[i].base + self.normals[i].at(f32::from(x)) * per_facing;
                 let bent = Vec3::new(axis(0), axis(1), axis(2)).normalize_or_zero();
                 if bent == Vec3::ZERO { face.normal } else { bent }
             }
@@ -123,7 +124,7 @@ impl<'a, 's> Row<'a, 's> {
         let mut stretch = Stretch::default();
         for axis in 0..2 {
             let over = &self.place[axis];
-            let quotient = over.at(x) * per_facing;
+            let quotient = over.at(f32::from(x)) * per_facing;
             place[axis] = sound(varying[axis].base + quotient);
             stretch.right[axis] = (over.right - quotient * self.facing.right) * per_facing;
             stretch.down[axis] = (over.down - quotient * self.facing.down) * per_facing;

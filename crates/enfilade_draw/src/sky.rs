@@ -1,5 +1,6 @@
 //! What is behind everything.
 
+use crate::pixels::{Pixel, pixel};
 use enfilade::View;
 use glam::{DVec3, Vec3};
 
@@ -29,18 +30,42 @@ impl Sky {
     }
 
     /// The color behind pixel (x, y), linear.
-    pub(crate) fn at(&self, [x, y]: [usize; 2]) -> Vec3 {
-        sky(self.corner + self.right * x as f64 + self.down * y as f64)
+    pub(crate) fn at(&self, at: [usize; 2]) -> Vec3 {
+        color(self.up(at))
+    }
+
+    /// Paints pixels from (x, y) on, as [`Sky::at`] says; by loops that a compiler turns into vectors.
+    pub(crate) fn paint(&self, [x, y]: [usize; 2], pixels: &mut [Pixel]) {
+        const LANES: usize = 16;
+        for (x, pixels) in (x..).step_by(LANES).zip(pixels.chunks_mut(LANES)) {
+            let mut ups = [0.0; LANES];
+            for (lane, up) in ups.iter_mut().enumerate() {
+                *up = self.up([x + lane, y]);
+            }
+            let mut colors = [Vec3::ZERO; LANES];
+            for (color, up) in colors.iter_mut().zip(ups) {
+                *color = self::color(up);
+            }
+            for (at, color) in pixels.iter_mut().zip(colors) {
+                *at = pixel(color);
+            }
+        }
+    }
+
+    /// The y of the direction behind pixel (x, y), of unit length.
+    #[inline]
+    fn up(&self, [x, y]: [usize; 2]) -> f32 {
+        let direction = self.corner + self.right * x as f64 + self.down * y as f64;
+        (direction.y / direction.length()) as f32
     }
 }
 
-/// The sky in a direction whose y is up.
-fn sky(direction: DVec3) -> Vec3 {
-    let up = direction.normalize_or_zero().y as f32;
-    let horizon = Vec3::new(0.78, 0.84, 0.90);
-    if up >= 0.0 {
-        horizon.lerp(Vec3::new(0.18, 0.36, 0.68), up.sqrt())
-    } else {
-        horizon.lerp(Vec3::new(0.28, 0.27, 0.26), (-3.0 * up).min(1.0))
-    }
+/// The sky in a direction whose y is so; where there is none, at the horizon.
+#[inline]
+fn color(up: f32) -> Vec3 {
+    const HORIZON: Vec3 = Vec3::new(0.78, 0.84, 0.90);
+    const ABOVE: Vec3 = Vec3::new(0.18, 0.36, 0.68);
+    const BELOW: Vec3 = Vec3::new(0.28, 0.27, 0.26);
+    let [above, below] = [up.max(0.0).sqrt(), (-3.0 * up).clamp(0.0, 1.0)];
+    HORIZON + (ABOVE - HORIZON) * above + (BELOW - HORIZON) * below
 }

@@ -1,0 +1,176 @@
+//! Samples of smooth faces, sixteen at a time: of which nothing varies but the normal, under daylight alone.
+//!
+//! The same numbers as [`Row::at`](crate::shade::Row::at) gives one by one, bit for bit, by loops that a compiler turns into
+//! vectors.
+
+use crate::face::{Along, Face};
+use crate::light::Daylight;
+use crate::pixels::{Pixel, pixel};
+use crate::shade::Illumination;
+use glam::Vec3;
+
+/// Samples at a time.
+const LANES: usize = 16;
+
+/// A smooth face along one row.
+pub(crate) struct SmoothRow {
+    own: Vec3,
+    emission: Vec3,
+    normal: Vec3,
+    facing: Along,
+    /// Of the normal's axes.
+    base: [f32; 3],
+    over: [Along; 3],
+    daylight: Daylight,
+    back: Vec3,
+}
+
+impl SmoothRow {
+    /// `None` where more than the normal varies, or more light than day is on it.
+    pub(crate) fn of(face: &Face, light: &Illumination, y: u16) -> Option<SmoothRow> {
+        let normals = face.normals.as_ref()?;
+        let only_normals = face.place.is_none() && face.colors.is_none() && face.lights.is_empty();
+        let is_matter = !face.glass && !face.unlit && face.cutoff.is_none();
+        (only_normals && is_matter && !light.tone.soft).then(|| SmoothRow {
+            own: Vec3::new(face.color[0], face.color[1], face.color[2]),
+            emission: face.emission,
+            normal: face.normal,
+            facing: face.facing.row(y),
+            base: [normals[0].base, normals[1].base, normals[2].base],
+            over: [
+                normals[0].over.row(y),
+                normals[1].over.row(y),
+                normals[2].over.row(y),
+            ],
+            daylight: *light.daylight,
+            back: light.rays.back,
+        })
+    }
+
+    /// Paints samples from a column on.
+    pub(crate) fn paint(&self, x0: u16, pixels: &mut [Pixel]) {
+        for (x, pixels) in (x0..).step_by(LANES).zip(pixels.chunks_mut(LANES)) {
+            let mut columns = [0.0; LANES];
+            for (lane, column) in columns.iter_mut().enumerate() {
+                *column = f32::from(x) + lane as f32;
+            }
+            let light = self.light(&self.normals(&columns));
+            for (at, lane) in pixels.iter_mut().zip(0..LANES) {
+                *at = pixel(Vec3::new(light[0][lane], light[1][lane], light[2][lane]));
+            }
+        }
+    }
+
+    /// The normals at some columns, axis by axis.
+    fn normals(&self, columns: &[f32; LANES]) -> [[f32; LANES]; 3] {
+        let mut normals = [[0.0; LANES]; 3];
+        for (lane, &column) in columns.iter().enumerate() {
+            let per_facing = 1.0 / self.facing.at(column);
+            let axis = |axis: usize| self.base[axis] + self.over[axis].at(column) * per_facing;
+            let [x, y, z] = [axis(0), axis(1), axis(2)];
+            let per_length = 1.0 / (x * x + y * y + z * z).sqrt();
+            let is_sound = (per_length > 0.0) & (per_length < f32::INFINITY);
+            let pick = |bent: f32, own: f32| if is_sound { bent * per_length } else { own };
+            normals[0][lane] = pick(x, self.normal.x);
+            normals[1][lane] = pick(y, self.normal.y);
+            normals[2][lane] = pick(z, self.normal.z);
+        }
+        normals
+    }
+
+    /// What is sent to the eye where the normal is so, color by color.
+    fn light(&self, [x, y, z]: &[[f32; LANES]; 3]) -> [[f32; LANES]; 3] {
+        let mut light = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            let normal = Vec3::new(x[lane], y[lane], z[lane]);
+            let sum = self.own * self.daylight.at(normal, self.back) + self.emission;
+            light[0][lane] = sum.x;
+            light[1][lane] = sum.y;
+            light[2][lane] = sum.z;
+        }
+        light
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::palette::distinct;
+    use crate::shade::Row;
+    use crate::stage::{Exposure, Stage};
+    use enfilade::{
+        Attributes, ContentBuilder, FragmentId, ItemId, Material, MaterialId, Mesh, Method, Part,
+        SceneBuilder, Transform, View, Viewer,
+    };
+
+    /// Numbers that are everywhere between −1 and 1.
+    fn spread(seed: u32) -> [f32; 3] {
+        distinct(u64::from(seed)).map(|value| 2.0 * value - 1.0)
+    }
+
+    #[test]
+    fn a_row_of_samples_is_painted_as_one_after_the_other() {
+        let mut told = 0;
+        for seed in 0..200 {
+            let corners = [0, 1, 2].map(|corner| {
+                let [x, y, z] = spread(10 * seed + corner);
+                [3.0 * x, 3.0 * y, 2.0 * z - 4.0]
+            });
+            let normals = [3, 4, 5].map(|corner| {
+                let normal = spread(10 * seed + corner);
+                // Some corners have none, or not one that is worth the name.
+                if seed % 7 == corner % 7 { [0.0; 3] } else { normal }
+            });
+            let mesh = Mesh::new(&[Part {
+                positions: &corners,
+                corners: &[0, 1, 2],
+                sides: None,
+                material: MaterialId(0),
+                attributes: Attributes {
+                    normals: &normals,
+                    ..Attributes::default()
+                },
+            }]);
+            let mut builder = ContentBuilder::new([Material::opaque(spread(seed).map(f32::abs))]);
+            let mesh = builder.mesh(mesh.expect("a triangle"));
+            builder.item("face", mesh, Transform::IDENTITY);
+            let mut scene = SceneBuilder::new();
+            scene.add("all", builder.build().expect("one item"), Method::ZBuffer);
+            let scene = scene.build().expect("one fragment");
+            let stage = Stage::new(&scene);
+            let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [64, 48]);
+            let rays = crate::face::Rays::new(&Viewer::new().look(&scene, &view).passages()[0]);
+            let content = scene.content(FragmentId(0)).expect("a content");
+            let surface = scene.fragment(FragmentId(0)).surface(ItemId(0), 0);
+            let face = Face::of_content((content, &stage), (ItemId(0), 0), &surface, &rays, &[]);
+            let tone = crate::light::Tone {
+                exposure: 1.0,
+                soft: false,
+            };
+            let daylight = Daylight::of(&stage.lamps, FragmentId(0), Exposure::Fixed(1.0), &tone);
+            let light = Illumination {
+                rays: &rays,
+                lights: &[],
+                daylight: &daylight,
+                tone: &tone,
+            };
+            for y in [0, 11, 24, 47] {
+                let Some(smooth) = SmoothRow::of(&face, &light, y) else {
+                    continue;
+                };
+                let row = Row::new(&face, &light, y);
+                let mut painted = [[0; 4]; 61];
+                smooth.paint(3, &mut painted);
+                for (x, painted) in (3..).zip(painted) {
+                    assert_eq!(
+                        painted,
+                        pixel(row.at(x).color),
+                        "column {x}, row {y} of face {seed}"
+                    );
+                    told += 1;
+                }
+            }
+        }
+        assert!(told > 20_000, "{told}");
+    }
+}

@@ -182,8 +182,8 @@ fn what_is_no_file_is_not_read() {
 
 #[test]
 fn other_formats_are_told_what_is_read() {
-    let only = "read from glTF 2.0 (.glb, or .gltf with its .bin files), from OBJ (.obj with its .mtl files), and from compiled \
-                maps (.bsp: BSP29, BSP2, IBSP46)";
+    let only = "read from glTF 2.0 (.glb, or .gltf with its .bin files), from OBJ (.obj with its .mtl files), from compiled maps \
+                (.bsp: BSP29, BSP2, IBSP46), and from heights (.json with its .raw file)";
     for (bytes, begins) in [
         (
             &b""[..],

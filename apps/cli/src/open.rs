@@ -109,7 +109,7 @@ fn open_file(file: &str, wanted: For, choice: Choice, flat: bool, limits: &Limit
     };
     let scene = import.scene(method, limits.memory()).map_err(|why| {
         let remedy = match why {
-            SceneError::NotBaked { .. } | SceneError::NotConvex { .. } => {
+            SceneError::NotBaked { .. } | SceneError::NotConvex { .. } | SceneError::NoTerrain { .. } => {
                 "choose another --method, or have the file name another"
             }
             _ => "raise --memory, or choose another --method",

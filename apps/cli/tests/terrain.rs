@@ -37,13 +37,16 @@ fn info_says_what_is_in_a_field_of_heights() {
 fn a_ridge_hides_what_is_behind_it_by_every_method() {
     let folder = valley();
     let report = folder.json(&format!("look valley.json {FROM_THE_WEST} --method all --check"));
+    let mut seen_by = Vec::new();
     for method in report["methods"].as_array().expect("a list") {
         let [missed, different] = ["missed", "pixels_different"].map(|key| &method["summary"][key]);
+        seen_by.push(method["method"].clone());
         assert!(
             (missed == 0 && different == 0) || method["contract"] == "approximate",
             "{method}"
         );
     }
+    assert!(seen_by.contains(&json!("floating-horizon")), "{seen_by:?}");
     let seen = folder.json(&format!("look valley.json {FROM_THE_WEST}"));
     let visible = seen["views"][0]["visible"].as_array().expect("a list");
     assert!(visible.contains(&json!("block 0 0")), "{visible:?}");

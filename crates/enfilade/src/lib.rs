@@ -85,9 +85,9 @@ pub use geom::{Aabb, ConvexPolygon, Transform};
 pub use memory::Memory;
 pub use mesh::{Attributes, Cluster, Mesh, MeshError, Part};
 pub use method::{
-    BspFront, BspPainter, Cell, Culled, Edited, FaceName, HierarchicalS, HierarchicalZ, Masked, Method,
-    Mobsp, NotBaked, NotConvex, Ordered, PainterMean, PainterMin, Paired, Pvs, SBuffer, Svbsp, TooLarge,
-    Unsuited, ZBuffer,
+    BspFront, BspPainter, Cell, Culled, Edited, FaceName, FloatingHorizon, HierarchicalS, HierarchicalZ,
+    Masked, Method, Mobsp, NoTerrain, NotBaked, NotConvex, Ordered, PainterMean, PainterMin, Paired, Pvs,
+    SBuffer, Svbsp, TooLarge, Unsuited, ZBuffer,
 };
 pub use occluders::{Choice, Chosen, Measure, Occluder, OccluderRoom, OccluderSet, OccluderSummary};
 pub use passage::{Passage, PassageId};

@@ -4,6 +4,7 @@ use super::names::Names;
 use super::{BakedCells, Content, Item, ItemId, Material, MeshId, Opening, OpeningId, Texture};
 use crate::geom::{Aabb, ConvexPolygon, Octree, Transform};
 use crate::mesh::Mesh;
+use crate::terrain::Terrain;
 use std::sync::{Arc, Mutex, OnceLock, Weak};
 use thiserror::Error;
 
@@ -17,6 +18,7 @@ pub struct ContentBuilder {
     names: Names,
     openings: Vec<Opening>,
     cells: Option<Arc<BakedCells>>,
+    pub(crate) terrains: Vec<Terrain>,
 }
 
 impl ContentBuilder {
@@ -83,6 +85,7 @@ impl ContentBuilder {
             names,
             openings,
             cells,
+            terrains,
         } = self;
         for (mesh, built) in meshes.iter().enumerate() {
             if let Some(cluster) = built
@@ -159,6 +162,7 @@ impl ContentBuilder {
             slots: None,
             openings,
             cells,
+            terrains,
             item_tree: OnceLock::new(),
             opening_tree: Octree::build(&holes, FEW_OPENINGS),
             outline_corners,

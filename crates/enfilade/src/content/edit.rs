@@ -353,6 +353,7 @@ impl Clone for Content {
             slots: self.slots.clone(),
             openings: self.openings.clone(),
             cells: self.cells.clone(),
+            terrains: self.terrains.clone(),
             item_tree: self.item_tree.clone(),
             opening_tree: self.opening_tree.clone(),
             outline_corners: self.outline_corners.clone(),

@@ -18,6 +18,7 @@ pub use texture::{Filter, Minify, Texture, TextureError, TextureId, Wrap};
 
 use crate::geom::{Aabb, ConvexPolygon, Octree, Transform};
 use crate::mesh::{Cluster, Mesh};
+use crate::terrain::Terrain;
 use names::Names;
 use slots::Slots;
 use std::any::Any;
@@ -76,6 +77,8 @@ pub struct Content {
     slots: Option<Slots>,
     openings: Vec<Opening>,
     cells: Option<Arc<BakedCells>>,
+    /// Height fields, of which some items are the blocks, unless those were changed since.
+    terrains: Vec<Terrain>,
     /// Over the boxes of items, once it was asked for.
     item_tree: OnceLock<Octree>,
     /// Over the boxes of openings.
@@ -190,6 +193,10 @@ impl Content {
     /// What a cluster of a mesh is made of.
     pub fn material(&self, cluster: &Cluster) -> &Material {
         &self.materials[cluster.material.0 as usize]
+    }
+
+    pub(crate) fn terrains(&self) -> &[Terrain] {
+        &self.terrains
     }
 
     /// Memory in bytes, without textures; meshes and cells that other contents share are counted in each.

@@ -18,18 +18,18 @@ pub use ordered::Ordered;
 pub use ours::Edited;
 pub(crate) use ours::Ours;
 pub use paired::Paired;
-pub use unsuited::{FaceName, NotBaked, NotConvex, TooLarge, Unsuited};
+pub use unsuited::{FaceName, NoTerrain, NotBaked, NotConvex, TooLarge, Unsuited};
 
 use crate::canvas::CoverShape;
 use crate::content::Content;
 use crate::cover::{
-    ByBox, ByFaces, Cover, DepthBuffer, DepthPyramid, Mask, MaskedDepth, Nothing, OcclusionTree, SpanBuffer,
-    Surface,
+    ByBox, ByFaces, Cover, DepthBuffer, DepthPyramid, Horizon, Mask, MaskedDepth, Nothing, OcclusionTree,
+    SpanBuffer, Surface,
 };
 use crate::fragment::{Contract, Fragment};
 use crate::order::{
     BakedCellsOrder, Bsp, BvhOrder, ConvexCell, DepthSort, FarToNear, KdTreeOrder, Mean, Min, NearToFar,
-    OctreeOrder, Order, Unordered,
+    OctreeOrder, Order, TerrainRows, Unordered,
 };
 use crate::view::View;
 use in_cells::InCells;
@@ -98,6 +98,13 @@ pub type Pvs = Ordered<BakedCellsOrder>;
 /// cut-outs, items that never hide) may stand anywhere. An edit that leaves it convex no more is refused.
 pub type Cell = Paired<ConvexCell, Nothing>;
 
+/// Floating horizon: terrain near to far, and what stands on it, under a horizon that rises. Only for contents that have a
+/// height field ([`ContentBuilder::terrain`](crate::ContentBuilder::terrain)). Anderson, ACM TOG 1982; Boreskov, Using
+/// portals.
+///
+/// What else is in the content comes after the ground and may hide some of it. An edit that changes the ground is refused.
+pub type FloatingHorizon = Paired<TerrainRows, Horizon>;
+
 /// How a fragment is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -128,11 +135,13 @@ pub enum Method {
     Pvs,
     /// See [`Cell`](crate::Cell).
     Cell,
+    /// See [`FloatingHorizon`](crate::FloatingHorizon).
+    FloatingHorizon,
 }
 
 impl Method {
     /// Every method there is.
-    pub const ALL: [Method; 13] = [
+    pub const ALL: [Method; 14] = [
         Method::PainterMin,
         Method::PainterMean,
         Method::Bsp,
@@ -146,6 +155,7 @@ impl Method {
         Method::Mobsp,
         Method::Pvs,
         Method::Cell,
+        Method::FloatingHorizon,
     ];
 
     /// What one fragment's method may build unless told otherwise, in bytes: 1 GB.
@@ -167,6 +177,7 @@ impl Method {
             Method::Mobsp => "mobsp",
             Method::Pvs => "pvs",
             Method::Cell => "cell",
+            Method::FloatingHorizon => "floating-horizon",
         }
     }
 
@@ -182,6 +193,7 @@ impl Method {
             Method::Bsp
             | Method::BspFront
             | Method::Cell
+            | Method::FloatingHorizon
             | Method::ZBuffer
             | Method::SBuffer
             | Method::HierarchicalZ
@@ -214,9 +226,9 @@ impl Method {
         self == Method::Pvs
     }
 
-    /// Can it see contents of every kind? Those that cannot ask for cells, or for convexity.
+    /// Can it see contents of every kind? Those that cannot ask for cells, for convexity, or for ground.
     pub fn takes_any_content(self) -> bool {
-        !matches!(self, Method::Pvs | Method::Cell)
+        !matches!(self, Method::Pvs | Method::Cell | Method::FloatingHorizon)
     }
 
     /// Has a content what the method goes by? Of [`Method::Cell`] that costs as much as to build it.
@@ -224,6 +236,7 @@ impl Method {
         match self {
             Method::Pvs => content.cells().is_some(),
             Method::Cell => ConvexCell::build(content, u64::MAX).is_ok(),
+            Method::FloatingHorizon => TerrainRows::build(content, u64::MAX).is_ok(),
             _ => true,
         }
     }
@@ -231,8 +244,8 @@ impl Method {
     /// Prepares a content to be seen.
     ///
     /// # Errors
-    /// [`Unsuited::TooLarge`] where more than `limit_bytes` would be needed, [`Unsuited::NotBaked`] and
-    /// [`Unsuited::NotConvex`] where the content has not what the method goes by.
+    /// [`Unsuited::TooLarge`] where more than `limit_bytes` would be needed, [`Unsuited::NotBaked`], [`Unsuited::NotConvex`] and
+    /// [`Unsuited::NoTerrain`] where the content has not what the method goes by.
     pub fn build(self, content: Arc<Content>, limit_bytes: u64) -> Result<Arc<dyn Fragment>, Unsuited> {
         Ok(self.build_ours(content, limit_bytes)?)
     }
@@ -256,6 +269,7 @@ impl Method {
             Method::Mobsp => Arc::new(Mobsp::build(self, content, limit_bytes)?),
             Method::Pvs => Arc::new(Pvs::build(self, content, limit_bytes)?),
             Method::Cell => Arc::new(Cell::build(self, content, limit_bytes)?),
+            Method::FloatingHorizon => Arc::new(FloatingHorizon::build(self, content, limit_bytes)?),
         })
     }
 
@@ -280,6 +294,7 @@ impl Method {
             Method::ZBuffer | Method::Pvs => DepthBuffer::needs_bytes(size),
             Method::SBuffer | Method::HierarchicalS => SpanBuffer::needs_bytes(size),
             Method::HierarchicalZ => DepthPyramid::needs_bytes(size),
+            Method::FloatingHorizon => Horizon::needs_bytes(size),
             Method::Masked => MaskedDepth::needs_bytes(size),
             Method::Svbsp => OcclusionTree::<ByFaces>::needs_bytes(size),
             Method::Mobsp => OcclusionTree::<ByBox>::needs_bytes(size),
@@ -296,6 +311,7 @@ impl Method {
             Method::ZBuffer | Method::Pvs => DepthBuffer::SHAPE,
             Method::SBuffer | Method::HierarchicalS => SpanBuffer::SHAPE,
             Method::HierarchicalZ => DepthPyramid::SHAPE,
+            Method::FloatingHorizon => Horizon::SHAPE,
             Method::Masked => MaskedDepth::SHAPE,
             Method::Svbsp => OcclusionTree::<ByFaces>::SHAPE,
             Method::Mobsp => OcclusionTree::<ByBox>::SHAPE,

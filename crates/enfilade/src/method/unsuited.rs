@@ -19,6 +19,9 @@ pub enum Unsuited {
     /// It sees convex contents alone, and this is none.
     #[error(transparent)]
     NotConvex(#[from] Box<NotConvex>),
+    /// It goes by a field of heights, and there is none.
+    #[error(transparent)]
+    NoTerrain(#[from] NoTerrain),
 }
 
 impl Unsuited {
@@ -29,6 +32,8 @@ impl Unsuited {
             // What turns out to be more than estimated is twice the limit, as far as is known.
             Refusal::TooLarge => TooLarge::new(method, limit.saturating_mul(2), limit).into(),
             Refusal::NotBaked => NotBaked { method, instead }.into(),
+            Refusal::NoTerrain => NoTerrain::new(method, false, instead).into(),
+            Refusal::TerrainChanged => NoTerrain::new(method, true, instead).into(),
             Refusal::NotConvex(dent) => Box::new(NotConvex::new(method, content, &dent, instead)).into(),
         }
     }
@@ -45,6 +50,37 @@ pub struct NotBaked {
     pub method: Method,
     /// A method that needs no cells.
     pub instead: Method,
+}
+
+/// A method goes by a field of heights, but a content has none, or its blocks are not what they were.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("no terrain: {method} goes by a field of heights, {}; {instead} takes any content", self.why())]
+#[non_exhaustive]
+pub struct NoTerrain {
+    /// The method that was asked for.
+    pub method: Method,
+    /// Is there one, but a block of it was moved, removed or given another mesh?
+    pub is_changed: bool,
+    /// A method that takes any content.
+    pub instead: Method,
+}
+
+impl NoTerrain {
+    fn new(method: Method, is_changed: bool, instead: Method) -> NoTerrain {
+        NoTerrain {
+            method,
+            is_changed,
+            instead,
+        }
+    }
+
+    fn why(&self) -> &'static str {
+        if self.is_changed {
+            "and a block of the one that is there has been changed"
+        } else {
+            "and there is none"
+        }
+    }
 }
 
 /// A method sees contents in which every face has all others on one side, but in this one a face has some on both.

@@ -9,6 +9,7 @@ mod items;
 mod kd_tree;
 mod octree;
 mod queue;
+mod terrain_rows;
 mod unordered;
 
 pub use baked_cells::BakedCellsOrder;
@@ -18,6 +19,7 @@ pub use convex_cell::ConvexCell;
 pub use depth_sort::{DepthSort, Mean, Min, SortKey};
 pub use kd_tree::KdTreeOrder;
 pub use octree::OctreeOrder;
+pub use terrain_rows::TerrainRows;
 pub use unordered::Unordered;
 
 use crate::content::{Content, ItemId, Moved, Owner};
@@ -59,6 +61,10 @@ pub enum Refusal {
     NotBaked,
     /// A face has others on both of its sides.
     NotConvex(Dent),
+    /// There is no ground to go by.
+    NoTerrain,
+    /// A block of the ground is not where it was, or not as it was.
+    TerrainChanged,
 }
 
 /// A face, and what is farthest behind it although something else is before it.

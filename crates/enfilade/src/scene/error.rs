@@ -1,6 +1,6 @@
 //! Why fragments and portals do not make a scene.
 
-use crate::method::{NotBaked, NotConvex, TooLarge, Unsuited};
+use crate::method::{NoTerrain, NotBaked, NotConvex, TooLarge, Unsuited};
 use std::fmt;
 use thiserror::Error;
 
@@ -103,6 +103,14 @@ pub enum SceneError {
         /// Where it is not.
         why: Box<NotConvex>,
     },
+    /// A fragment has no height field, or its blocks were changed, and its method goes by one.
+    #[error("fragment `{fragment}`: {why}")]
+    NoTerrain {
+        /// The fragment's name.
+        fragment: String,
+        /// Which of the two.
+        why: NoTerrain,
+    },
 }
 
 /// What a broken rule is about.
@@ -134,6 +142,7 @@ impl SceneError {
             Unsuited::TooLarge(why) => SceneError::TooLarge { fragment, why },
             Unsuited::NotBaked(why) => SceneError::NotBaked { fragment, why },
             Unsuited::NotConvex(why) => SceneError::NotConvex { fragment, why },
+            Unsuited::NoTerrain(why) => SceneError::NoTerrain { fragment, why },
         }
     }
 

@@ -155,7 +155,7 @@ impl Scene {
     /// Has a fragment seen by another method; no other is touched.
     ///
     /// # Errors
-    /// [`SceneError::NotOurs`], [`SceneError::TooLarge`], [`SceneError::NotBaked`] or [`SceneError::NotConvex`], and then it
+    /// [`SceneError::NotOurs`], [`SceneError::TooLarge`], [`SceneError::NotBaked`], [`SceneError::NotConvex`] or [`SceneError::NoTerrain`], and then it
     /// stays as it was.
     pub fn set_method(&mut self, id: FragmentId, method: Method) -> Result<(), SceneError> {
         let (content, _) = self.ours(id)?;
@@ -196,7 +196,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`Unsuited::TooLarge`] where a fragment would need more than `limit_bytes` for what the method builds,
-    /// [`Unsuited::NotBaked`] or [`Unsuited::NotConvex`] where one has not what the method goes by.
+    /// [`Unsuited::NotBaked`], [`Unsuited::NotConvex`] or [`Unsuited::NoTerrain`] where one has not what the method goes by.
     pub fn with_method(&self, method: Method, limit_bytes: u64) -> Result<Scene, Unsuited> {
         let mut scene = self.clone();
         scene.limit_bytes = limit_bytes;

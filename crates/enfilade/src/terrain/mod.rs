@@ -8,11 +8,12 @@
 #[cfg(test)]
 mod tests;
 
-use crate::content::{ContentBuilder, ContentError, ItemId, MaterialId};
+use crate::content::{Content, ContentBuilder, ContentError, ItemId, MaterialId, MeshId};
 use crate::geom::Transform;
 use crate::mesh::{Attributes, Mesh, Part};
 use glam::DVec3;
 use std::ops::Range;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Cells along a side of a block; those at the east and the south end may have fewer.
@@ -179,6 +180,28 @@ impl HeightField {
     }
 }
 
+/// A height field in a content.
+#[derive(Clone, Debug)]
+pub(crate) struct Terrain {
+    pub(crate) field: Arc<HeightField>,
+    /// The numbers of the items that are its blocks.
+    pub(crate) blocks: Range<u32>,
+    /// The mesh of the first block; the others' follow.
+    first_mesh: MeshId,
+    pub(crate) fragment_from_field: Transform,
+}
+
+impl Terrain {
+    /// Are all blocks still there, and as they were?
+    pub(crate) fn is_whole(&self, content: &Content) -> bool {
+        let place = self.fragment_from_field.columns();
+        self.blocks.clone().zip(self.first_mesh.0..).all(|(block, mesh)| {
+            let item = content.items().get(block as usize);
+            item.is_some_and(|item| item.mesh == MeshId(mesh) && item.fragment_from_item == place)
+        })
+    }
+}
+
 impl ContentBuilder {
     /// Adds the blocks of a height field as items, row after row, the northern first and each from west to east. They are called
     /// `NAME ROW COLUMN`, by numbers of blocks. Gives their numbers.
@@ -188,10 +211,11 @@ impl ContentBuilder {
     pub fn terrain(
         &mut self,
         name: &str,
-        field: &HeightField,
+        field: impl Into<Arc<HeightField>>,
         material: MaterialId,
         fragment_from_field: Transform,
     ) -> Result<Range<ItemId>, ContentError> {
+        let field = field.into();
         let faces = 2 * field
             .size()
             .map(|side| u64::from(side - 1))
@@ -201,17 +225,22 @@ impl ContentBuilder {
             return Err(ContentError::TooManyFaces(faces));
         }
         let [columns, rows] = field.blocks();
-        let mut ids = ItemId(0)..ItemId(0);
+        let mut first = None;
         for row in 0..rows {
             for column in 0..columns {
                 let mesh = self.mesh(field.mesh_of([column, row], material));
                 let item = self.item(&format!("{name} {row} {column}"), mesh, fragment_from_field);
-                if (row, column) == (0, 0) {
-                    ids.start = item;
-                }
-                ids.end = ItemId(item.0 + 1);
+                first.get_or_insert((item, mesh));
             }
         }
-        Ok(ids)
+        let (first_item, first_mesh) = first.expect("a field has a block at least");
+        let blocks = first_item.0..first_item.0 + columns * rows;
+        self.terrains.push(Terrain {
+            field,
+            blocks: blocks.clone(),
+            first_mesh,
+            fragment_from_field,
+        });
+        Ok(ItemId(blocks.start)..ItemId(blocks.end))
     }
 }

@@ -17,7 +17,7 @@ fn field(size: [u32; 2], height: impl Fn(u32, u32) -> f32) -> HeightField {
 fn content(field: &HeightField) -> Content {
     let mut builder = ContentBuilder::new([Material::opaque([0.3, 0.5, 0.2])]);
     let blocks = builder
-        .terrain("ground", field, MaterialId(0), Transform::IDENTITY)
+        .terrain("ground", field.clone(), MaterialId(0), Transform::IDENTITY)
         .expect("few faces");
     assert_eq!(blocks.end.0 - blocks.start.0, field.blocks().iter().product());
     builder.build().expect("sound blocks")

@@ -7,6 +7,7 @@ mod glass;
 mod mixed;
 mod samples;
 mod subject;
+mod terrain;
 
 use enfilade::laws::Reference;
 use enfilade::{Canvas, Contract, Method, Passage, PassageId, Span};

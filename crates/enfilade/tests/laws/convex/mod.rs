@@ -14,7 +14,7 @@ use proptest::prelude::*;
 use worlds::{Dress, FIRST, Solid, materials, place, polygons, through};
 
 /// Holds looks and pictures against the reference; gives how many items that sees for certain.
-fn keeps_its_contract(scene: &Scene, views: &[View], place: &str) -> usize {
+pub(crate) fn keeps_its_contract(scene: &Scene, views: &[View], place: &str) -> usize {
     let reference = Reference::new(scene);
     let mut looked_at = 0;
     for (number, view) in views.iter().enumerate() {
@@ -32,7 +32,7 @@ fn keeps_its_contract(scene: &Scene, views: &[View], place: &str) -> usize {
     looked_at
 }
 
-fn view(fragment: FragmentId, eye: DVec3, toward: DVec3, near: f32) -> View {
+pub(crate) fn view(fragment: FragmentId, eye: DVec3, toward: DVec3, near: f32) -> View {
     let mut view = View::new(eye.as_vec3().into(), toward.as_vec3().into(), [64, 48]);
     view.fragment = Some(fragment);
     view.fov_y = 1.3;

@@ -1,0 +1,180 @@
+//! Terrain near to far, and what stands on it: whole squares of blocks dropped by the least and the greatest of their heights.
+//!
+//! Squares of a height field are parted by upright planes, so that the one that the eye stands over comes before its
+//! neighbours, and these before the one beyond both: no ground comes after ground that it hides, wherever the eye is and
+//! however it is turned.
+//! Source: Boreskov, Using portals to create aggregate scenes (floating horizon); Anderson, Hidden Line Elimination in
+//!     Projected Grid Surfaces, ACM Transactions on Graphics 1982; the quadtree as in Samet, The Quadtree and Related
+//!     Hierarchical Data Structures, ACM Computing Surveys 1984.
+//! Cost: building O(samples); a walk O(squares met), then as [`OctreeOrder`](super::OctreeOrder) for all else.
+//! Gives nodes near to far; single faces may come in any order.
+
+use super::items::{hand_out, sight};
+use super::queue::{Queue, walk};
+use super::{NodesNearToFar, Order, Refusal, Visit};
+use crate::content::{Content, ItemId, Moved};
+use crate::geom::Aabb;
+use crate::passage::{Passage, eye_in};
+use crate::region::Sight;
+use crate::terrain::Terrain;
+use glam::DAffine3;
+
+/// Squares of height fields in squares, and then everything by the content's own tree.
+pub struct TerrainRows {
+    grounds: Vec<Ground>,
+}
+
+/// One height field.
+struct Ground {
+    terrain: Terrain,
+    /// The blocks first, then squares of 2×2 of the level before.
+    levels: Vec<Level>,
+}
+
+struct Level {
+    size: [u32; 2],
+    bounds: Vec<Aabb>,
+}
+
+impl Order for TerrainRows {
+    type Gives = NodesNearToFar;
+    type Scratch = Queue;
+
+    fn build(content: &Content, _limit_bytes: u64) -> Result<TerrainRows, Refusal> {
+        let terrains = content.terrains();
+        if terrains.is_empty() {
+            return Err(Refusal::NoTerrain);
+        }
+        if !terrains.iter().all(|terrain| terrain.is_whole(content)) {
+            return Err(Refusal::TerrainChanged);
+        }
+        content.item_tree();
+        Ok(TerrainRows {
+            grounds: terrains
+                .iter()
+                .map(|terrain| Ground::new(terrain, content))
+                .collect(),
+        })
+    }
+
+    fn needs_bytes(content: &Content) -> u64 {
+        let blocks = content
+            .terrains()
+            .iter()
+            .map(|terrain| terrain.blocks.len() as u64);
+        blocks.sum::<u64>() * 2 * size_of::<Aabb>() as u64 + content.items().len() as u64 * 2 * 64
+    }
+
+    fn bytes(&self) -> u64 {
+        let levels = self.grounds.iter().flat_map(|ground| &ground.levels);
+        levels.map(|level| size_of_val(&*level.bounds) as u64).sum()
+    }
+
+    fn follow(&mut self, _content: &Content, moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
+        // The tree over all else is the content's, and has followed them already.
+        let is_ground = |item: u32| {
+            let mut grounds = self.grounds.iter();
+            grounds.any(|ground| ground.terrain.blocks.contains(&item))
+        };
+        !moved.iter().any(|moved| is_ground(moved.item.0))
+    }
+
+    fn visit(&self, content: &Content, passage: &Passage, queue: &mut Queue, visit: &mut impl Visit) {
+        for ground in &self.grounds {
+            let screen_from_field = passage.screen_from(&ground.terrain.fragment_from_field);
+            let way = Way {
+                content,
+                passage,
+                screen_from_field,
+                eye: eye_in(&screen_from_field).into(),
+            };
+            let top = ground.levels.len() - 1;
+            ground.walk(&way, top, [0, 0], visit);
+        }
+        // Openings too; blocks that were met are not met again.
+        walk(content.item_tree(), content, passage, queue, visit);
+    }
+}
+
+/// What a walk over one height field goes by.
+struct Way<'a> {
+    content: &'a Content,
+    passage: &'a Passage,
+    screen_from_field: DAffine3,
+    eye: [f64; 3],
+}
+
+impl Ground {
+    fn new(terrain: &Terrain, content: &Content) -> Ground {
+        let size = terrain.field.blocks();
+        let blocks = terrain.blocks.clone();
+        let mut levels = vec![Level {
+            size,
+            bounds: blocks
+                .map(|item| content.mesh_of(ItemId(item)).bounds())
+                .collect(),
+        }];
+        while let Some(last) = levels.last().filter(|level| level.size != [1, 1]) {
+            levels.push(last.above());
+        }
+        Ground {
+            terrain: terrain.clone(),
+            levels,
+        }
+    }
+
+    /// Goes through a square, and those in it that may be seen, near to far.
+    fn walk(&self, way: &Way, level: usize, [column, row]: [u32; 2], visit: &mut impl Visit) {
+        let Level { size, bounds } = &self.levels[level];
+        let place = (row * size[0] + column) as usize;
+        if level == 0 {
+            let item = ItemId(self.terrain.blocks.start + place as u32);
+            hand_out(way.content, way.passage, item, visit);
+            return;
+        }
+        if sight(way.passage, &way.screen_from_field, &bounds[place], visit) == Sight::Hidden {
+            return;
+        }
+        let below = &self.levels[level - 1];
+        let [columns, rows] = [
+            self.near_to_far(way.eye[0], column, below, 0),
+            self.near_to_far(way.eye[2], row, below, 1),
+        ];
+        for row in rows {
+            for column in columns {
+                if column < below.size[0] && row < below.size[1] {
+                    self.walk(way, level - 1, [column, row], visit);
+                }
+            }
+        }
+    }
+
+    /// The two squares of a level below one along an axis, first the one on the eye's side of the plane between them.
+    fn near_to_far(&self, eye: f64, square: u32, below: &Level, axis: usize) -> [u32; 2] {
+        let [first, second] = [2 * square, 2 * square + 1];
+        if second >= below.size[axis] {
+            return [first, second];
+        }
+        let place = if axis == 0 { second } else { second * below.size[0] };
+        let border = f64::from(below.bounds[place as usize].min[2 * axis]);
+        if eye < border {
+            [first, second]
+        } else {
+            [second, first]
+        }
+    }
+}
+
+impl Level {
+    /// Squares of 2×2 of these.
+    fn above(&self) -> Level {
+        let size = self.size.map(|side| side.div_ceil(2));
+        let mut bounds = vec![Aabb::EMPTY; (size[0] * size[1]) as usize];
+        for (place, below) in (0..).zip(&self.bounds) {
+            let [column, row] = [place % self.size[0] / 2, place / self.size[0] / 2];
+            let square = &mut bounds[(row * size[0] + column) as usize];
+            *square = square.union(below);
+        }
+        Level { size, bounds }
+    }
+}

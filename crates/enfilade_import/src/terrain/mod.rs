@@ -110,7 +110,7 @@ pub(crate) fn import(
     };
     let mut content = ContentBuilder::new([ground]);
     content
-        .terrain("block", &field, MaterialId(0), Transform::IDENTITY)
+        .terrain("block", field, MaterialId(0), Transform::IDENTITY)
         .map_err(BrokenRule::Content)?;
     let content = Arc::new(content.build().map_err(BrokenRule::Content)?);
     Ok(Import {

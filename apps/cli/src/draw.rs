@@ -15,7 +15,7 @@ use crate::save::Destination;
 use crate::text::{count, ms, plural};
 use crate::values::Choice;
 use anyhow::{Result, bail};
-use enfilade::{Method, View, Viewer};
+use enfilade::{Aim, Method, View, Viewer};
 use enfilade_draw::{Exposure, Picture, RgbImage, Samples, Settings, Show};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use std::fs::File;
@@ -58,7 +58,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
         &args.methods.how.limits,
     )?;
     let views = cameras::views(&args.cameras, &opened)?;
-    let (mut prepared, mut skipped) = prepare(&opened, choice, &args.methods.how, views.first())?;
+    let (mut prepared, mut skipped) = prepare(&opened, choice, Aim::Draw, &args.methods.how, views.first())?;
     if args.show == Show::Cover {
         prepared = with_shapes(prepared, choice, &mut skipped)?;
     }

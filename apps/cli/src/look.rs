@@ -4,6 +4,7 @@ use crate::Outcome;
 use crate::args::LookArgs;
 use crate::cameras;
 use crate::check::check;
+use crate::choose;
 use crate::measure::{self, PASSES};
 use crate::open::{For, open, settle};
 use crate::out;
@@ -13,7 +14,7 @@ use crate::report::{Report, Reports, SceneReport, Sink, Summary, WayReport, left
 use crate::text::{bytes, count, ms, plural, point, table};
 use crate::values::Choice;
 use anyhow::Result;
-use enfilade::{Contract, Viewer};
+use enfilade::{Aim, Contract, Viewer};
 use std::fmt::Write;
 
 /// Runs `look`.
@@ -29,7 +30,7 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
         &args.methods.how.limits,
     )?;
     let views = cameras::views(&args.cameras, &opened)?;
-    let (prepared, skipped) = prepare(&opened, choice, &args.methods.how, views.first())?;
+    let (prepared, skipped) = prepare(&opened, choice, Aim::Look, &args.methods.how, views.first())?;
     let mut viewers: Vec<Viewer> = prepared.iter().map(|prepared| prepared.viewer()).collect();
     let mut reports = Vec::new();
     let progress = Progress::steps("looking", prepared.len() * views.len() * (1 + PASSES));
@@ -139,6 +140,7 @@ fn add_report(text: &mut String, report: &Report) {
         ms(report.build_ms),
         bytes(report.bytes)
     );
+    text.push_str(&choose::in_words(&report.choices));
     if report.depth > 0 {
         let growth = report.faces_built as f64 / (report.faces_built - report.splits) as f64;
         let _ = writeln!(
@@ -291,7 +293,8 @@ mod tests {
         )
         .expect("it is built in");
         let views = cameras::views(&args.cameras, &opened).expect("a view");
-        let (prepared, _) = prepare(&opened, Choice::Own, &args.methods.how, views.first()).expect("it fits");
+        let (prepared, _) =
+            prepare(&opened, Choice::Own, Aim::Look, &args.methods.how, views.first()).expect("it fits");
         let fails_with = |contract, missed: &[(FragmentId, ItemId)], pixels_different| {
             let progress = Progress::spinner("looking");
             let looks = measure::looks(&prepared[0], &views, &mut prepared[0].viewer(), &progress);

@@ -5,6 +5,7 @@ mod args;
 mod bench;
 mod cameras;
 mod check;
+mod choose;
 mod compare;
 mod draw;
 mod info;
@@ -64,6 +65,7 @@ fn main() -> ExitCode {
         Some(Verb::Look(args)) => look::run(&args),
         Some(Verb::Compare(args)) => compare::run(&args),
         Some(Verb::Bench(args)) => bench::run(args),
+        Some(Verb::Choose(args)) => choose::run(&args),
         Some(Verb::Link(args)) => link::run(&args),
         Some(Verb::Vis(args)) => vis::run(&args),
         Some(Verb::Portals(args)) => portals::run(&args),

@@ -100,12 +100,13 @@ fn open_file(file: &str, wanted: For, choice: Choice, flat: bool, limits: &Limit
         bail!("{file}: there is no such file; the built-in scene is called @{file}");
     }
     let mut import = enfilade_import::read(path, &options)?;
-    let method = if choice == Choice::Own {
-        Method::HierarchicalZ
-    } else {
-        // What is asked for is built from it, and timed, so the first is the one that builds least.
+    if choice != Choice::Own {
         import.rooms.iter_mut().for_each(|room| room.method = None);
-        Method::ZBuffer
+    }
+    let method = match choice {
+        Choice::Own | Choice::Auto => Method::HierarchicalZ,
+        // What is asked for is built from it, and timed, so the first is the one that builds least.
+        Choice::One(_) | Choice::All => Method::ZBuffer,
     };
     let scene = import.scene(method, limits.memory()).map_err(|why| {
         let remedy = match why {
@@ -150,8 +151,13 @@ fn format(path: &Path) -> &'static str {
 
 /// Settles what the whole program uses, before anything is built: threads and SIMD instructions.
 pub(crate) fn settle(how: &HowArgs) -> Result<()> {
-    allow_threads(&how.limits)?;
-    if let Some(level) = &how.simd {
+    settle_on(&how.limits, how.simd.as_deref())
+}
+
+/// The same, of a verb that takes no other options of [`HowArgs`].
+pub(crate) fn settle_on(limits: &LimitArgs, simd: Option<&str>) -> Result<()> {
+    allow_threads(limits)?;
+    if let Some(level) = simd {
         enfilade::use_simd_level(level)?;
     }
     Ok(())

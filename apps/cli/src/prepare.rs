@@ -1,12 +1,13 @@
 //! The methods that are asked for, each built over the scene and within its memory.
 
 use crate::args::HowArgs;
+use crate::choose::{self, ChoiceReport};
 use crate::open::Opened;
 use crate::progress::Progress;
 use crate::report::Skipped;
 use crate::values::Choice;
 use anyhow::{Result, anyhow, bail, ensure};
-use enfilade::{Contract, Method, Scene, Unsuited, View, Viewer};
+use enfilade::{Aim, Contract, Method, Scene, Unsuited, View, Viewer};
 use enfilade_draw::Stage;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
@@ -23,6 +24,8 @@ pub(crate) struct Prepared {
     coherence: bool,
     occluders: Option<u32>,
     pub(crate) cover_size: Option<[u32; 2]>,
+    /// How its methods were chosen, where they were.
+    pub(crate) choices: Vec<ChoiceReport>,
 }
 
 impl Prepared {
@@ -64,17 +67,22 @@ impl Prepared {
     }
 }
 
-/// Builds what is asked for over a scene, for views that all have one size.
+/// Builds what is asked for over a scene, for views that all have one size; where methods are to be chosen, those that make
+/// `aim` cheap.
 ///
 /// # Errors
 /// A method that would need too much memory, or does not suit the scene, unless all were asked for: then it is skipped.
 pub(crate) fn prepare(
     opened: &Opened,
     choice: Choice,
+    aim: Aim,
     how: &HowArgs,
     view: Option<&View>,
 ) -> Result<(Vec<Prepared>, Vec<Skipped>)> {
     check_cover_size(opened, choice, how, view)?;
+    if choice == Choice::Auto {
+        return Ok((vec![chosen(opened, aim, how, view)?], Vec::new()));
+    }
     let progress = Progress::steps(
         "building",
         if choice == Choice::All {
@@ -113,6 +121,26 @@ pub(crate) fn prepare(
     Ok((prepared, skipped))
 }
 
+/// Each fragment by the method that suits it.
+fn chosen(opened: &Opened, aim: Aim, how: &HowArgs, view: Option<&View>) -> Result<Prepared> {
+    let scene = &opened.scene;
+    let size = view.map_or([1280, 720], |view| view.size);
+    let terms = choose::terms(aim, !how.conservative, how.limits.memory());
+    let choices = choose::choose(scene, size, &terms);
+    let mut with_choices = scene.clone();
+    let start = Instant::now();
+    choose::take_over(&mut with_choices, &choices)?;
+    let built = Built {
+        scene: with_choices,
+        ms: start.elapsed().as_secs_f64() * 1e3,
+        choices: choices
+            .iter()
+            .map(|choice| ChoiceReport::new(scene, choice))
+            .collect(),
+    };
+    finish(opened, "auto", built, how, view).map_err(|why| anyhow!("{}: {why}", opened.file))
+}
+
 /// A cover is no larger than the screen, and asked for where some method can do with one of another size.
 fn check_cover_size(opened: &Opened, choice: Choice, how: &HowArgs, view: Option<&View>) -> Result<()> {
     let (Some([width, height]), Some(view)) = (how.cover_size, view) else {
@@ -128,7 +156,7 @@ fn check_cover_size(opened: &Opened, choice: Choice, how: &HowArgs, view: Option
     let methods = match choice {
         Choice::One(method) => vec![method],
         Choice::Own => methods_of(&opened.scene),
-        Choice::All => return Ok(()),
+        Choice::All | Choice::Auto => return Ok(()),
     };
     if methods.iter().any(|method| method.takes_cover_size()) {
         return Ok(());
@@ -147,18 +175,41 @@ fn build(opened: &Opened, choice: Choice, how: &HowArgs, view: Option<&View>) ->
     let limit = how.limits.memory();
     let scene = &opened.scene;
     let start = Instant::now();
-    let built = match choice {
-        Choice::One(method) => scene.with_method(method, limit)?,
-        Choice::Own | Choice::All => {
+    let (name, scene) = match choice {
+        Choice::One(method) => (method.name(), scene.with_method(method, limit)?),
+        Choice::Own | Choice::All | Choice::Auto => {
             // It is built already; done again to be timed, and to be held against the limit.
             for (content, method) in contents(scene) {
                 method.build(Arc::clone(content), limit)?;
             }
-            scene.clone()
+            ("own", scene.clone())
         }
     };
-    let build_ms = start.elapsed().as_secs_f64() * 1e3;
-    let methods = methods_of(&built);
+    let built = Built {
+        scene,
+        ms: start.elapsed().as_secs_f64() * 1e3,
+        choices: Vec::new(),
+    };
+    finish(opened, name, built, how, view)
+}
+
+/// A scene by the methods that were asked for.
+struct Built {
+    scene: Scene,
+    ms: f64,
+    choices: Vec<ChoiceReport>,
+}
+
+fn finish(
+    opened: &Opened,
+    name: &'static str,
+    built: Built,
+    how: &HowArgs,
+    view: Option<&View>,
+) -> Result<Prepared, Unsuited> {
+    let limit = how.limits.memory();
+    let Built { scene, ms, choices } = built;
+    let methods = methods_of(&scene);
     if let Some(view) = view {
         methods
             .iter()
@@ -169,25 +220,22 @@ fn build(opened: &Opened, choice: Choice, how: &HowArgs, view: Option<&View>) ->
         .cover_size
         .filter(|&cells| view.is_none_or(|view| view.size != cells));
     Ok(Prepared {
-        method: if let Choice::One(method) = choice {
-            method.name()
-        } else {
-            "own"
-        },
-        contract: built
+        method: name,
+        contract: scene
             .fragments()
-            .map(|id| match built.method(id) {
+            .map(|id| match scene.method(id) {
                 Some(method) if cover_size.is_some() => method.contract_in_cells(),
-                _ => built.fragment(id).contract(),
+                _ => scene.fragment(id).contract(),
             })
             .reduce(Contract::together)
             .unwrap_or(Contract::Exact),
-        scene: if how.flat { built.without_portals() } else { built },
-        build_ms,
+        scene: if how.flat { scene.without_portals() } else { scene },
+        build_ms: ms,
         stage: Arc::clone(&opened.stage),
         coherence: !how.no_coherence,
         occluders: how.occluders,
         cover_size,
+        choices,
     })
 }
 
@@ -198,6 +246,7 @@ pub(crate) fn drawn_by(prepared: &Prepared, method: Method) -> Result<Prepared, 
         contract: method.contract(),
         scene: prepared.scene.with_method(method, u64::MAX)?,
         stage: Arc::clone(&prepared.stage),
+        choices: Vec::new(),
         ..*prepared
     })
 }

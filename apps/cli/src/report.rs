@@ -2,6 +2,7 @@
 
 use crate::args::JsonArg;
 use crate::check::Found;
+use crate::choose::ChoiceReport;
 use crate::measure::{Look, Looks, Way, median, p99};
 use crate::names::Names;
 use crate::open::Opened;
@@ -35,6 +36,9 @@ pub(crate) struct Report {
     pub(crate) stats: Vec<(&'static str, u64)>,
     pub(crate) views: Vec<ViewReport>,
     pub(crate) summary: Summary,
+    /// Of `auto`: the method of each fragment, and why.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) choices: Vec<ChoiceReport>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -256,6 +260,7 @@ impl Report {
                 .zip(looks.each)
                 .map(|(view, look)| ViewReport::new(view, look, &names, &prepared.scene))
                 .collect(),
+            choices: prepared.choices.clone(),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Values on the command line, from text, with messages that say what would be right.
 
 use crate::bench::row_names;
-use enfilade::{Method, View};
+use enfilade::{Aim, Method, View};
 use enfilade_draw::Show;
 
 /// Which methods look.
@@ -13,22 +13,32 @@ pub(crate) enum Choice {
     One(Method),
     /// Every method there is, one after the other.
     All,
+    /// Each fragment by the method that is cheapest there, as measured first.
+    Auto,
 }
 
 pub(crate) fn method(text: &str) -> Result<Choice, String> {
-    if text == "all" {
-        return Ok(Choice::All);
+    match text {
+        "all" => Ok(Choice::All),
+        "auto" => Ok(Choice::Auto),
+        _ => {
+            let names = || {
+                Method::ALL
+                    .iter()
+                    .map(|method| method.name())
+                    .chain(["auto", "all"])
+            };
+            Method::by_name(text)
+                .map(Choice::One)
+                .ok_or_else(|| among(text, names()))
+        }
     }
-    let names = || Method::ALL.iter().map(|method| method.name()).chain(["all"]);
-    Method::by_name(text)
-        .map(Choice::One)
-        .ok_or_else(|| among(text, names()))
 }
 
 /// What a method may be called, for the help.
 pub(crate) fn methods() -> String {
     format!(
-        "{} or all",
+        "{} auto (for each fragment the cheapest, as measured first), or all",
         Method::ALL.map(|method| format!("{method},")).join(" ")
     )
 }
@@ -39,6 +49,14 @@ pub(crate) fn methods_or_own() -> String {
         "{} [default: each fragment's own, hierarchical-z where nothing is said]",
         methods()
     )
+}
+
+pub(crate) fn aim(text: &str) -> Result<Aim, String> {
+    match text {
+        "look" => Ok(Aim::Look),
+        "draw" => Ok(Aim::Draw),
+        _ => Err(among(text, ["look", "draw"].into_iter())),
+    }
 }
 
 pub(crate) fn show(text: &str) -> Result<Show, String> {

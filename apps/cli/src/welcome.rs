@@ -15,7 +15,7 @@ use crate::text::{count, ms, plural, table};
 use crate::values::Choice;
 use anyhow::{Result, bail};
 use clap::Parser;
-use enfilade::Contract;
+use enfilade::{Aim, Contract};
 use enfilade_draw::{Samples, Show};
 use std::path::Path;
 
@@ -43,7 +43,7 @@ pub(crate) fn run() -> Result<Outcome> {
         &methods.how.limits,
     )?;
     let views = cameras::views(cameras, &opened)?;
-    let (prepared, skipped) = prepare(&opened, Choice::All, &methods.how, views.first())?;
+    let (prepared, skipped) = prepare(&opened, Choice::All, Aim::Draw, &methods.how, views.first())?;
     let mut rows = Vec::new();
     let mut shown = None;
     let progress = Progress::steps("drawing the palace", prepared.len() * 2 * (1 + PASSES));

@@ -44,6 +44,7 @@ mod blend;
 mod canvas;
 #[cfg(test)]
 mod chance;
+mod choose;
 mod content;
 mod detail;
 mod entrance;
@@ -70,6 +71,7 @@ mod visible;
 
 pub use aperture::{Aperture, Rect, Rows};
 pub use canvas::{Canvas, CoverShape, CoverSpan, HiddenBy, Span};
+pub use choose::{Aim, Cost, MethodChoice, NotTried, Terms, Trial, choose_methods};
 pub use content::{
     Alpha, BakedCells, BakedCellsError, CellId, CellNode, CellSide, CellTree, Content, ContentBuilder,
     ContentError, Filter, Item, ItemId, Material, MaterialId, MeshId, Minify, Moved, Opening, OpeningId,
@@ -93,7 +95,7 @@ pub use occluders::{Choice, Chosen, Measure, Occluder, OccluderRoom, OccluderSet
 pub use passage::{Passage, PassageId};
 pub use query::{
     Between, BoxError, Capsule, Cast, Met, Near, Nearest, PairChanges, Pairs, Place, Presence, Reached,
-    SightLine, Slid, Standpoint, Walked, survey,
+    SightLine, Slid, Standpoint, Walked, survey, survey_in,
 };
 pub use region::{Region, Sight};
 pub use scene::{

@@ -145,6 +145,22 @@ impl Seen {
         }
     }
 
+    /// Only the items that were gathered are left, to be painted.
+    pub(crate) fn keep_items_alone(&mut self) {
+        self.recycle();
+        self.glass.clear();
+        self.samples_owned = 0;
+        self.paints = true;
+    }
+
+    /// Takes the rows of openings that nobody follows, to be filled anew.
+    pub(crate) fn recycle(&mut self) {
+        for mut rows in self.openings.drain(..).filter_map(|opening| opening.rows) {
+            rows.clear();
+            self.spare_rows.push(rows);
+        }
+    }
+
     pub(crate) fn clear(&mut self, paints: bool) {
         self.items.clear();
         self.openings.clear();

@@ -87,6 +87,7 @@ mod images;
 #[cfg(feature = "levels")]
 mod levels;
 mod obj;
+mod pin;
 mod quake;
 mod rooms;
 mod terrain;
@@ -99,6 +100,7 @@ pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};
 #[cfg(feature = "levels")]
 pub use levels::{Levels, details_of};
 pub use obj::ObjError;
+pub use pin::{PinError, with_methods};
 pub use quake::{
     BspError, ClustersFrom, MapSummary, PlacedPortals, PortalFile, PrtError, PrtKind, RebuiltPortals,
     place_portals, read_portals, rebuild_portals, rebuild_portals_bytes, visibility_bytes, with_visibility,

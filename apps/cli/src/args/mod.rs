@@ -1,9 +1,11 @@
 //! The command line: verbs, options and their help.
 
 mod bench;
+mod choose;
 mod maps;
 
 pub(crate) use bench::BenchArgs;
+pub(crate) use choose::ChooseArgs;
 pub(crate) use maps::{PortalsArgs, VisArgs};
 
 use crate::values::{self, Choice};
@@ -43,6 +45,8 @@ pub(crate) enum Verb {
     Compare(CompareArgs),
     /// Times all methods over a path of views, and holds what they see against what is expected
     Bench(BenchArgs),
+    /// Finds the method that suits each fragment, and says what each costs there
+    Choose(ChooseArgs),
     /// Joins separately exported files by portals
     Link(LinkArgs),
     /// Finds out what is visible in a map of Quake or Quake 3, and writes it into the map
@@ -308,6 +312,9 @@ pub(crate) struct HowArgs {
     /// Openings are plain holes: no portal is followed
     #[arg(long)]
     pub(crate) flat: bool,
+    /// Let auto take also methods that may call more visible than is; without it, what is seen does not hang on its choice
+    #[arg(long)]
+    pub(crate) conservative: bool,
     /// Use no better SIMD instructions than these, which changes the times and nothing else [default: the machine's best]
     #[arg(long, value_name = "LEVEL", value_parser = values::simd)]
     pub(crate) simd: Option<String>,
@@ -360,7 +367,7 @@ mod tests {
             .get_subcommands_mut()
             .filter(|verb| verb.get_name() != "help");
         helps.extend(verbs.map(|verb| verb.render_help().to_string()));
-        assert_eq!(helps.len(), 9);
+        assert_eq!(helps.len(), 10);
         for help in helps {
             let (_, examples) = help.split_once("\nExamples:\n").expect("there are examples");
             assert!(

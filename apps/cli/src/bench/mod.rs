@@ -16,7 +16,7 @@ use crate::report::{Report, Reports, SceneReport, Sink, left_out};
 use crate::text::{bytes, count, ms, plural, point, table};
 use crate::values::Choice;
 use anyhow::Result;
-use enfilade::{Contract, Viewer};
+use enfilade::{Aim, Contract, Viewer};
 
 /// Views of the survey, where no camera is told.
 const VIEWS: u32 = 16;
@@ -32,7 +32,7 @@ pub(crate) fn run(mut args: BenchArgs) -> Result<Outcome> {
     let opened = open(scene, For::Pictures, args.method, args.how.flat, &args.how.limits)?;
     args.cameras.survey_unless_told(VIEWS);
     let views = cameras::views(&args.cameras, &opened)?;
-    let (prepared, skipped) = prepare(&opened, args.method, &args.how, views.first())?;
+    let (prepared, skipped) = prepare(&opened, args.method, Aim::Look, &args.how, views.first())?;
     let mut viewers: Vec<Viewer> = prepared.iter().map(Prepared::viewer).collect();
     let mut reports = measure::all(&opened, &prepared, &mut viewers, &views, args.cameras.size);
     expected::hold(&mut reports, &prepared, &mut viewers, &views)?;

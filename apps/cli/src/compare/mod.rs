@@ -24,7 +24,7 @@ use crate::report::{Report, Reports, SceneReport, Sink, Skipped, left_out};
 use crate::save::Destination;
 use crate::text::plural;
 use anyhow::{Result, bail};
-use enfilade::{Scene, View, Viewer};
+use enfilade::{Aim, Scene, View, Viewer};
 use pictures::{Artist, ViewPictures};
 use std::fs;
 use std::path::Path;
@@ -56,7 +56,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
         &args.how.limits,
     )?;
     let views = cameras::views(&args.cameras, &opened)?;
-    let (prepared, skipped) = prepare(&opened, args.method, &args.how, views.first())?;
+    let (prepared, skipped) = prepare(&opened, args.method, Aim::Draw, &args.how, views.first())?;
     let mut viewers: Vec<Viewer> = prepared.iter().map(Prepared::viewer).collect();
     let mut reports = measure::all(&opened, &prepared, &mut viewers, &views, args.cameras.size);
     let (found, pictures) = check_and_draw(&prepared, &mut viewers, &views, args.pictures)?;

@@ -108,8 +108,15 @@ impl Samples {
         let mut report = Report::new(content, seen, canvas.map(|canvas| canvas as &mut dyn Canvas));
         let Rect { x0, y0, x1, y1 } = self.rect;
         for y in y0..y1 {
-            report.samples(x0, self.row(y, x0, x1));
-            report.end_row(y, &self.rect, self.trace.as_ref());
+            let row = self.row(y, x0, x1);
+            if report.wants_rows() {
+                report.samples(x0, row);
+                report.end_row(y, &self.rect, self.trace.as_ref());
+            } else {
+                let (eights, rest) = row.as_chunks::<8>();
+                eights.iter().for_each(|eight| report.eight(eight));
+                rest.iter().for_each(|&sample| report.some(sample as u32, 1));
+            }
         }
         report.finish();
     }

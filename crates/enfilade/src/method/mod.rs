@@ -226,6 +226,11 @@ impl Method {
         self == Method::Pvs
     }
 
+    /// Does it sort faces into a BSP tree before anything is looked at? That splits some, and for many takes long.
+    pub fn sorts_faces(self) -> bool {
+        matches!(self, Method::Bsp | Method::BspFront)
+    }
+
     /// Can it see contents of every kind? Those that cannot ask for cells, for convexity, or for ground.
     pub fn takes_any_content(self) -> bool {
         !matches!(self, Method::Pvs | Method::Cell | Method::FloatingHorizon)

@@ -98,6 +98,18 @@ pub(super) fn walk(
     queue: &mut Queue,
     visit: &mut impl Visit,
 ) {
+    begin(tree, content, passage, queue, visit);
+    go_on(tree, content, passage, queue, visit, f32::NEG_INFINITY, |_| true);
+}
+
+/// Hands out the openings, and lets the root of `tree` wait.
+pub(super) fn begin(
+    tree: &impl Tree,
+    content: &Content,
+    passage: &Passage,
+    queue: &mut Queue,
+    visit: &mut impl Visit,
+) {
     hand_out_openings(content, passage, visit);
     queue.waiting.clear();
     queue.regions.clear();
@@ -106,13 +118,34 @@ pub(super) fn walk(
     if let Some(root) = tree.root() {
         queue.push_node(tree, root, passage);
     }
-    while let Some(Waiting { region, what, .. }) = queue.waiting.pop() {
+}
+
+/// Hands out what waits and is at least so near, of the items that are wanted.
+pub(super) fn go_on(
+    tree: &impl Tree,
+    content: &Content,
+    passage: &Passage,
+    queue: &mut Queue,
+    visit: &mut impl Visit,
+    nearness: f32,
+    wanted: impl Fn(u32) -> bool,
+) {
+    while let Some(&Waiting {
+        nearest,
+        region,
+        what,
+    }) = queue.waiting.peek()
+    {
+        if nearest < nearness {
+            break;
+        }
+        queue.waiting.pop();
         queue.free.push(region);
         if visit.enter(&queue.regions[region as usize]) == Sight::Hidden {
             continue;
         }
         match what {
-            What::Node(node) => enter_node(tree, node, content, passage, queue),
+            What::Node(node) => enter_node(tree, node, content, passage, queue, &wanted),
             What::Item(item) => {
                 let region = queue.regions[region as usize];
                 enter_item(ItemId(item), &region, content, passage, queue, visit);
@@ -131,12 +164,19 @@ pub(super) fn walk(
     }
 }
 
-fn enter_node(tree: &impl Tree, node: u32, content: &Content, passage: &Passage, queue: &mut Queue) {
+fn enter_node(
+    tree: &impl Tree,
+    node: u32,
+    content: &Content,
+    passage: &Passage,
+    queue: &mut Queue,
+    wanted: impl Fn(u32) -> bool,
+) {
     let children = tree
         .children(node)
         .map(|child| (*tree.bounds(child), What::Node(child)));
     queue.push_all(passage, &passage.screen_from_fragment, children);
-    for &item in tree.items(node) {
+    for &item in tree.items(node).iter().filter(|&&item| wanted(item)) {
         let placed = content.item(ItemId(item));
         let screen_from_item = passage.screen_from(&placed.transform());
         queue.push(

@@ -1,4 +1,5 @@
-//! Terrain near to far, and what stands on it: whole squares of blocks dropped by the least and the greatest of their heights.
+//! Terrain near to far, and between its blocks what stands on it: whole squares of blocks dropped by the least and the greatest
+//! of their heights.
 //!
 //! Squares of a height field are parted by upright planes, so that the one that the eye stands over comes before its
 //! neighbours, and these before the one beyond both: no ground comes after ground that it hides, wherever the eye is and
@@ -9,17 +10,17 @@
 //! Cost: building O(samples); a walk O(squares met), then as [`OctreeOrder`](super::OctreeOrder) for all else.
 //! Gives nodes near to far; single faces may come in any order.
 
-use super::items::{hand_out, sight};
-use super::queue::{Queue, walk};
+use super::items::{hand_out, hand_out_openings};
+use super::queue::{Queue, begin, go_on};
 use super::{NodesNearToFar, Order, Refusal, Visit};
 use crate::content::{Content, ItemId, Moved};
 use crate::geom::Aabb;
 use crate::passage::{Passage, eye_in};
-use crate::region::Sight;
+use crate::region::{Region, Sight};
 use crate::terrain::Terrain;
 use glam::DAffine3;
 
-/// Squares of height fields in squares, and then everything by the content's own tree.
+/// Squares of height fields in squares, and before each block what is nearer, by the content's own tree.
 pub struct TerrainRows {
     grounds: Vec<Ground>,
 }
@@ -80,26 +81,60 @@ impl Order for TerrainRows {
     }
 
     fn visit(&self, content: &Content, passage: &Passage, queue: &mut Queue, visit: &mut impl Visit) {
+        let things = Things {
+            grounds: &self.grounds,
+            content,
+            passage,
+        };
+        if things.are_none() {
+            hand_out_openings(content, passage, visit);
+        } else {
+            begin(content.item_tree(), content, passage, queue, visit);
+        }
         for ground in &self.grounds {
             let screen_from_field = passage.screen_from(&ground.terrain.fragment_from_field);
             let way = Way {
-                content,
-                passage,
+                things: &things,
                 screen_from_field,
                 eye: eye_in(&screen_from_field).into(),
             };
             let top = ground.levels.len() - 1;
-            ground.walk(&way, top, [0, 0], visit);
+            ground.walk(&way, top, [0, 0], queue, visit);
         }
-        // Openings too; blocks that were met are not met again.
-        walk(content.item_tree(), content, passage, queue, visit);
+        things.hand_out(f32::NEG_INFINITY, queue, visit);
+    }
+}
+
+/// What is not ground, on its way out of the content's own tree.
+struct Things<'a> {
+    grounds: &'a [Ground],
+    content: &'a Content,
+    passage: &'a Passage,
+}
+
+impl Things<'_> {
+    fn are_none(&self) -> bool {
+        let blocks = self.grounds.iter().map(|ground| ground.terrain.blocks.len());
+        blocks.sum::<usize>() == self.content.items().len()
+    }
+
+    /// Hands out those that are at least so near, and were not yet.
+    fn hand_out(&self, nearness: f32, queue: &mut Queue, visit: &mut impl Visit) {
+        if self.are_none() {
+            return;
+        }
+        let is_thing = |item: u32| {
+            let mut grounds = self.grounds.iter();
+            grounds.all(|ground| !ground.terrain.blocks.contains(&item))
+        };
+        let tree = self.content.item_tree();
+        go_on(tree, self.content, self.passage, queue, visit, nearness, is_thing);
     }
 }
 
 /// What a walk over one height field goes by.
 struct Way<'a> {
-    content: &'a Content,
-    passage: &'a Passage,
+    things: &'a Things<'a>,
     screen_from_field: DAffine3,
     eye: [f64; 3],
 }
@@ -124,15 +159,27 @@ impl Ground {
     }
 
     /// Goes through a square, and those in it that may be seen, near to far.
-    fn walk(&self, way: &Way, level: usize, [column, row]: [u32; 2], visit: &mut impl Visit) {
+    fn walk(
+        &self,
+        way: &Way,
+        level: usize,
+        [column, row]: [u32; 2],
+        queue: &mut Queue,
+        visit: &mut impl Visit,
+    ) {
         let Level { size, bounds } = &self.levels[level];
         let place = (row * size[0] + column) as usize;
+        let Things { content, passage, .. } = *way.things;
+        let Some(region) = Region::of(passage, &way.screen_from_field, &bounds[place]) else {
+            return;
+        };
         if level == 0 {
+            way.things.hand_out(region.nearest, queue, visit);
             let item = ItemId(self.terrain.blocks.start + place as u32);
-            hand_out(way.content, way.passage, item, visit);
+            hand_out(content, passage, item, visit);
             return;
         }
-        if sight(way.passage, &way.screen_from_field, &bounds[place], visit) == Sight::Hidden {
+        if visit.enter(&region) == Sight::Hidden {
             return;
         }
         let below = &self.levels[level - 1];
@@ -143,7 +190,7 @@ impl Ground {
         for row in rows {
             for column in columns {
                 if column < below.size[0] && row < below.size[1] {
-                    self.walk(way, level - 1, [column, row], visit);
+                    self.walk(way, level - 1, [column, row], queue, visit);
                 }
             }
         }

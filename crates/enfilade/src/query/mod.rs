@@ -22,4 +22,4 @@ pub use pairs::{BoxError, PairChanges, Pairs};
 pub use place::{Place, Presence, Walked};
 pub use ray::{Cast, Met};
 pub use sees::SightLine;
-pub use survey::{Standpoint, survey};
+pub use survey::{Standpoint, survey, survey_in};

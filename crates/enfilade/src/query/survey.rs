@@ -29,8 +29,21 @@ pub struct Standpoint {
 /// Places inside solids or hard against a surface are left out. Fewer are returned where no more are found, none
 /// where the scene has no open space.
 pub fn survey(scene: &Scene, count: usize) -> Vec<Standpoint> {
-    let contents: Vec<(FragmentId, &Content)> = scene
-        .fragments()
+    survey_by(scene, scene.fragments(), count, 0x656E_6669_6C61_6465)
+}
+
+/// The same in one fragment alone, at other places than [`survey`] finds there.
+pub fn survey_in(scene: &Scene, fragment: FragmentId, count: usize) -> Vec<Standpoint> {
+    survey_by(scene, std::iter::once(fragment), count, u64::from(fragment.0))
+}
+
+fn survey_by(
+    scene: &Scene,
+    fragments: impl Iterator<Item = FragmentId>,
+    count: usize,
+    seed: u64,
+) -> Vec<Standpoint> {
+    let contents: Vec<(FragmentId, &Content)> = fragments
         .filter_map(|id| scene.content(id).map(|content| (id, &**content)))
         .filter(|(_, content)| content.items().iter().any(|item| !item.bounds.is_empty()))
         .collect();
@@ -38,7 +51,7 @@ pub fn survey(scene: &Scene, count: usize) -> Vec<Standpoint> {
     if contents.is_empty() {
         return found;
     }
-    let mut dice = Dice(0x656E_6669_6C61_6465);
+    let mut dice = Dice(seed);
     for _ in 0..TRIES * count {
         if found.len() == count {
             break;

@@ -7,6 +7,8 @@
     reason = "a bench prints its table, and none of them needs everything"
 )]
 
+pub(crate) mod land;
+
 use enfilade::{
     Aabb, Canvas, Content, Item, Method, Owner, Passage, PassageId, Scene, Span, View, Viewer, survey,
 };

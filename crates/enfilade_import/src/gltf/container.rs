@@ -18,7 +18,7 @@ const BINARY: [u8; 4] = *b"BIN\0";
 impl<'a> Container<'a> {
     /// Finds the parts. The first bytes decide what the file is, since names lie.
     pub(super) fn split(bytes: &'a [u8]) -> Result<Container<'a>, BrokenRule> {
-        if bytes.starts_with(MAGIC) {
+        if is_binary(bytes) {
             return split_binary(bytes);
         }
         if begins_like_json(bytes) {
@@ -92,6 +92,33 @@ fn split_binary(bytes: &[u8]) -> Result<Container<'_>, BrokenRule> {
         return Err(cut("last chunk", length));
     }
     Ok(Container { json, binary })
+}
+
+/// Are bytes a `.glb`?
+pub(super) fn is_binary(bytes: &[u8]) -> bool {
+    bytes.starts_with(MAGIC)
+}
+
+/// The bytes of a `.glb` with these two chunks; `None` where there are more than it can have.
+pub(super) fn joined(json: &[u8], binary: &[u8]) -> Option<Vec<u8>> {
+    let padded = |bytes: &[u8]| bytes.len().next_multiple_of(4);
+    let chunks = [(JSON, json, b' '), (BINARY, binary, 0)];
+    let chunks = chunks.iter().filter(|(_, bytes, _)| !bytes.is_empty());
+    let length = HEADER
+        + chunks
+            .clone()
+            .map(|(_, bytes, _)| 8 + padded(bytes))
+            .sum::<usize>();
+    let mut glb = MAGIC.to_vec();
+    glb.extend(2_u32.to_le_bytes());
+    glb.extend(u32::try_from(length).ok()?.to_le_bytes());
+    for &(kind, bytes, padding) in chunks {
+        glb.extend((padded(bytes) as u32).to_le_bytes());
+        glb.extend(kind);
+        glb.extend_from_slice(bytes);
+        glb.resize(glb.len() + padded(bytes) - bytes.len(), padding);
+    }
+    Some(glb)
 }
 
 #[cfg(test)]

@@ -62,6 +62,15 @@ pub(super) fn read(document: &Document, warnings: &mut Warnings) -> Result<BTree
     Ok(hints)
 }
 
+/// The method that the scene says for what stands in no room: `extras.enfilade.method`.
+pub(super) fn method_of_scene(document: &Document) -> Result<Option<Method>, AuthoringError> {
+    let number = document.scene.unwrap_or(0);
+    match document.scenes.get(number as usize) {
+        Some(scene) => Notes::written(format!("scene {number}"), scene.extras)?.method(),
+        None => Ok(None),
+    }
+}
+
 fn hint(
     document: &Document,
     number: u32,
@@ -145,10 +154,11 @@ struct Notes {
 
 impl Notes {
     fn of(document: &Document, number: u32, node: &Node) -> Result<Notes, AuthoringError> {
-        let spoken = document.node_name(number);
-        let extras = node
-            .extras
-            .and_then(|extras| serde_json::from_str::<Extras>(extras.get()).ok());
+        Notes::written(document.node_name(number), node.extras)
+    }
+
+    fn written(spoken: String, extras: Option<&RawValue>) -> Result<Notes, AuthoringError> {
+        let extras = extras.and_then(|extras| serde_json::from_str::<Extras>(extras.get()).ok());
         let ours = extras.and_then(|extras| extras.enfilade).map(RawValue::get);
         // Whatever is longer is not ours, and might take much more memory than text.
         let ours = match ours {

@@ -24,12 +24,14 @@ mod mesh;
 mod meshopt;
 mod names;
 mod nodes;
+mod pin;
 mod plan;
 mod textures;
 mod topology;
 
 pub(crate) use container::{beginning, begins_like_gltf};
 pub(crate) use hints::is_called_like_an_opening_or_a_room;
+pub(crate) use pin::with_methods;
 
 use crate::budget::Budget;
 use crate::warning::{WarningKind, Warnings};

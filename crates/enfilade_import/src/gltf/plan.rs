@@ -72,6 +72,11 @@ impl<'d> Plan<'d> {
         &self.placed
     }
 
+    /// The nodes that are rooms, in the order of the rooms.
+    pub(super) fn room_nodes(&self) -> &[u32] {
+        &self.rooms
+    }
+
     /// Names must tell rooms apart; and where there is no room, openings are none.
     fn check_rooms(&mut self, warnings: &mut Warnings) -> Result<(), AuthoringError> {
         let document = self.document;
@@ -131,7 +136,7 @@ impl<'d> Plan<'d> {
                 name: name.to_owned(),
                 spoken: "what stands in no room".to_owned(),
                 builder: things.builder(),
-                method: None,
+                method: hints::method_of_scene(self.document)?,
             });
         }
         let mut held: Vec<Vec<&Placed>> = vec![Vec::new(); shells.len()];

@@ -68,6 +68,14 @@ pub enum TerrainError {
         /// Counted from the north.
         row: u32,
     },
+    /// It says a method that there is none of.
+    #[error("is to be seen by the method `{method}`, which is not known; methods are {methods}")]
+    UnknownMethod {
+        /// What it says.
+        method: String,
+        /// What there is.
+        methods: String,
+    },
     /// What is left to the field to check.
     #[error("is no terrain: {0}")]
     Field(HeightFieldError),

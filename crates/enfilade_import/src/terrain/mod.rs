@@ -11,7 +11,7 @@
 //!
 //! `width` heights from west to east, `height` rows of them, the northern first, each a number of 16 bits without sign, in
 //! metres. `noData` is the number that stands for a hole, if one does. Without `file` the heights are in the only file beside it
-//! that is called as it is, or begins so, and ends in `.raw`. Other keys are comments.
+//! that is called as it is, or begins so, and ends in `.raw`. `method` says how it is to be seen, if it is there. Other keys are comments.
 //! Source: ours.
 //! Cost: O(heights).
 //! Hostile: what is said of the heights is held against their file before anything is set aside.
@@ -23,7 +23,7 @@ pub use error::TerrainError;
 
 use crate::budget::Budget;
 use crate::{BrokenRule, Import, ReadOptions, Room, read_regular_file};
-use enfilade::{ContentBuilder, HeightField, Material, MaterialId, Transform};
+use enfilade::{ContentBuilder, HeightField, Material, MaterialId, Method, Transform};
 use serde::Deserialize;
 use std::path::Path;
 use std::sync::Arc;
@@ -41,6 +41,7 @@ struct Description {
     #[serde(rename = "noData")]
     no_data: Option<u16>,
     file: Option<String>,
+    method: Option<String>,
 }
 
 /// A description is no longer than this.
@@ -72,6 +73,7 @@ pub(crate) fn import(
     let description: Description =
         serde_json::from_slice(bytes).map_err(|why| TerrainError::Description(why.to_string()))?;
     let is_big_endian = description.is_big_endian()?;
+    let method = description.method()?;
     let folder = folder.ok_or(TerrainError::NoFolder)?;
     let path = files::heights_of(&description.file, folder, name)?;
     let samples = u64::from(description.width) * u64::from(description.height);
@@ -117,7 +119,7 @@ pub(crate) fn import(
         rooms: vec![Room {
             name: name.to_owned(),
             content,
-            method: None,
+            method,
         }],
         portals: Vec::new(),
         cameras: Vec::new(),
@@ -125,6 +127,14 @@ pub(crate) fn import(
         map: None,
         warnings: Vec::new(),
     })
+}
+
+/// A copy of a description that says by which method the terrain is to be seen.
+pub(crate) fn with_method(bytes: &[u8], method: Method) -> Result<Vec<u8>, BrokenRule> {
+    let mut json: serde_json::Value =
+        serde_json::from_slice(bytes).map_err(|why| TerrainError::Description(why.to_string()))?;
+    json["method"] = method.name().into();
+    Ok(format!("{json:#}\n").into_bytes())
 }
 
 /// Dry grass.
@@ -149,6 +159,17 @@ impl Description {
             return Err(TerrainError::Format(self.format.clone()));
         }
         Ok(big)
+    }
+
+    fn method(&self) -> Result<Option<Method>, TerrainError> {
+        let Some(name) = &self.method else {
+            return Ok(None);
+        };
+        let known = Method::by_name(name).ok_or_else(|| TerrainError::UnknownMethod {
+            method: name.clone(),
+            methods: Method::ALL.map(|method| method.name()).join(", "),
+        })?;
+        Ok(Some(known))
     }
 
     /// The numbers of a file that has all of them.

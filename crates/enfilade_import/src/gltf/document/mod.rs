@@ -24,8 +24,8 @@ pub(in crate::gltf) struct Document<'a> {
     #[serde(default)]
     pub(in crate::gltf) extensions_required: BTreeSet<String>,
     pub(in crate::gltf) scene: Option<u32>,
-    #[serde(default)]
-    pub(in crate::gltf) scenes: Vec<Scene>,
+    #[serde(borrow, default)]
+    pub(in crate::gltf) scenes: Vec<Scene<'a>>,
     #[serde(borrow, default)]
     pub(in crate::gltf) nodes: Vec<Node<'a>>,
     #[serde(default)]
@@ -66,9 +66,11 @@ pub(in crate::gltf) struct Asset<'a> {
 }
 
 #[derive(Debug, Deserialize)]
-pub(in crate::gltf) struct Scene {
+pub(in crate::gltf) struct Scene<'a> {
     #[serde(default)]
     pub(in crate::gltf) nodes: Vec<u32>,
+    #[serde(borrow)]
+    pub(in crate::gltf) extras: Option<&'a RawValue>,
 }
 
 /// Numbers are f64 as in JSON, so that places far out do not lose digits before they are added up.

@@ -3,6 +3,7 @@
 use super::raise::{INSTANCING, LIGHTS, Shift, raise};
 use crate::BrokenRule;
 use crate::gltf::compressed::{COMPRESSION, Compressed};
+use crate::gltf::container;
 use crate::images;
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -257,17 +258,8 @@ impl Merged {
                 document.insert(key.to_owned(), json!(names));
             }
         }
-        let json = Value::Object(document).to_string().into_bytes();
-        let padded = |bytes: &[u8]| bytes.len().next_multiple_of(4);
-        let length = 12 + 8 + padded(&json) + 8 + padded(&self.binary);
-        let mut glb = b"glTF\x02\0\0\0".to_vec();
-        glb.extend(u32::try_from(length).ok()?.to_le_bytes());
-        for (kind, bytes, padding) in [(b"JSON", &json, b' '), (b"BIN\0", &self.binary, 0)] {
-            glb.extend((padded(bytes) as u32).to_le_bytes());
-            glb.extend(kind);
-            glb.extend_from_slice(bytes);
-            glb.resize(glb.len() + padded(bytes) - bytes.len(), padding);
-        }
+        let json = Value::Object(document).to_string();
+        let glb = container::joined(json.as_bytes(), &self.binary)?;
         Some((glb, self.left_out.into_iter().collect()))
     }
 }

@@ -1,0 +1,144 @@
+//! `choose`: which method suits which fragment, with what each costs there; and what `--method auto` takes.
+
+mod report;
+
+use crate::Outcome;
+use crate::args::ChooseArgs;
+use crate::open::{For, Opened, open, settle_on};
+use crate::out;
+use crate::progress::Progress;
+use crate::report::Sink;
+use crate::save::Destination;
+use crate::values::{Choice, among};
+use anyhow::{Context, Result, anyhow, ensure};
+use enfilade::{Aim, FragmentId, MethodChoice, Scene, Terms, View, choose_methods, survey, survey_in};
+use std::path::Path;
+use std::time::Instant;
+
+pub(crate) use report::{ChoiceReport, in_words};
+use report::{Chosen, HeldBack};
+
+/// Places in each fragment that methods are tried from.
+const PLACES: usize = 6;
+
+/// Runs `choose`.
+pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
+    let sink = Sink::new(&args.json)?;
+    let destination = args.output.as_deref().map(Destination::new).transpose()?;
+    settle_on(&args.limits, args.simd.as_deref())?;
+    // As it is read for answers with a method of its own for each room, so that pins are no part of the question.
+    let opened = open(&args.scene.scene, For::Answers, Choice::Auto, false, &args.limits)?;
+    if let Some(output) = &args.output {
+        ensure!(
+            !opened.file.starts_with('@'),
+            "{}: a built-in scene is no file that methods could be written into",
+            opened.file
+        );
+        must_lie_beside(Path::new(&opened.file), output)?;
+    }
+    let mut terms = Terms::default();
+    terms.aim = args.aim;
+    terms.exact = !args.conservative;
+    terms.limit_bytes = args.limits.memory();
+    terms.moving = named(&args.moving, &opened)?;
+    let choices = choose(&opened.scene, args.size, &terms);
+    let held_back = args.check.then(|| {
+        let views = held_back_views(&opened.scene, args.size);
+        let again = measured(&opened.scene, &views, &terms, "measuring again");
+        HeldBack::new(&choices, &again, views.len())
+    });
+    let chosen = Chosen::new(&opened, &choices, &terms, args.size, held_back);
+    if let Some(destination) = &destination {
+        let methods: Vec<_> = choices.iter().map(|choice| choice.method).collect();
+        let file = Path::new(&opened.file);
+        let pinned = enfilade_import::with_methods(file, &methods, args.limits.memory())
+            .with_context(|| opened.file.clone())?;
+        destination.write_bytes(&pinned)?;
+    }
+    if !args.json.takes_stdout() {
+        out::print(&chosen.for_people())?;
+    }
+    sink.write(&chosen)?;
+    Ok(Outcome::Done)
+}
+
+/// Finds the methods that suit a scene's fragments, by views from places all over them.
+pub(crate) fn choose(scene: &Scene, size: [u32; 2], terms: &Terms) -> Vec<MethodChoice> {
+    let places = scene
+        .fragments()
+        .flat_map(|fragment| survey_in(scene, fragment, PLACES));
+    let views: Vec<View> = places
+        .map(|place| View::new(place.eye, place.toward, size))
+        .collect();
+    measured(scene, &views, terms, "trying methods")
+}
+
+/// Other views than methods were chosen by: of the survey of the whole.
+fn held_back_views(scene: &Scene, size: [u32; 2]) -> Vec<View> {
+    let places = survey(scene, PLACES * scene.fragment_count());
+    let view = |place: &enfilade::Standpoint| View::new(place.eye, place.toward, size);
+    places.iter().map(view).collect()
+}
+
+fn measured(scene: &Scene, views: &[View], terms: &Terms, what: &str) -> Vec<MethodChoice> {
+    let progress = Progress::spinner(what);
+    let start = Instant::now();
+    let choices = choose_methods(scene, views, terms, &|| start.elapsed());
+    drop(progress);
+    choices
+}
+
+/// Takes choices over.
+///
+/// # Errors
+/// What a method of the choice builds was within the limit when it was tried, so none is expected.
+pub(crate) fn take_over(scene: &mut Scene, choices: &[MethodChoice]) -> Result<()> {
+    for choice in choices {
+        if scene.method(choice.fragment) != Some(choice.method) {
+            scene.set_method(choice.fragment, choice.method)?;
+        }
+    }
+    Ok(())
+}
+
+/// Says for what `--method auto` chose, in the words of a verb.
+pub(crate) fn terms(aim: Aim, exact: bool, limit_bytes: u64) -> Terms {
+    let mut terms = Terms::default();
+    (terms.aim, terms.exact, terms.limit_bytes) = (aim, exact, limit_bytes);
+    terms
+}
+
+/// Fragments by their names.
+fn named(names: &[String], opened: &Opened) -> Result<Vec<FragmentId>> {
+    let scene = &opened.scene;
+    let find = |name: &String| {
+        let mut found = scene.fragments().filter(|&id| scene.fragment_name(id) == name);
+        found.next().ok_or_else(|| {
+            let all = scene.fragments().map(|id| scene.fragment_name(id));
+            anyhow!(
+                "{}: there is no fragment `{name}`; {}",
+                opened.file,
+                among(name, all)
+            )
+        })
+    };
+    names.iter().map(find).collect()
+}
+
+/// Files that a file names are looked for in its folder, so a copy of it must lie there too.
+fn must_lie_beside(file: &Path, output: &Path) -> Result<()> {
+    let folder = |path: &Path| {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        folder.unwrap_or(Path::new(".")).canonicalize().ok()
+    };
+    let is_whole = file
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("glb"));
+    ensure!(
+        is_whole || folder(file) == folder(output),
+        "cannot write {}: {} names other files, which are looked for in its folder; name a file in that",
+        output.display(),
+        file.display()
+    );
+    Ok(())
+}

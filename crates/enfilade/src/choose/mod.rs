@@ -1,0 +1,297 @@
+//! Which method suits which fragment: those that may be taken are tried on views of the scene, and the cheapest is chosen.
+//!
+//! What a fragment costs hangs on how it is seen: through which openings, and how near. So the scene is looked at from all
+//! views, and then each fragment is tried alone, through the passages by which it was seen.
+//! Source: Boreskov, Using portals to create aggregate scenes ("with each fragment its own most suitable method"); that it is
+//!     measured, and not told by rules, is ours.
+//! Cost: for each fragment, and each view of those it is tried on, one look and one drawing by every method that may be taken,
+//!     and some more by those that are not far from the best.
+
+mod trial;
+
+use crate::content::{Content, ItemId};
+use crate::fragment::Contract;
+use crate::method::{Method, Unsuited};
+use crate::passage::Passage;
+use crate::scene::{FragmentId, Scene};
+use crate::view::View;
+use crate::viewer::Viewer;
+use std::sync::Arc;
+use std::time::Duration;
+use thiserror::Error;
+use trial::Tried;
+
+/// What methods are chosen for.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Terms {
+    /// What is to be cheap.
+    pub aim: Aim,
+    /// Only methods whose set is what is seen at the samples of the screen, so that no answer depends on the choice? On unless
+    /// told. Else also those that may call more visible; never those that may miss anything.
+    pub exact: bool,
+    /// Fragments in which an item moves between any two looks.
+    pub moving: Vec<FragmentId>,
+    /// Looks over which what it takes to build a method is spread: 10,000 unless told, some minutes of a game.
+    pub frames: u32,
+    /// What one fragment's method may build, in bytes.
+    pub limit_bytes: u64,
+    /// How often methods that are not far from the best are measured, of which the least counts: 4 unless told.
+    pub rounds: u32,
+    /// The views that one fragment is tried on at most, spread evenly over those that see it: 8 unless told.
+    pub most_views: u32,
+}
+
+impl Default for Terms {
+    fn default() -> Terms {
+        Terms {
+            aim: Aim::Look,
+            exact: true,
+            moving: Vec::new(),
+            frames: 10_000,
+            limit_bytes: Method::DEFAULT_LIMIT,
+            rounds: 4,
+            most_views: 8,
+        }
+    }
+}
+
+/// What is to be cheap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Aim {
+    /// [`Viewer::look`]: the set.
+    Look,
+    /// [`Viewer::draw`], but for what a canvas does with what it gets.
+    Draw,
+}
+
+/// The method chosen for a fragment, and why.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct MethodChoice {
+    /// Which fragment.
+    pub fragment: FragmentId,
+    /// The cheapest; of those as cheap, by what can be measured, the one that takes least memory. That which the fragment has,
+    /// where nothing could be tried.
+    pub method: Method,
+    /// How many views it was tried on; 0 where none sees it.
+    pub views: usize,
+    /// Every method, in the order of [`Method::ALL`].
+    pub trials: Vec<Trial>,
+}
+
+/// What came of trying a method.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Trial {
+    /// Which method.
+    pub method: Method,
+    /// What it cost, or why it was not tried.
+    pub outcome: Result<Cost, NotTried>,
+}
+
+/// What a method cost in a fragment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Cost {
+    /// To build it, once.
+    pub build: Duration,
+    /// Memory of what it built and of its buffers for the screen.
+    pub bytes: u64,
+    /// To gather what is seen: the mean of the views.
+    pub look: Duration,
+    /// To hand a picture to a canvas that does next to nothing: the mean of the views.
+    pub draw: Duration,
+    /// To follow one item that moves; 0 where none does.
+    pub edit: Duration,
+    /// What counts: the aim, the edit, and the frame's part of building.
+    pub frame: Duration,
+}
+
+/// Why a method was not tried in a fragment.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum NotTried {
+    /// It cannot see the content, or not within the limit.
+    #[error(transparent)]
+    Unsuited(#[from] Unsuited),
+    /// What it promises is less than what is wanted.
+    #[error("its set is {0}")]
+    Promise(Contract),
+    /// Building it splits faces, of which there are too many.
+    #[error("it sorts faces ahead, which for more than {MOST_SORTED_FACES} takes too long; there are {0}")]
+    TooManyFaces(u64),
+    /// It cannot see the content once an item has moved.
+    #[error("an item that moves would leave what it cannot see")]
+    Moves,
+    /// No view sees the fragment.
+    #[error("no view sees the fragment")]
+    NotSeen,
+}
+
+/// A BSP tree of more faces takes seconds to build, and the cost grows faster than their number.
+const MOST_SORTED_FACES: u64 = 20_000;
+
+/// What is so little slower is as fast, by what can be measured.
+const AS_FAST: f64 = 1.03;
+
+/// Finds the method that suits each fragment of a scene, but for those of the user's own. The scene stays as it is:
+/// [`Scene::set_method`] takes a choice over.
+///
+/// `views` should stand for how the scene will be looked at; [`survey_in`](crate::survey_in) gives places in a fragment. `clock`
+/// gives the time since any moment, and never less than before; the library has none of its own. Methods are tried with as many
+/// threads as looks may use.
+pub fn choose_methods(
+    scene: &Scene,
+    views: &[View],
+    terms: &Terms,
+    clock: &dyn Fn() -> Duration,
+) -> Vec<MethodChoice> {
+    let mut viewer = Viewer::new();
+    let ways: Vec<Vec<Passage>> = views
+        .iter()
+        .map(|view| viewer.look(scene, view).passages().to_vec())
+        .collect();
+    let choices = scene.fragments().filter_map(|fragment| {
+        let own = scene.method(fragment)?;
+        let through = ways_into(fragment, &ways, terms.most_views);
+        Some(choose(scene, fragment, own, &through, terms, clock))
+    });
+    choices.collect()
+}
+
+/// The passages that lead into a fragment, view by view, of some of the views that see it.
+fn ways_into(fragment: FragmentId, ways: &[Vec<Passage>], most: u32) -> Vec<Vec<&Passage>> {
+    let here = ways.iter().map(|passages| {
+        let here = passages.iter().filter(|passage| passage.fragment == fragment);
+        here.collect::<Vec<&Passage>>()
+    });
+    let mut seeing: Vec<Vec<&Passage>> = here.filter(|passages| !passages.is_empty()).collect();
+    let (all, most) = (seeing.len(), most.max(1) as usize);
+    let mut place = 0;
+    seeing.retain(|_| {
+        // The views whose share of `most` begins a new whole.
+        place += 1;
+        all <= most || place * most / all > (place - 1) * most / all
+    });
+    seeing
+}
+
+fn choose(
+    scene: &Scene,
+    fragment: FragmentId,
+    own: Method,
+    through: &[Vec<&Passage>],
+    terms: &Terms,
+    clock: &dyn Fn() -> Duration,
+) -> MethodChoice {
+    let mut tried: Vec<(Method, Result<Tried, NotTried>)> = Method::ALL
+        .into_iter()
+        .map(|method| (method, begin(scene, fragment, method, through, terms, clock)))
+        .collect();
+    for _ in 0..terms.rounds.max(1) {
+        let running = || tried.iter().filter_map(|(_, tried)| tried.as_ref().ok());
+        let best = running()
+            .map(|tried| tried.frame(terms))
+            .min()
+            .unwrap_or_default();
+        for (_, outcome) in &mut tried {
+            if let Ok(tried) = outcome
+                && tried.may_be_best(best, terms)
+            {
+                tried.run(through, clock);
+            }
+        }
+    }
+    let trials: Vec<Trial> = tried
+        .into_iter()
+        .map(|(method, outcome)| Trial {
+            method,
+            outcome: outcome.map(|tried| tried.cost(terms)),
+        })
+        .collect();
+    MethodChoice {
+        fragment,
+        method: cheapest(&trials).unwrap_or(own),
+        views: through.len(),
+        trials,
+    }
+}
+
+/// Builds a method over a fragment, if it may be taken there.
+fn begin(
+    scene: &Scene,
+    fragment: FragmentId,
+    method: Method,
+    through: &[Vec<&Passage>],
+    terms: &Terms,
+    clock: &dyn Fn() -> Duration,
+) -> Result<Tried, NotTried> {
+    let contract = method.contract();
+    if contract == Contract::Approximate || (terms.exact && contract != Contract::Exact) {
+        return Err(NotTried::Promise(contract));
+    }
+    let content = scene.content(fragment).ok_or(NotTried::NotSeen)?;
+    let first = through.first().ok_or(NotTried::NotSeen)?;
+    if method.sorts_faces() && content.face_count() > MOST_SORTED_FACES {
+        return Err(NotTried::TooManyFaces(content.face_count()));
+    }
+    let size = first[0].size;
+    let mut tried = Tried::build(method, Arc::clone(content), size, terms.limit_bytes, clock)?;
+    if terms.moving.contains(&fragment) {
+        tried.edit = edit(scene, fragment, method, content, clock)?;
+    }
+    tried.warm_up(first);
+    Ok(tried)
+}
+
+/// What it takes to follow one item that moves: of all that may, the one with the fewest faces.
+fn edit(
+    scene: &Scene,
+    fragment: FragmentId,
+    method: Method,
+    content: &Content,
+    clock: &dyn Fn() -> Duration,
+) -> Result<Duration, NotTried> {
+    let is_ground = |item: u32| {
+        content
+            .terrains()
+            .iter()
+            .any(|terrain| terrain.blocks.contains(&item))
+    };
+    let items = (0..content.items().len() as u32).map(ItemId);
+    let items = items.filter(|&item| content.holds(item) && !is_ground(item.0));
+    let Some(item) = items.min_by_key(|&item| content.mesh_of(item).face_count()) else {
+        return Ok(Duration::ZERO);
+    };
+    let mut scene = scene.clone();
+    scene.set_method(fragment, method).map_err(|_| NotTried::Moves)?;
+    let mut least = None::<Duration>;
+    // The first time the content is copied, for it is shared.
+    for time in 0..4 {
+        let start = clock();
+        let mut edit = scene.edit();
+        let placed = edit.place(fragment, item, content.item(item).transform());
+        placed.map_err(|_| NotTried::Moves)?;
+        edit.finish().map_err(|_| NotTried::Moves)?;
+        let took = clock().saturating_sub(start);
+        if time > 0 {
+            least = Some(least.map_or(took, |least| least.min(took)));
+        }
+    }
+    Ok(least.unwrap_or_default())
+}
+
+/// The cheapest of those that were tried; of those that are as fast, the one that takes least memory.
+fn cheapest(trials: &[Trial]) -> Option<Method> {
+    let costs = || {
+        let tried = trials.iter();
+        tried.filter_map(|trial| Some((trial.method, *trial.outcome.as_ref().ok()?)))
+    };
+    let best = costs().map(|(_, cost)| cost.frame).min()?;
+    let as_fast = costs().filter(|(_, cost)| cost.frame <= best.mul_f64(AS_FAST));
+    as_fast
+        .min_by_key(|(_, cost)| (cost.bytes, cost.frame))
+        .map(|(method, _)| method)
+}

@@ -1,0 +1,199 @@
+//! Methods chosen by measuring: what may be taken, what counts, and that nothing else hangs on it.
+
+use enfilade::laws::OwnerPicture;
+use enfilade::{
+    Aim, ContentBuilder, Contract, Material, MaterialId, Mesh, Method, MethodChoice, NotTried, Scene,
+    SceneBuilder, Terms, Transform, View, Viewer, choose_methods, survey_in,
+};
+use enfilade_scenes::built_in;
+use std::cell::Cell;
+use std::time::{Duration, Instant};
+
+const SIZE: [u32; 2] = [160, 90];
+
+fn two_rooms() -> Scene {
+    built_in("two-rooms").expect("it is built in").scene
+}
+
+fn views(scene: &Scene) -> Vec<View> {
+    let places = scene
+        .fragments()
+        .flat_map(|fragment| survey_in(scene, fragment, 4));
+    let views: Vec<View> = places
+        .map(|place| View::new(place.eye, place.toward, SIZE))
+        .collect();
+    assert!(views.len() >= 2 * scene.fragment_count(), "there is open space");
+    views
+}
+
+fn choices(scene: &Scene, terms: &Terms) -> Vec<MethodChoice> {
+    let start = Instant::now();
+    choose_methods(scene, &views(scene), terms, &|| start.elapsed())
+}
+
+fn outcome(choice: &MethodChoice, method: Method) -> Result<enfilade::Cost, NotTried> {
+    let trial = choice.trials.iter().find(|trial| trial.method == method);
+    trial.expect("all methods are there").outcome.clone()
+}
+
+#[test]
+fn whatever_is_chosen_the_set_and_the_picture_are_those_of_before() {
+    let before = two_rooms();
+    let mut after = before.clone();
+    for choice in choices(&before, &Terms::default()) {
+        after
+            .set_method(choice.fragment, choice.method)
+            .expect("it was tried");
+    }
+    let seen = |scene: &Scene, view: &View| {
+        let (mut viewer, mut picture) = (Viewer::new(), OwnerPicture::new(view.size));
+        let set = viewer.draw(scene, view, &mut picture);
+        let items = set.items().iter();
+        let mut items: Vec<_> = items
+            .map(|seen| (set.passage(seen.passage).fragment, seen.item))
+            .collect();
+        items.sort_unstable();
+        items.dedup();
+        (items, picture)
+    };
+    for view in views(&before) {
+        let [(items, picture), (items_after, picture_after)] =
+            [&before, &after].map(|scene| seen(scene, &view));
+        assert_eq!(items, items_after, "{view:?}");
+        assert_eq!(picture, picture_after, "{view:?}");
+    }
+}
+
+#[test]
+fn only_methods_that_promise_what_is_wanted_are_tried() {
+    for exact in [true, false] {
+        let mut terms = Terms::default();
+        terms.exact = exact;
+        for choice in choices(&two_rooms(), &terms) {
+            assert_eq!(choice.trials.len(), Method::ALL.len());
+            for trial in &choice.trials {
+                let contract = trial.method.contract();
+                let may_be = contract == Contract::Exact || (!exact && contract != Contract::Approximate);
+                let promise = matches!(trial.outcome, Err(NotTried::Promise(_)));
+                assert_eq!(promise, !may_be, "{}", trial.method);
+            }
+            assert!(outcome(&choice, choice.method).is_ok(), "{}", choice.method);
+        }
+    }
+}
+
+#[test]
+fn what_counts_is_the_aim_and_the_share_of_building() {
+    for (aim, frames) in [(Aim::Look, 1), (Aim::Draw, 100)] {
+        let mut terms = Terms::default();
+        (terms.aim, terms.frames) = (aim, frames);
+        for choice in choices(&two_rooms(), &terms) {
+            let tried = choice
+                .trials
+                .iter()
+                .filter_map(|trial| trial.outcome.as_ref().ok());
+            let costs: Vec<_> = tried.collect();
+            assert!(costs.len() > 4, "several are tried");
+            for cost in &costs {
+                let of_aim = if aim == Aim::Look { cost.look } else { cost.draw };
+                assert_eq!(cost.frame, of_aim + cost.build / frames);
+                assert!(cost.look > Duration::ZERO && cost.draw > Duration::ZERO);
+            }
+            let best = costs.iter().map(|cost| cost.frame).min().expect("some");
+            let chosen = outcome(&choice, choice.method).expect("it was tried");
+            assert!(
+                chosen.frame <= best.mul_f64(1.03),
+                "{chosen:?}, but the best takes {best:?}"
+            );
+        }
+    }
+}
+
+/// By a clock on which everything takes as long.
+#[test]
+fn of_methods_that_are_as_fast_the_one_with_least_memory_is_taken() {
+    let scene = two_rooms();
+    let ticks = Cell::new(0);
+    let clock = || {
+        ticks.set(ticks.get() + 1);
+        Duration::from_millis(ticks.get())
+    };
+    for choice in choose_methods(&scene, &views(&scene), &Terms::default(), &clock) {
+        let bytes = |trial: &enfilade::Trial| trial.outcome.as_ref().ok().map(|cost| cost.bytes);
+        let least = choice.trials.iter().filter_map(bytes).min();
+        assert_eq!(
+            Some(outcome(&choice, choice.method).expect("it was tried").bytes),
+            least
+        );
+    }
+}
+
+#[test]
+fn where_something_moves_a_tree_that_must_be_built_anew_pays_for_it() {
+    let scene = two_rooms();
+    let mut terms = Terms::default();
+    let still = choices(&scene, &terms);
+    terms.moving = scene.fragments().take(1).collect();
+    let moving = choices(&scene, &terms);
+    for method in [Method::Bsp, Method::HierarchicalZ] {
+        assert_eq!(outcome(&still[0], method).expect("tried").edit, Duration::ZERO);
+        assert!(outcome(&moving[0], method).expect("tried").edit > Duration::ZERO);
+        assert_eq!(outcome(&moving[1], method).expect("tried").edit, Duration::ZERO);
+    }
+    let [tree, octree] = [Method::Bsp, Method::HierarchicalZ].map(|method| outcome(&moving[0], method));
+    assert!(tree.expect("tried").edit > octree.expect("tried").edit);
+}
+
+#[test]
+fn a_fragment_that_no_view_sees_keeps_its_method() {
+    let scene = two_rooms();
+    let start = Instant::now();
+    for choice in choose_methods(&scene, &[], &Terms::default(), &|| start.elapsed()) {
+        assert_eq!(
+            (choice.views, Some(choice.method)),
+            (0, scene.method(choice.fragment))
+        );
+        assert_eq!(outcome(&choice, Method::ZBuffer), Err(NotTried::NotSeen));
+    }
+}
+
+#[test]
+fn a_heap_of_many_faces_is_not_sorted_ahead() {
+    let mut heap = ContentBuilder::new([Material::opaque([1.0; 3])]);
+    let leaf = Mesh::triangles(
+        &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        &[0, 1, 2],
+        MaterialId(0),
+    );
+    let leaf = heap.mesh(leaf.expect("a triangle"));
+    for number in 0..20_001_u32 {
+        let at = [number % 100, number / 100 % 100, number / 10_000].map(|step| step as f32 * 1.5);
+        heap.item("leaf", leaf, Transform::translation(at));
+    }
+    let mut scene = SceneBuilder::new();
+    scene.add("heap", heap.build().expect("leaves"), Method::HierarchicalZ);
+    let scene = scene.build().expect("a fragment");
+    let start = Instant::now();
+    let view = View::new([70.0, 70.0, 90.0], [70.0, 70.0, 0.0], [64, 36]);
+    let choices = choose_methods(&scene, &[view], &Terms::default(), &|| start.elapsed());
+    assert_eq!(
+        outcome(&choices[0], Method::BspFront),
+        Err(NotTried::TooManyFaces(20_001))
+    );
+    assert!(outcome(&choices[0], Method::ZBuffer).is_ok());
+}
+
+/// Twelve views see the only fragment; it is tried on as many as are allowed, from all over the twelve.
+#[test]
+fn as_many_views_as_are_allowed_are_taken_from_all_that_see() {
+    let scene = two_rooms();
+    let view = views(&scene)[0];
+    let start = Instant::now();
+    for (most, taken) in [(1, 1), (5, 5), (12, 12), (100, 12)] {
+        let mut terms = Terms::default();
+        (terms.most_views, terms.rounds) = (most, 1);
+        let choices = choose_methods(&scene, &[view; 12], &terms, &|| start.elapsed());
+        let here = scene.fragment_of(&view).expect("a fragment");
+        assert_eq!(choices[here.0 as usize].views, taken);
+    }
+}

@@ -31,6 +31,7 @@
 //! | `-portal` | `{"kind": "portal", "to": "Hall-room", "one_way": true}` | a flat convex mesh to look through |
 //! | `-portal` | `{"kind": "portal", "exit": "NODE"}` | the same as a teleport: in along its −Z, out along the exit's |
 //! | `-mirror` | `{"kind": "mirror"}` | a flat convex mesh that mirrors its room |
+//! | `-terrain` | `{"kind": "terrain"}` | a mesh that is a grid of heights, for the method `floating-horizon` |
 //!
 //! The name or the extras are enough, Blender's `.001` may follow, and 1 counts as true. All rooms share world space.
 //! Which two rooms a portal joins is found from what stands at its two sides, unless `to` says it; the room that it is
@@ -103,7 +104,7 @@ pub use quake::{
     BspError, ClustersFrom, MapSummary, PlacedPortals, PortalFile, PrtError, PrtKind, RebuiltPortals,
     place_portals, read_portals, rebuild_portals, rebuild_portals_bytes, visibility_bytes, with_visibility,
 };
-pub use terrain::TerrainError;
+pub use terrain::{GridError, GridPlace, TerrainError};
 pub use warning::{Warning, WarningKind};
 
 use budget::Budget;

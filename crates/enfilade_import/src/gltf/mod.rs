@@ -25,6 +25,7 @@ mod meshopt;
 mod names;
 mod nodes;
 mod plan;
+mod terrain;
 mod textures;
 mod topology;
 
@@ -49,6 +50,7 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
+use terrain::{TerrainPlan, Terrains};
 use textures::TexturePlan;
 
 /// Reads the bytes of a `.glb` or `.gltf` file called `name`; `folder` is where its buffers and images lie.
@@ -83,6 +85,7 @@ pub(crate) fn import(
     budget.take(mesh::bytes_to_build(&plans), || {
         "the building of meshes".to_owned()
     })?;
+    let terrains = TerrainPlan::new(&document, &plan, &plans, &mut budget)?;
     let instances = InstancePlan::new(&document, &plan, &mut budget, &mut warnings)?;
     let used_materials = plans.iter().flat_map(MeshPlan::materials).collect();
     let textures = TexturePlan::new(&document, &mut surfaces, &used_materials)?;
@@ -104,8 +107,10 @@ pub(crate) fn import(
     let textures = textures.load(&buffers, folder, &mut budget, &mut warnings);
     let built = build(&plans, &buffers, &mut warnings)?;
     let materials: Vec<Material> = surfaces.into_iter().map(|surface| surface.material).collect();
+    let meshes = Meshes { used, built };
     let things = Things {
-        meshes: Meshes { used, built },
+        terrains: terrains.read(&document, &meshes)?,
+        meshes,
         materials: materials.into(),
         textures: textures.into(),
         instances,
@@ -158,6 +163,7 @@ struct Things {
     materials: Arc<[Material]>,
     textures: Arc<[Arc<Texture>]>,
     instances: Instances,
+    terrains: Terrains,
 }
 
 /// The meshes of the document that something uses.

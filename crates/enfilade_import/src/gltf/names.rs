@@ -39,6 +39,21 @@ impl<'d> Names<'d> {
         Cow::Owned(name)
     }
 
+    /// The name that the blocks of a terrain begin with, which are called `NAME ROW COLUMN`, of so many columns and rows.
+    ///
+    /// As above, where a node is called like one of them.
+    pub(super) fn terrain(&self, name: &str, number: u32, [columns, rows]: [u32; 2]) -> String {
+        let mut name = name.to_owned();
+        let is_taken = |name: &str| {
+            let mut blocks = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
+            blocks.any(|(row, column)| self.bearers.contains_key(&*format!("{name} {row} {column}")))
+        };
+        while is_taken(&name) {
+            name = format!("{name}#{number}");
+        }
+        name
+    }
+
     /// The name of one of several things that such a node shows: `NAME[7]`.
     ///
     /// A node may be called so; then the number of the node is set behind it, as above.

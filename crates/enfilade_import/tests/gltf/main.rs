@@ -23,6 +23,8 @@ mod scenes;
 mod shapes;
 mod stored;
 mod surfaces;
+mod terrain;
+mod terrain_refused;
 mod textures;
 mod unsound;
 mod villa;

@@ -230,7 +230,7 @@ impl<'d> Plan<'d> {
             let node = node(placed);
             if let (Some(field), Some(mesh)) = (terrain(placed), node.mesh) {
                 let name = names.name(placed.node, node);
-                let name = names.terrain(&name, placed.node, field.blocks());
+                let name = names.terrain(&name, placed.node);
                 let material = things.meshes.get(mesh).clusters()[0].material;
                 builder
                     .terrain(&name, Arc::clone(field), material, placed.world)

@@ -10,6 +10,7 @@ mod compressed_damage;
 mod containers;
 mod file;
 mod fixtures;
+mod grid;
 mod hostile;
 mod hostile_images;
 mod hostile_look;

@@ -1,8 +1,8 @@
 //! Terrain that is none: every message names the node, the place in the grid and the remedy; and files made to do harm.
 
 use crate::file::{File, refusal};
+use crate::grid::Grid;
 use crate::hostile::{each_is_read_or_refused, numbers, read_with_each_number_replaced};
-use crate::terrain::Grid;
 use enfilade_import::{BrokenRule, ReadOptions, read_bytes};
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};

@@ -105,7 +105,7 @@ pub use scene::{
 pub use seen::Seen;
 pub use simd::{SimdLevelError, simd_level, simd_levels, use_simd_level};
 pub use stats::{SpanStats, Stats};
-pub use terrain::{HeightField, HeightFieldError};
+pub use terrain::{Diagonal, HeightField, HeightFieldError};
 pub use view::{View, ViewError};
 pub use viewer::{Limits, Viewer};
 pub use visible::{VisibleItem, VisibleSet};

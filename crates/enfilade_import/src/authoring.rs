@@ -1,8 +1,9 @@
-//! Why rooms and portals that a file's author marked do not make a scene. Each names the node and the remedy.
+//! Why rooms, portals and terrain that a file's author marked do not make a scene. Each names the node and the remedy.
 
+use crate::GridError;
 use thiserror::Error;
 
-/// Why rooms and portals that a file's author marked do not make a scene. A `node` is `node 7 "Hall-portal"`.
+/// Why rooms, portals and terrain that a file's author marked do not make a scene. A `node` is `node 7 "Hall-portal"`.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum AuthoringError {
@@ -207,5 +208,50 @@ pub enum AuthoringError {
     NoRooms {
         /// The portal or mirror.
         node: String,
+    },
+    /// Terrain without a mesh.
+    #[error(
+        "{node} has no triangles to be terrain; give it a grid of heights, or another name if it is none"
+    )]
+    TerrainWithoutMesh {
+        /// The terrain.
+        node: String,
+    },
+    /// Terrain that changes its shape.
+    #[error(
+        "{node} is terrain with {what}, but terrain stands still; apply that to the mesh before exporting, or give the node \
+             another name"
+    )]
+    TerrainMoves {
+        /// The terrain.
+        node: String,
+        /// A skeleton, or morph targets.
+        what: &'static str,
+    },
+    /// Terrain that is to be there many times.
+    #[error("{node} is terrain with instances; give each a node of its own, or the node another name")]
+    TerrainInstanced {
+        /// The terrain.
+        node: String,
+    },
+    /// Terrain of which not all is made of one material.
+    #[error(
+        "{node} is terrain of several materials: those of primitives {} and {} of its mesh differ. Give it one, or cut it \
+         in a node for each",
+        primitives[0], primitives[1]
+    )]
+    TerrainMaterials {
+        /// The terrain.
+        node: String,
+        /// Two primitives of its mesh, by their numbers.
+        primitives: [usize; 2],
+    },
+    /// Terrain whose mesh is no grid of heights.
+    #[error("{node} is terrain, but {why}. If it is none, give the node another name")]
+    NoGrid {
+        /// The terrain.
+        node: String,
+        /// What is wrong with the grid.
+        why: GridError,
     },
 }

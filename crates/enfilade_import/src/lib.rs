@@ -31,11 +31,20 @@
 //! | `-portal` | `{"kind": "portal", "to": "Hall-room", "one_way": true}` | a flat convex mesh to look through |
 //! | `-portal` | `{"kind": "portal", "exit": "NODE"}` | the same as a teleport: in along its −Z, out along the exit's |
 //! | `-mirror` | `{"kind": "mirror"}` | a flat convex mesh that mirrors its room |
+//! | `-terrain` | `{"kind": "terrain"}` | a mesh that is a grid of heights, for the method `floating-horizon` |
 //!
 //! The name or the extras are enough, Blender's `.001` may follow, and 1 counts as true. All rooms share world space.
 //! Which two rooms a portal joins is found from what stands at its two sides, unless `to` says it; the room that it is
 //! parented to comes first where it is one of them. Scales of a portal and its exit do not count in a teleport, which moves
 //! and turns only. What stands in no room is one more room.
+//!
+//! Terrain is a mesh, y up in its own space, whose corners stand where columns of one x and rows of one z cross, with one height
+//! at each place and every cell cut in two triangles that face up, all along the same diagonal; one material, no skeleton, no
+//! morph targets, no instances. Its blocks of 32 by 32 cells are items, `Hill-terrain 3 7`: the fourth row from the north, the
+//! eighth block from the west. Triangles stay where they are, to the bit, with their places in textures, colors and
+//! normals; steps may differ, and corners may be there more than once. Where those at one place have different normals, faces are
+//! flat. Where no corner of a column has quite the same x, as in a grid that was turned before it was exported, they go to the
+//! least, which is within 2⁻²² of the greatest x or z. What is no such grid is an error that names the place.
 //!
 //! Of an OBJ file each `o` and `g` that has faces is an item, all in one room: OBJ has no tree of nodes, so it cannot say
 //! what stands in a room. Polygons of any shape are cut into triangles. Materials are seen from both sides, `d` and `Tr` make
@@ -56,7 +65,7 @@
 //!
 //! Terrain is a file of 16-bit heights and a JSON file beside it, which is the one to be read; see [`TerrainError`] for what it must
 //! say. Its blocks of 32 by 32 cells are items, `block 3 7`: the fourth row from the north, the eighth block from the west. The
-//! diagonal of each cell goes from the corner north-east to the one south-west. x goes east, z south, y up; metres.
+//! diagonal of each cell goes from the corner north-east to the one south-west, unless it says otherwise. x goes east, z south, y up; metres.
 //!
 //! What is read of how a glTF scene looks: colors and images on faces (PNG and JPEG; in the file, beside it, or in an
 //! address), their samplers, cut-outs and glass, light that things send out, normals and colors of corners, lights, and
@@ -105,7 +114,7 @@ pub use quake::{
     BspError, ClustersFrom, MapSummary, PlacedPortals, PortalFile, PrtError, PrtKind, RebuiltPortals,
     place_portals, read_portals, rebuild_portals, rebuild_portals_bytes, visibility_bytes, with_visibility,
 };
-pub use terrain::TerrainError;
+pub use terrain::{GridError, GridPlace, TerrainError};
 pub use warning::{Warning, WarningKind};
 
 use budget::Budget;

@@ -1,16 +1,21 @@
 //! Height fields: ground of which one height is known at each place of a grid.
 //!
-//! A cell between four places is two triangles, and the diagonal between them goes from the corner north-east to the one
-//! south-west. Cells are taken together in square blocks, each a mesh, so that any method can see a terrain.
+//! A cell between four places is two triangles, parted by the same [`Diagonal`] in all. Cells are taken together in square
+//! blocks, each a mesh, so that any method can see a terrain.
 //! Source: ours; the axes as in glTF, with north ahead: x goes east, y up, z south.
 //! Cost: O(samples).
 
+mod carried;
+mod diagonal;
 #[cfg(test)]
 mod tests;
 
+pub use diagonal::Diagonal;
+
 use crate::content::{Content, ContentBuilder, ContentError, ItemId, MaterialId, MeshId};
 use crate::geom::Transform;
-use crate::mesh::{Attributes, Mesh, Part};
+use crate::mesh::{Mesh, Part};
+use carried::Carried;
 use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
@@ -26,8 +31,12 @@ const MOST_SAMPLES: u32 = (1 << 16) + 1;
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightField {
     size: [u32; 2],
-    cell: [f64; 2],
+    /// x of the columns and z of the rows, which grow.
+    lines: [Vec<f32>; 2],
     heights: Vec<f32>,
+    diagonal: Diagonal,
+    /// What is there instead of normals made of the heights.
+    carried: Option<Carried>,
 }
 
 /// Why heights make no field.
@@ -40,6 +49,18 @@ pub enum HeightFieldError {
     /// A cell has no length, or it ends where 32-bit numbers do.
     #[error("cells are {} long from west to east and {} from north to south; that must be above 0, and all of them within 3e38", .0[0], .0[1])]
     Cell([f64; 2]),
+    /// A column that is not east of the one before it, or a row that is not south of it; or NaN, or infinite.
+    #[error(
+        "{what} {number} of a height field stands at {place}, which is not beyond the one before it, or is not finite"
+    )]
+    Line {
+        /// Columns or rows.
+        what: &'static str,
+        /// Which of them, counted from the west or from the north.
+        number: u32,
+        /// Its x, or z.
+        place: f32,
+    },
     /// Not one height for each place.
     #[error("{needs} heights are needed, but {has} are there")]
     Count {
@@ -60,6 +81,22 @@ pub enum HeightFieldError {
         /// What stands there.
         height: f32,
     },
+    /// What places carry is not there for each of them.
+    #[error("{needs} {what} are needed, or none, but {has} are there")]
+    AttributeCount {
+        /// Which of them.
+        what: &'static str,
+        /// How many places there are.
+        needs: u64,
+        /// How many of them there are.
+        has: u64,
+    },
+    /// What a place carries is NaN or infinite.
+    #[error("{what} of a height field are not all finite")]
+    AttributeNotFinite {
+        /// Which of them.
+        what: &'static str,
+    },
 }
 
 impl HeightField {
@@ -73,10 +110,7 @@ impl HeightField {
         cell: [f64; 2],
         heights: impl Into<Vec<f32>>,
     ) -> Result<HeightField, HeightFieldError> {
-        let heights = heights.into();
-        if size.iter().any(|side| !(2..=MOST_SAMPLES).contains(side)) {
-            return Err(HeightFieldError::Size(size));
-        }
+        check_size(size)?;
         let is_sound = |axis: usize| {
             let end = cell[axis] * f64::from(size[axis]);
             cell[axis] as f32 > 0.0 && end < f64::from(f32::MAX)
@@ -84,6 +118,38 @@ impl HeightField {
         if !(is_sound(0) && is_sound(1)) {
             return Err(HeightFieldError::Cell(cell));
         }
+        let lines = [0, 1].map(|axis| {
+            let place = |line| (f64::from(line) * cell[axis]) as f32;
+            (0..size[axis]).map(place).collect()
+        });
+        HeightField::on(lines, size, heights.into())
+    }
+
+    /// Samples where columns and rows cross: `columns` are the x of those that go from north to south, `rows` the z of those
+    /// from west to east, each at least 2 numbers that grow, their steps as they like; heights as for [`HeightField::new`].
+    ///
+    /// # Errors
+    /// A [`HeightFieldError`] for the first broken rule.
+    pub fn on_lines(
+        columns: impl Into<Vec<f32>>,
+        rows: impl Into<Vec<f32>>,
+        heights: impl Into<Vec<f32>>,
+    ) -> Result<HeightField, HeightFieldError> {
+        let lines = [columns.into(), rows.into()];
+        let size = [0, 1].map(|axis: usize| u32::try_from(lines[axis].len()).unwrap_or(u32::MAX));
+        check_size(size)?;
+        for (what, lines) in ["column", "row"].into_iter().zip(&lines) {
+            let is_sound = |at: usize| lines[at].is_finite() && (at == 0 || lines[at - 1] < lines[at]);
+            if let Some(at) = (0..lines.len()).find(|&at| !is_sound(at)) {
+                let (number, place) = (at as u32, lines[at]);
+                return Err(HeightFieldError::Line { what, number, place });
+            }
+        }
+        HeightField::on(lines, size, heights.into())
+    }
+
+    /// Heights on sound lines.
+    fn on(lines: [Vec<f32>; 2], size: [u32; 2], heights: Vec<f32>) -> Result<HeightField, HeightFieldError> {
         let needs = u64::from(size[0]) * u64::from(size[1]);
         if needs != heights.len() as u64 {
             let has = heights.len() as u64;
@@ -97,7 +163,18 @@ impl HeightField {
                 height: heights[at],
             });
         }
-        Ok(HeightField { size, cell, heights })
+        Ok(HeightField {
+            size,
+            lines,
+            heights,
+            diagonal: Diagonal::default(),
+            carried: None,
+        })
+    }
+
+    /// The same field, its cells cut along another diagonal.
+    pub fn cut_along(self, diagonal: Diagonal) -> HeightField {
+        HeightField { diagonal, ..self }
     }
 
     /// Samples from west to east and from north to south.
@@ -107,10 +184,11 @@ impl HeightField {
 
     /// Where a sample stands. There must be one.
     pub fn position(&self, column: u32, row: u32) -> [f32; 3] {
+        let [columns, rows] = &self.lines;
         [
-            (f64::from(column) * self.cell[0]) as f32,
+            columns[column as usize],
             self.height(column, row),
-            (f64::from(row) * self.cell[1]) as f32,
+            rows[row as usize],
         ]
     }
 
@@ -128,29 +206,37 @@ impl HeightField {
     }
 
     fn height(&self, column: u32, row: u32) -> f32 {
-        self.heights[row as usize * self.size[0] as usize + column as usize]
+        self.heights[self.place(column, row)]
     }
 
-    /// A block as a mesh: cell by cell, first the triangle north-west of the diagonal, then the other; counter-clockwise seen
-    /// from above.
+    /// The number of a place among all.
+    fn place(&self, column: u32, row: u32) -> usize {
+        row as usize * self.size[0] as usize + column as usize
+    }
+
+    /// A block as a mesh, cell by cell.
     fn mesh_of(&self, block: [u32; 2], material: MaterialId) -> Mesh {
         let [columns, rows] = self.samples_of(block);
         let width = columns.len() as u32;
         let mut positions = Vec::with_capacity(columns.len() * rows.len());
-        let mut normals = Vec::with_capacity(columns.len() * rows.len());
+        let mut places = Vec::with_capacity(columns.len() * rows.len());
         let mut corners = Vec::with_capacity(6 * (columns.len() - 1) * (rows.len() - 1));
         for row in rows.clone() {
             for column in columns.clone() {
                 positions.push(self.position(column, row));
-                normals.push(self.normal(column, row));
+                places.push(self.place(column, row));
             }
         }
+        let carried = match &self.carried {
+            Some(carried) => carried.at(&places),
+            None => self.smooth([columns.clone(), rows.clone()]),
+        };
         for row in 0..rows.len() as u32 - 1 {
             for column in 0..width - 1 {
                 let north_west = row * width + column;
                 let [north_east, south_west] = [north_west + 1, north_west + width];
-                corners.extend([north_west, south_west, north_east]);
-                corners.extend([north_east, south_west, south_west + 1]);
+                let cell = [north_west, north_east, south_west, south_west + 1];
+                corners.extend(self.diagonal.triangles(cell).as_flattened());
             }
         }
         let part = Part {
@@ -158,12 +244,18 @@ impl HeightField {
             corners: &corners,
             sides: None,
             material,
-            attributes: Attributes {
-                normals: &normals,
-                ..Attributes::default()
-            },
+            attributes: carried.attributes(),
         };
         Mesh::new(&[part]).expect("heights and places are finite, and triangles need no more")
+    }
+
+    /// Normals made of the heights, for some columns and rows.
+    fn smooth(&self, [columns, rows]: [Range<u32>; 2]) -> Carried {
+        let row = |row| columns.clone().map(move |column| self.normal(column, row));
+        Carried {
+            normals: rows.flat_map(row).collect(),
+            ..Carried::default()
+        }
     }
 
     /// Upright on the ground at a sample, by the neighbours around it.
@@ -172,12 +264,19 @@ impl HeightField {
         let [west, east] = along(column, 0).map(|column| f64::from(self.height(column, row)));
         let [north, south] = along(row, 1).map(|row| f64::from(self.height(column, row)));
         let [across, down] = [(column, 0), (row, 1)].map(|(at, axis)| {
-            let [before, after] = along(at, axis);
-            f64::from(after - before) * self.cell[axis]
+            let [before, after] = along(at, axis).map(|line| f64::from(self.lines[axis][line as usize]));
+            after - before
         });
         let normal = DVec3::new((west - east) / across, 1.0, (north - south) / down);
         normal.normalize_or_zero().as_vec3().to_array()
     }
+}
+
+fn check_size(size: [u32; 2]) -> Result<(), HeightFieldError> {
+    if size.iter().any(|side| !(2..=MOST_SAMPLES).contains(side)) {
+        return Err(HeightFieldError::Size(size));
+    }
+    Ok(())
 }
 
 /// A height field in a content.

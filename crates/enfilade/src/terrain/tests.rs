@@ -3,6 +3,7 @@
 use super::*;
 use crate::content::{Content, Material};
 use crate::fragment::Ray;
+use crate::mesh::Attributes;
 
 fn field(size: [u32; 2], height: impl Fn(u32, u32) -> f32) -> HeightField {
     let mut heights = Vec::new();
@@ -102,6 +103,98 @@ fn the_diagonal_of_a_cell_goes_from_north_east_to_south_west() {
     };
     let hit = content.cast(&down).expect("ground below");
     assert!((hit.distance - 8.0).abs() < 1e-6, "{}", hit.distance);
+}
+
+#[test]
+fn a_field_may_be_cut_along_the_other_diagonal() {
+    let field = field([40, 34], |column, row| ((column * 7 + row * 3) % 5) as f32);
+    let cut = |diagonal| content(&field.clone().cut_along(diagonal));
+    assert_eq!(
+        cut(Diagonal::NorthEast).triangle_count(),
+        cut(Diagonal::NorthWest).triangle_count()
+    );
+    let middle_of = |content: &Content, [column, row]: [u32; 2]| {
+        let ray = Ray {
+            origin: [2.0 * column as f32 + 1.0, 50.0, 3.0 * row as f32 + 1.5],
+            direction: [0.0, -1.0, 0.0],
+        };
+        50.0 - content.cast(&ray).expect("ground below").distance
+    };
+    for diagonal in [Diagonal::NorthEast, Diagonal::NorthWest] {
+        let content = cut(diagonal);
+        for (column, row) in [(0, 0), (31, 5), (32, 32), (38, 31)] {
+            let ends = match diagonal {
+                Diagonal::NorthEast => [(column + 1, row), (column, row + 1)],
+                Diagonal::NorthWest => [(column, row), (column + 1, row + 1)],
+            };
+            let [one, other] = ends.map(|(column, row)| f64::from(field.position(column, row)[1]));
+            let off = middle_of(&content, [column, row]) - (one + other) / 2.0;
+            assert!(off.abs() < 1e-5, "{off} at {column}, {row} with {diagonal:?}");
+        }
+    }
+}
+
+#[test]
+fn columns_and_rows_stand_where_they_are_said_to() {
+    let field = HeightField::on_lines([-7.5, 0.1, 0.3], [-1.0, 1e6], [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+    let field = field.expect("they grow");
+    assert_eq!((field.size(), field.position(1, 1)), ([3, 2], [0.1, 4.0, 1e6]));
+    assert_eq!(content(&field).bounds().min, [-7.5, 0.0, -1.0]);
+    let refused = |columns: &[f32], rows: &[f32]| {
+        let refused = HeightField::on_lines(columns, rows, [0.0; 6]);
+        refused.expect_err("they do not grow").to_string()
+    };
+    let words = "which is not beyond the one before it";
+    for (columns, said) in [
+        ([0.0, 0.0, 1.0], "column 1 of a height field stands at 0, "),
+        ([0.0, 2.0, 1.0], "column 2 of a height field stands at 1, "),
+        ([f32::NAN, 2.0, 1.0], "column 0 of a height field stands at NaN, "),
+        (
+            [0.0, 2.0, f32::INFINITY],
+            "column 2 of a height field stands at inf, ",
+        ),
+    ] {
+        let text = refused(&columns, &[0.0, 1.0]);
+        assert!(text.contains(said) && text.contains(words), "{text}");
+    }
+    assert!(refused(&[0.0, 1.0, 2.0], &[1.0, 0.0]).starts_with("row 1 of a height field"));
+    assert!(refused(&[0.0], &[0.0, 1.0]).contains("has 1 x 2"));
+    assert!(refused(&[0.0, 1.0], &[0.0, 1.0]).contains("4 heights are needed, but 6 are there"));
+}
+
+#[test]
+fn what_places_carry_comes_to_the_corners_of_their_blocks() {
+    let field = field([40, 35], |column, row| ((column * 7 + row * 3) % 5) as f32);
+    let smooth = content(&field);
+    assert!(smooth.meshes().iter().all(|mesh| !mesh.normals().is_empty()));
+    let places: Vec<[f32; 2]> = (0..35)
+        .flat_map(|row| (0..40).map(move |column| [column as f32, row as f32]))
+        .collect();
+    let carrying = |texture: &[[f32; 2]]| {
+        field.clone().carrying(Attributes {
+            texture,
+            ..Attributes::default()
+        })
+    };
+    let content = content(&carrying(&places).expect("one for each"));
+    for mesh in content.meshes() {
+        // Where no normals are given faces are flat.
+        assert!(mesh.normals().is_empty() && mesh.colors().is_empty());
+        let pairs = mesh.positions().iter().zip(mesh.texture());
+        for (position, place) in pairs {
+            assert_eq!([position[0], position[2]], [2.0 * place[0], 3.0 * place[1]]);
+        }
+        assert_eq!(mesh.texture().len(), mesh.positions().len());
+    }
+    let few = carrying(&places[1..]).expect_err("too few").to_string();
+    assert_eq!(
+        few,
+        "1400 texture coordinates are needed, or none, but 1399 are there"
+    );
+    let mut odd = places.clone();
+    odd[7] = [f32::NAN, 0.0];
+    let odd = carrying(&odd).expect_err("NaN").to_string();
+    assert_eq!(odd, "texture coordinates of a height field are not all finite");
 }
 
 #[test]

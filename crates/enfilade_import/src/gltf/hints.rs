@@ -1,4 +1,4 @@
-//! Hints that authors leave in the art: rooms, portals and mirrors, by the endings of names or in `extras.enfilade`.
+//! Hints that authors leave in the art: rooms, portals, mirrors and terrain, by the endings of names or in `extras.enfilade`.
 //!
 //! The convention: `NAME-room`, `NAME-portal`, `NAME-mirror`, `NAME-terrain`, with Blender's `.001` after it or not. What
 //! `extras.enfilade.kind` says goes before the name.
@@ -23,6 +23,8 @@ pub(super) enum Hint {
         /// By name alone, as also a node may be called whose author has never heard of rooms.
         by_name: bool,
     },
+    /// Its mesh is a grid of heights.
+    Terrain,
 }
 
 /// Where an opening leads, as its author wrote it.
@@ -102,21 +104,21 @@ fn hint(
         by_name: !has_notes,
     };
     let hint = match kind {
-        Kind::Room => Some(Hint::Room {
+        Kind::Room => Hint::Room {
             method: notes.method()?,
-        }),
-        Kind::Portal => Some(opening(Way::Portal {
+        },
+        Kind::Portal => opening(Way::Portal {
             to: notes.text("to")?,
             one_way: notes.truth("one_way")?,
             exit: notes.text("exit")?,
-        })),
-        Kind::Mirror => Some(opening(Way::Mirror)),
-        Kind::Terrain => None,
+        }),
+        Kind::Mirror => opening(Way::Mirror),
+        Kind::Terrain => Hint::Terrain,
     };
     if !notes.values.is_empty() {
         warnings.name(WarningKind::UnreadNotes, || notes.spoken.clone());
     }
-    Ok(hint)
+    Ok(Some(hint))
 }
 
 /// The kind that a name ends in, once Blender's number is taken off: `Hall-portal.001`.

@@ -108,6 +108,27 @@ impl MeshPlan {
         })
     }
 
+    /// Its number in the document.
+    pub(super) fn number(&self) -> u32 {
+        self.mesh
+    }
+
+    pub(super) fn triangles(&self) -> u64 {
+        self.triangles
+    }
+
+    /// What it takes once it is built.
+    pub(super) fn bytes_kept(&self) -> u64 {
+        self.triangles.saturating_mul(BYTES_KEPT + 3 * self.carried_bytes)
+    }
+
+    /// The numbers of two primitives that are of different materials.
+    pub(super) fn of_two_materials(&self) -> Option<[usize; 2]> {
+        let (first, rest) = self.parts.split_first()?;
+        let other = rest.iter().find(|part| part.material != first.material)?;
+        Some([first.primitive, other.primitive])
+    }
+
     /// What it is built from; some rows lie in one place.
     pub(super) fn rows(&self) -> impl Iterator<Item = &Row> {
         self.parts.iter().flat_map(|part| {

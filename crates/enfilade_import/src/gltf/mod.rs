@@ -26,6 +26,7 @@ mod names;
 mod nodes;
 mod pin;
 mod plan;
+mod terrain;
 mod textures;
 mod topology;
 
@@ -51,6 +52,7 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
+use terrain::{TerrainPlan, Terrains};
 use textures::TexturePlan;
 
 /// Reads the bytes of a `.glb` or `.gltf` file called `name`; `folder` is where its buffers and images lie.
@@ -85,6 +87,7 @@ pub(crate) fn import(
     budget.take(mesh::bytes_to_build(&plans), || {
         "the building of meshes".to_owned()
     })?;
+    let terrains = TerrainPlan::new(&document, &plan, &plans, &mut budget)?;
     let instances = InstancePlan::new(&document, &plan, &mut budget, &mut warnings)?;
     let used_materials = plans.iter().flat_map(MeshPlan::materials).collect();
     let textures = TexturePlan::new(&document, &mut surfaces, &used_materials)?;
@@ -106,8 +109,10 @@ pub(crate) fn import(
     let textures = textures.load(&buffers, folder, &mut budget, &mut warnings);
     let built = build(&plans, &buffers, &mut warnings)?;
     let materials: Vec<Material> = surfaces.into_iter().map(|surface| surface.material).collect();
+    let meshes = Meshes { used, built };
     let things = Things {
-        meshes: Meshes { used, built },
+        terrains: terrains.read(&document, &meshes)?,
+        meshes,
         materials: materials.into(),
         textures: textures.into(),
         instances,
@@ -160,6 +165,7 @@ struct Things {
     materials: Arc<[Material]>,
     textures: Arc<[Arc<Texture>]>,
     instances: Instances,
+    terrains: Terrains,
 }
 
 /// The meshes of the document that something uses.

@@ -2,7 +2,7 @@
 
 use super::document::{Document, Node};
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// The names of some nodes of a file, no two of them equal.
 ///
@@ -10,16 +10,22 @@ use std::collections::HashMap;
 pub(super) struct Names<'d> {
     /// How many of the nodes have a name.
     bearers: HashMap<&'d str, u32>,
+    /// What stands before two numbers in a name.
+    like_blocks: HashSet<&'d str>,
 }
 
 impl<'d> Names<'d> {
     /// Counts the names of the nodes that are `meant`.
     pub(super) fn of(document: &'d Document, meant: impl Fn(&Node) -> bool) -> Names<'d> {
-        let mut bearers = HashMap::new();
+        let mut bearers: HashMap<&'d str, u32> = HashMap::new();
         for node in document.nodes.iter().filter(|node| meant(node)) {
             *bearers.entry(&*node.name).or_default() += 1;
         }
-        Names { bearers }
+        let like_blocks = bearers.keys().filter_map(|&name| before_two_numbers(name));
+        Names {
+            like_blocks: like_blocks.collect(),
+            bearers,
+        }
     }
 
     /// The name of one of those nodes: `NAME`, `NAME#number` or `node#number`.
@@ -39,6 +45,17 @@ impl<'d> Names<'d> {
         Cow::Owned(name)
     }
 
+    /// The name that the blocks of a terrain begin with, which are called `NAME ROW COLUMN`.
+    ///
+    /// As above, where a node is called as if it were one of them.
+    pub(super) fn terrain(&self, name: &str, number: u32) -> String {
+        let mut name = name.to_owned();
+        while self.like_blocks.contains(&*name) {
+            name = format!("{name}#{number}");
+        }
+        name
+    }
+
     /// The name of one of several things that such a node shows: `NAME[7]`.
     ///
     /// A node may be called so; then the number of the node is set behind it, as above.
@@ -49,4 +66,11 @@ impl<'d> Names<'d> {
         }
         name
     }
+}
+
+fn before_two_numbers(name: &str) -> Option<&str> {
+    let mut words = name.rsplitn(3, ' ');
+    let is_number = |word: &str| !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_digit());
+    let are_numbers = is_number(words.next()?) && is_number(words.next()?);
+    words.next().filter(|_| are_numbers)
 }

@@ -77,6 +77,12 @@ impl<'d> Plan<'d> {
         &self.rooms
     }
 
+    /// The nodes that are terrain, by their numbers.
+    pub(super) fn terrains(&self) -> impl Iterator<Item = u32> {
+        let nodes = self.placed.iter().map(|placed| placed.node);
+        nodes.filter(|node| self.hints.get(node) == Some(&Hint::Terrain))
+    }
+
     /// Names must tell rooms apart; and where there is no room, openings are none.
     fn check_rooms(&mut self, warnings: &mut Warnings) -> Result<(), AuthoringError> {
         let document = self.document;
@@ -150,7 +156,7 @@ impl<'d> Plan<'d> {
             if held.is_empty() && number < marked_rooms {
                 warnings.name(WarningKind::EmptyRooms, || shell.spoken.clone());
             }
-            self.fill(&mut shell.builder, &held, things, names);
+            self.fill(&mut shell.builder, &held, things, names)?;
         }
         let marked = if self.flat {
             Vec::new()
@@ -210,15 +216,32 @@ impl<'d> Plan<'d> {
     }
 
     /// Puts items into a room, and the meshes that they are copies of, each once.
-    fn fill(&self, builder: &mut ContentBuilder, held: &[&Placed], things: &Things, names: &Names<'d>) {
+    fn fill(
+        &self,
+        builder: &mut ContentBuilder,
+        held: &[&Placed],
+        things: &Things,
+        names: &Names<'d>,
+    ) -> Result<(), BrokenRule> {
         let node = |placed: &Placed| &self.document.nodes[placed.node as usize];
-        let own: BTreeSet<u32> = held.iter().filter_map(|placed| node(placed).mesh).collect();
+        let terrain = |placed: &Placed| things.terrains.of(placed.node);
+        let copies = held.iter().filter(|placed| terrain(placed).is_none());
+        let own: BTreeSet<u32> = copies.filter_map(|placed| node(placed).mesh).collect();
         let own: BTreeMap<u32, MeshId> = own
             .into_iter()
             .map(|mesh| (mesh, builder.mesh(Arc::clone(things.meshes.get(mesh)))))
             .collect();
         for placed in held {
             let node = node(placed);
+            if let (Some(field), Some(mesh)) = (terrain(placed), node.mesh) {
+                let name = names.name(placed.node, node);
+                let name = names.terrain(&name, placed.node);
+                let material = things.meshes.get(mesh).clusters()[0].material;
+                builder
+                    .terrain(&name, Arc::clone(field), material, placed.world)
+                    .map_err(BrokenRule::Content)?;
+                continue;
+            }
             let Some(mesh) = node.mesh.and_then(|mesh| own.get(&mesh)) else {
                 continue;
             };
@@ -235,6 +258,7 @@ impl<'d> Plan<'d> {
                 }
             }
         }
+        Ok(())
     }
 
     /// Every opening, with where its author says that it leads.

@@ -10,7 +10,7 @@ use thiserror::Error;
 pub enum TerrainError {
     /// The JSON lacks something, or has it in another form.
     #[error(
-        "describes terrain, but {0}; it needs width, height, format, cellMetresX and cellMetresZ, and may have file and noData"
+        "describes terrain, but {0}; it needs width, height, format, cellMetresX and cellMetresZ, and may have file, noData and diagonal"
     )]
     Description(String),
     /// Heights are stored in a way that is not read.

@@ -1,4 +1,4 @@
-//! Terrain: a file of heights, and a JSON file beside it that describes it.
+//! Terrain: a file of heights, and a JSON file beside it that describes it; and meshes that are grids of heights.
 //!
 //! ```json
 //! {
@@ -11,19 +11,23 @@
 //!
 //! `width` heights from west to east, `height` rows of them, the northern first, each a number of 16 bits without sign, in
 //! metres. `noData` is the number that stands for a hole, if one does. Without `file` the heights are in the only file beside it
-//! that is called as it is, or begins so, and ends in `.raw`. `method` says how it is to be seen, if it is there. Other keys are comments.
+//! that is called as it is, or begins so, and ends in `.raw`. `diagonal` says where the diagonal of each cell begins:
+//! `north-east`, as where it is left out, or `north-west`. `method` says how it is to be seen, if it is there. Other keys are
+//! comments.
 //! Source: ours.
 //! Cost: O(heights).
 //! Hostile: what is said of the heights is held against their file before anything is set aside.
 
 mod error;
 mod files;
+pub(crate) mod grid;
 
 pub use error::TerrainError;
+pub use grid::{GridError, GridPlace};
 
 use crate::budget::Budget;
 use crate::{BrokenRule, Import, ReadOptions, Room, read_regular_file};
-use enfilade::{ContentBuilder, HeightField, Material, MaterialId, Method, Transform};
+use enfilade::{ContentBuilder, Diagonal, HeightField, Material, MaterialId, Method, Transform};
 use serde::Deserialize;
 use std::path::Path;
 use std::sync::Arc;
@@ -42,6 +46,26 @@ struct Description {
     no_data: Option<u16>,
     file: Option<String>,
     method: Option<String>,
+    #[serde(default)]
+    diagonal: Corner,
+}
+
+/// Where the diagonal of each cell begins.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Corner {
+    #[default]
+    NorthEast,
+    NorthWest,
+}
+
+impl From<Corner> for Diagonal {
+    fn from(corner: Corner) -> Diagonal {
+        match corner {
+            Corner::NorthEast => Diagonal::NorthEast,
+            Corner::NorthWest => Diagonal::NorthWest,
+        }
+    }
 }
 
 /// A description is no longer than this.
@@ -104,7 +128,8 @@ pub(crate) fn import(
         [description.cell_x, description.cell_z],
         heights,
     )
-    .map_err(TerrainError::Field)?;
+    .map_err(TerrainError::Field)?
+    .cut_along(description.diagonal.into());
 
     let ground = Material {
         double_sided: true,

@@ -91,13 +91,13 @@ fn the_nearest_room_above_a_node_has_it() {
         { "name": "closet", "extras": { "enfilade": { "kind": "room", "method": "bsp" } }, "children": [3] },
         { "name": "broom", "mesh": 2 },
         { "name": "moon", "mesh": 2 },
-        { "name": "Hill-terrain", "mesh": 2 },
+        { "name": "sun", "mesh": 2 },
     ])));
     let names: Vec<&str> = import.rooms.iter().map(|room| &*room.name).collect();
     assert_eq!(names, ["Hall-room.001", "closet", "scene"]);
     assert_eq!(items(&import, 0), ["Hall-room.001", "lamp"]);
     assert_eq!(items(&import, 1), ["broom"]);
-    assert_eq!(items(&import, 2), ["moon", "Hill-terrain"]);
+    assert_eq!(items(&import, 2), ["moon", "sun"]);
     let methods: Vec<Option<Method>> = import.rooms.iter().map(|room| room.method).collect();
     assert_eq!(
         methods,
@@ -106,7 +106,7 @@ fn the_nearest_room_above_a_node_has_it() {
     assert_eq!(
         warnings(&import),
         [
-            "nodes stand in no room, and no portal leads to where they are: they are seen only from among them (node 4 \"moon\", node 5 \"Hill-terrain\")"
+            "nodes stand in no room, and no portal leads to where they are: they are seen only from among them (node 4 \"moon\", node 5 \"sun\")"
         ]
     );
 }

@@ -4,9 +4,9 @@ use enfilade_import::{ReadOptions, read};
 use std::collections::HashSet;
 use std::path::Path;
 
-/// Items, and triangles with each copy counted, as their makers state them.
+/// Items, and triangles with each copy counted, as their makers state them; the terrain of the villa is 16 items.
 const KNOWN: [(&str, usize, u64); 14] = [
-    ("blender_villa.glb", 234, 364_180),
+    ("blender_villa.glb", 249, 364_180),
     ("city_etoile.glb", 565, 13_098),
     ("city_munich.glb", 2_367, 38_936),
     ("city_san_francisco.glb", 4_735, 268_041),

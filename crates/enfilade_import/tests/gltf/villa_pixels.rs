@@ -114,7 +114,14 @@ fn owned(scene: &Scene, view: &View) -> BTreeMap<String, [i64; 2]> {
     let mut counts = BTreeMap::new();
     let mut count = |item: Option<ItemId>, least: i64| {
         let name = item.map_or("sky", |item| content.name(item));
-        let name = name.split('#').next().unwrap_or_default().to_owned();
+        let name = name.split('#').next().unwrap_or_default();
+        // The blocks of its terrain are items.
+        let name = if name.starts_with("Garden-terrain ") {
+            "Garden-terrain"
+        } else {
+            name
+        };
+        let name = name.to_owned();
         let [at_least, at_most] = counts.entry(name).or_insert([0, 0]);
         (*at_least, *at_most) = (*at_least + least, *at_most + 1);
     };

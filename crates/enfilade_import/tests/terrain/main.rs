@@ -82,6 +82,31 @@ fn heights_go_east_and_then_south_whichever_byte_comes_first() {
 }
 
 #[test]
+fn the_diagonal_begins_where_the_description_says() {
+    let middle = |diagonal: Option<&str>| {
+        let mut description = description();
+        if let Some(diagonal) = diagonal {
+            description["diagonal"] = json!(diagonal);
+        }
+        let text = description.to_string();
+        let folder = written(&[("hill.json", text.as_bytes()), ("hill.raw", &heights())]);
+        height(folder.path(), 15.0, 10.0)
+    };
+    let north_east = middle(None);
+    assert!((north_east - middle(Some("north-east"))).abs() < 1e-9);
+    // Half of what its ends have: 3 and 5, or else 2 and 600.
+    assert!((north_east - 4.0).abs() < 1e-3, "{north_east}");
+    assert!((middle(Some("north-west")) - 301.0).abs() < 1e-3);
+    let mut other = description();
+    other["diagonal"] = json!("both");
+    let said = refusal(&other, &[("hill.raw", &heights())]);
+    assert!(
+        said.contains("unknown variant `both`, expected `north-east` or `north-west`"),
+        "{said}"
+    );
+}
+
+#[test]
 fn blocks_are_items_and_the_file_names_the_room() {
     let folder = written(&[
         ("hill.json", description().to_string().as_bytes()),

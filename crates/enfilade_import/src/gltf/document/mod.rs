@@ -82,6 +82,7 @@ pub(in crate::gltf) struct Node<'a> {
     pub(in crate::gltf) children: Vec<u32>,
     pub(in crate::gltf) mesh: Option<u32>,
     pub(in crate::gltf) camera: Option<u32>,
+    pub(in crate::gltf) skin: Option<u32>,
     // In boxes: most nodes have few of them, and there may be millions of nodes.
     pub(in crate::gltf) matrix: Option<Box<[f64; 16]>>,
     pub(in crate::gltf) translation: Option<Box<[f64; 3]>>,

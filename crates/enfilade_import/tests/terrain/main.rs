@@ -1,7 +1,7 @@
 //! Terrain as heights with a description beside them.
 
-use enfilade::Ray;
-use enfilade_import::{ImportError, ReadOptions, read, read_bytes};
+use enfilade::{Method, Ray};
+use enfilade_import::{ImportError, ReadOptions, read, read_bytes, with_methods};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
@@ -243,5 +243,29 @@ fn what_takes_more_memory_than_allowed_is_refused_before_it_is_read() {
     assert!(
         said.to_string().contains("terrain of 6 heights would take"),
         "{said}"
+    );
+}
+
+#[test]
+fn a_description_says_by_which_method_its_terrain_is_seen() {
+    let text = description().to_string();
+    let folder = written(&[("hill.json", text.as_bytes()), ("hill.raw", &heights())]);
+    let path = folder.path().join("hill.json");
+    let method = |path: &Path| {
+        let import = read(path, &ReadOptions::default()).expect("sound terrain");
+        import.rooms[0].method
+    };
+    assert_eq!(method(&path), None);
+    let copy = with_methods(&path, &[Method::FloatingHorizon], 1 << 20).expect("it has a place for it");
+    let beside = folder.path().join("hill-pinned.json");
+    fs::write(&beside, copy).expect("a file");
+    fs::write(folder.path().join("hill-pinned.raw"), heights()).expect("a file");
+    assert_eq!(method(&beside), Some(Method::FloatingHorizon));
+    let mut description = description();
+    description["method"] = json!("magic");
+    let why = refusal(&description, &[("hill.raw", &heights())]);
+    assert!(
+        why.contains("by the method `magic`, which is not known; methods are painter-min"),
+        "{why}"
     );
 }

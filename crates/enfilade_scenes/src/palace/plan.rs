@@ -1,6 +1,7 @@
 //! The palace on paper: every room's place, shape and colors, and the doors between rooms.
 //!
-//! The enfilade runs along −z at x = 0, through twelve rooms; a gallery and a court lie west of it, cabinets east.
+//! The enfilade runs along −z at x = 0, through twelve rooms; a gallery and a court lie west of it, cabinets east. North
+//! of the court a wing of convex cells, the painted gallery, looks on the garden, as the last rooms of the enfilade do.
 //! Half of every wall belongs to the room on either side: rooms end at the planes of their doors, and nowhere
 //! reach over them.
 
@@ -36,9 +37,19 @@ pub(crate) enum Name {
     Treasury,
     SecretPassage,
     Terrace,
-    Orchard,
+    Garden,
     /// Not in [`ROOMS`]: it is made anew for every moment.
     Fountain,
+    /// The gallery of convex cells, from here on; not in [`ROOMS`] either, but in [`CELLS`](super::cells::CELLS).
+    PaintedLobby,
+    FirstThreshold,
+    MorningBay,
+    SecondThreshold,
+    Tribune,
+    ThirdThreshold,
+    EveningBay,
+    FourthThreshold,
+    Belvedere,
 }
 
 impl Name {
@@ -65,7 +76,7 @@ impl Name {
         Name::Treasury,
         Name::SecretPassage,
         Name::Terrace,
-        Name::Orchard,
+        Name::Garden,
     ];
 }
 
@@ -373,7 +384,7 @@ pub(crate) const ROOMS: [Design; 22] = [
     },
     super::secret::DESIGN,
     super::rooms::gardens::TERRACE,
-    super::rooms::gardens::ORCHARD,
+    super::park::GARDEN,
 ];
 
 #[cfg(test)]
@@ -389,7 +400,7 @@ mod tests {
             (Name::Gallery, "Gallery"),
             (Name::Treasury, "Treasury"),
             (Name::SecretPassage, "Secret Passage"),
-            (Name::Orchard, "Orchard"),
+            (Name::Garden, "Garden"),
         ] {
             assert_eq!(ROOMS[name as usize].name, expected);
         }

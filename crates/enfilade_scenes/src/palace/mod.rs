@@ -17,6 +17,7 @@ mod hearth;
 mod lamps;
 mod light;
 mod living_picture;
+mod name;
 mod ornament;
 mod palette;
 mod panel;

@@ -6,79 +6,13 @@
 //! reach over them.
 
 use super::floor::Floor;
+pub(crate) use super::name::Name;
 use super::palette::*;
 use super::room::{Design, Style};
 use crate::envelope::{Axis, Ceiling, Plan, Side};
 
 /// Half the thickness of a wall.
 pub(crate) const WALL: f32 = 0.45;
-
-/// Names of rooms, as places in [`ROOMS`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Name {
-    Vestibule,
-    GuardRoom,
-    RedSalon,
-    GreenSalon,
-    Rotunda,
-    BlueSalon,
-    MirrorRoom,
-    MusicRoom,
-    Library,
-    PictureRoom,
-    Antechamber,
-    ThroneRoom,
-    Gallery,
-    Court,
-    PorcelainCabinet,
-    Chapel,
-    WinterGarden,
-    Study,
-    Treasury,
-    SecretPassage,
-    Terrace,
-    Garden,
-    /// Not in [`ROOMS`]: it is made anew for every moment.
-    Fountain,
-    /// The gallery of convex cells, from here on; not in [`ROOMS`] either, but in [`CELLS`](super::cells::CELLS).
-    PaintedLobby,
-    FirstThreshold,
-    MorningBay,
-    SecondThreshold,
-    Tribune,
-    ThirdThreshold,
-    EveningBay,
-    FourthThreshold,
-    Belvedere,
-}
-
-impl Name {
-    /// The rooms, in the order of [`ROOMS`].
-    pub(crate) const ALL: [Name; 22] = [
-        Name::Vestibule,
-        Name::GuardRoom,
-        Name::RedSalon,
-        Name::GreenSalon,
-        Name::Rotunda,
-        Name::BlueSalon,
-        Name::MirrorRoom,
-        Name::MusicRoom,
-        Name::Library,
-        Name::PictureRoom,
-        Name::Antechamber,
-        Name::ThroneRoom,
-        Name::Gallery,
-        Name::Court,
-        Name::PorcelainCabinet,
-        Name::Chapel,
-        Name::WinterGarden,
-        Name::Study,
-        Name::Treasury,
-        Name::SecretPassage,
-        Name::Terrace,
-        Name::Garden,
-    ];
-}
 
 /// Where the doors of the enfilade stand, from the first to the last.
 pub(crate) const DOORS_AT: [f32; 11] = [

@@ -122,6 +122,7 @@ pub(crate) fn bay(
             left,
             right,
             outline: vec![vec3(left.x, 0.0, left.y)],
+            foot: vec![vec3(left.x, 0.0, left.y)],
             holes: Vec::new(),
             shape: Shape::new(),
         };
@@ -134,7 +135,7 @@ pub(crate) fn bay(
         for picture in pictures.iter().filter(|picture| is_here(picture.side)) {
             wall.paint(picture);
         }
-        floor_outline.extend(wall.outline.iter().filter(|corner| corner.y == 0.0));
+        floor_outline.append(&mut wall.foot);
         pieces.push(wall.finished(panels));
     }
     floor_outline.reverse();
@@ -151,6 +152,8 @@ struct Wall {
     left: Vec2,
     right: Vec2,
     outline: Vec<Vec3>,
+    /// Corners along the floor, from the left end on.
+    foot: Vec<Vec3>,
     holes: Vec<Vec<Vec3>>,
     shape: Shape,
 }
@@ -170,7 +173,10 @@ impl Wall {
             self.shape.face(WHITE_MARBLE, &ring);
         }
         if end.is_door() {
-            // Up the left side, over the arch and down the right one; the floor has the corners of the frame's feet too.
+            // The floor meets the frame's feet, and the opening between them.
+            self.foot
+                .extend([end.frame[0], end.corners[0], end.corners[1], end.frame[1]]);
+            // Up the left side, over the arch and down the right one.
             self.outline.push(end.frame[0]);
             self.outline.extend(end.frame[1..].iter().rev());
         } else {

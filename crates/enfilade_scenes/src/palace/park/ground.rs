@@ -23,7 +23,7 @@ pub(super) const LAWN_LEVEL: f32 = -1.5;
 /// Where the bank begins and ends: so far from the walls in the east, and from those in the south.
 pub(super) const BANK: [[f32; 2]; 2] = [[17.0, 20.6], [9.0, 12.6]];
 /// How high hills are at the edges, and how far in they reach.
-const HILLS: [f32; 2] = [10.5, 22.0];
+const HILLS: [f32; 2] = [10.8, 22.0];
 
 /// The edges that no wall stands at, each from one end to the other.
 const EDGES: [[Vec2; 2]; 4] = [

@@ -212,7 +212,8 @@ fn is_cleared(at: Vec2) -> bool {
     let part = off.dot(view) / view.length_squared();
     let beside = off.perp_dot(view).abs() / view.length();
     let in_view = part > -0.05 && beside < 3.0 + 14.0 * part.max(0.0);
-    let at_the_walls = at.x > -13.0 || at.y > -97.5 && at.x > -72.0;
+    // Crowns must not reach beyond the walls.
+    let at_the_walls = at.x > -14.5 || at.y > -98.5;
     in_view || at_the_walls || at.distance(KNOLL) < 10.0
 }
 

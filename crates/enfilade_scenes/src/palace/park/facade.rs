@@ -16,13 +16,15 @@ pub(super) const HEIGHT: f32 = 9.0;
 
 /// In the eastern wall: middles of bays, as z, and between which of them pilasters stand. Where no window looks out, one is
 /// painted black.
-const EAST_BAYS: [f32; 16] = [
+const EAST_BAYS: [f32; 15] = [
     -95.1, -99.9, -104.65, -109.35, -114.27, AXIS, -119.77, -124.7, -129.7, -134.7, -139.7, -144.7, -149.7,
-    -154.7, -159.0, -97.5,
+    -154.7, -159.0,
 ];
-const EAST_PILASTERS: [f32; 13] = [
-    -93.0, -102.3, -107.0, -112.0, -122.0, -127.2, -132.2, -137.2, -142.2, -147.2, -152.2, -157.2, -161.4,
+const EAST_PILASTERS: [f32; 14] = [
+    -93.0, -97.5, -102.3, -107.0, -112.0, -122.0, -127.2, -132.2, -137.2, -142.2, -147.2, -152.2, -157.2,
+    -161.4,
 ];
+
 /// The same in the southern wall, as x.
 const SOUTH_BAYS: [f32; 14] = [
     -9.6, -12.5, -17.0, -21.0, -25.0, -27.75, -30.5, -34.5, -38.5, -43.5, -48.5, -53.5, -58.5, -63.5,
@@ -30,6 +32,7 @@ const SOUTH_BAYS: [f32; 14] = [
 const SOUTH_PILASTERS: [f32; 11] = [
     -14.9, -19.0, -23.2, -32.3, -36.5, -41.0, -46.0, -51.0, -56.0, -61.0, -65.4,
 ];
+
 /// The middle of the eastern wall, under a pediment: where it begins and ends, as z.
 const MIDDLE: [f32; 2] = [-122.6, -111.4];
 

@@ -4,10 +4,11 @@ use super::ground::{BANK, Ground, LAWN_LEVEL, TERRACE};
 use super::{AXIS, BASIN, BASIN_RADII, KNOLL};
 use crate::palace::palette::*;
 use crate::palace::room::{Room, scaled, shift, spot};
+use crate::palace::rooms::court::flower_bed;
 use crate::palace::statue::{self, Pose};
 use crate::palace::{column, garden, ornament};
 use crate::shape::{Shape, block, moulding};
-use enfilade::{MaterialId, Transform};
+use enfilade::Transform;
 use glam::{Vec2, Vec3, vec2, vec3};
 use std::f64::consts::TAU;
 
@@ -133,7 +134,7 @@ fn lawns(room: &mut Room, ground: &Ground) {
                 );
             }
             for (row, color) in [RED_SILK, IVORY, YELLOW_SILK, PALE_BLUE].into_iter().enumerate() {
-                let bed = flower_bed(room, color);
+                let bed = flower_bed(room.shop, color);
                 let off = -2.4 + 1.6 * row as f32;
                 let place = spot(middle.x - 1.6, middle.y + off, 0.0) * shift(0.0, 0.06, 0.0);
                 room.put("flowers", &bed, place);
@@ -141,12 +142,6 @@ fn lawns(room: &mut Room, ground: &Ground) {
             }
         }
     }
-}
-
-fn flower_bed(room: &mut Room, color: MaterialId) -> std::sync::Arc<enfilade::Mesh> {
-    room.shop.piece(format!("flowers {}", color.0), || {
-        crate::palace::rooms::court::flowers(color)
-    })
 }
 
 /// From the terrace down to the lawn, between two walls.
@@ -263,7 +258,7 @@ fn ornaments(room: &mut Room, ground: &Ground) {
     for (i, (at, turn)) in places.into_iter().enumerate() {
         let statue = statue::figure(room.shop, Pose::ALL[i], WHITE_MARBLE, VERDIGRIS);
         let place = Transform::translation(ground.on(Vec2::from(at)).into())
-            * Transform::rotation([0.0, 1.0, 0.0], f64::from(turn as f32).to_radians());
+            * Transform::rotation([0.0, 1.0, 0.0], f64::to_radians(turn));
         room.put("pedestal", &base, place * shift(0.0, -0.03, 0.0));
         room.put("statue", &statue, place * shift(0.0, 1.07, 0.0) * scaled(1.15));
     }

@@ -6,7 +6,7 @@ use crate::palace::palette::{
     BARK, DARK_BOUGHS, IVORY, LONG_GRASS, PALE_BOUGHS, RED_SILK, YELLOW_SILK, dress,
 };
 use crate::palace::room::{Room, scaled};
-use crate::palace::rooms::court::flowers;
+use crate::palace::rooms::court::flower_bed;
 use crate::palace::workshop::Workshop;
 use crate::random::Random;
 use crate::shape::{Shape, tube};
@@ -262,7 +262,7 @@ fn wild_flowers(room: &mut Room, ground: &Ground) {
     for number in 0..14 {
         let at = vec2(random.between(-84.0, -52.0), AXIS - random.between(22.0, 33.0));
         let color = colors[number % 3];
-        let patch = room.shop.piece(format!("flowers {}", color.0), || flowers(color));
+        let patch = flower_bed(room.shop, color);
         stand(
             room,
             "wild flowers",

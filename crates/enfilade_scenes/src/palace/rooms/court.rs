@@ -92,13 +92,17 @@ fn parterre(room: &mut Room, at: Vec2) {
     let colors = [RED_SILK, YELLOW_SILK, ROSE, IVORY, PALE_BLUE];
     for row in 0..5 {
         let color = room.random.pick(&colors);
-        let bed = room.shop.piece(format!("flowers {}", color.0), || flowers(color));
+        let bed = flower_bed(room.shop, color);
         room.put("flowers", &bed, spot(at.x, at.y - 4.0 + 2.0 * row as f32, 0.0));
     }
 }
 
-/// A bed of small bright flowers on stalks.
-pub(crate) fn flowers(color: MaterialId) -> Shape {
+/// A bed of small bright flowers on stalks, three metres by one and a half.
+pub(crate) fn flower_bed(shop: &mut Workshop, color: MaterialId) -> Arc<Mesh> {
+    shop.piece(format!("flowers {}", color.0), || flowers(color))
+}
+
+fn flowers(color: MaterialId) -> Shape {
     let mut random = crate::random::Random::new(u64::from(color.0));
     let mut shape = Shape::new();
     for _ in 0..70 {

@@ -5,6 +5,7 @@
 //! again while they are there.
 
 use anyhow::{Context, Result, ensure};
+use enfilade::{Contract, Method};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use serde_json::Value;
@@ -42,6 +43,24 @@ struct Quantity {
     title: &'static str,
     value: fn(&Value) -> Option<f64>,
     written: fn(f64) -> String,
+    /// Is it that of the first of two methods where the second takes over what that built?
+    is_shared: bool,
+}
+
+/// What the second takes over from the first, where both are there.
+const SHARED: [[Method; 2]; 2] = [[Method::Bsp, Method::BspFront], [Method::Svbsp, Method::Mobsp]];
+
+impl Row {
+    fn share(&mut self) {
+        for pair in SHARED {
+            let [first, second] = pair.map(|method| Method::ALL.iter().position(|one| *one == method));
+            if let (Some(first), Some(second)) = (first, second)
+                && let (Some(shared), Some(own)) = (self.values[first], self.values[second])
+            {
+                self.values[second] = Some(own.max(shared));
+            }
+        }
+    }
 }
 
 const QUANTITIES: [Quantity; 4] = [
@@ -50,6 +69,7 @@ const QUANTITIES: [Quantity; 4] = [
         title: "look, ms",
         value: |report| report["summary"]["ms_median"].as_f64(),
         written: significant,
+        is_shared: false,
     },
     Quantity {
         file: "which-draw.svg",
@@ -63,6 +83,7 @@ const QUANTITIES: [Quantity; 4] = [
             )
         },
         written: significant,
+        is_shared: false,
     },
     Quantity {
         file: "which-build.svg",
@@ -70,12 +91,14 @@ const QUANTITIES: [Quantity; 4] = [
         // What takes less is not told apart.
         value: |report| Some(report["build_ms"].as_f64()?.max(0.1)),
         written: significant,
+        is_shared: true,
     },
     Quantity {
         file: "which-memory.svg",
         title: "memory of scene, method and screen, MB",
         value: |report| Some(report["bytes"].as_f64()? / 1e6),
         written: significant,
+        is_shared: false,
     },
 ];
 
@@ -99,10 +122,13 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         reports.push((short(&scene), measured(kept, &scene, &options)?));
     }
     for quantity in &QUANTITIES {
-        let rows: Vec<Row> = reports
+        let mut rows: Vec<Row> = reports
             .iter()
             .map(|(name, report)| of_methods(name, report, quantity.value))
             .collect();
+        if quantity.is_shared {
+            rows.iter_mut().for_each(Row::share);
+        }
         let columns = columns(&reports);
         draw(
             &args.output.join(quantity.file),
@@ -202,8 +228,8 @@ fn columns(reports: &[(String, Value)]) -> Vec<&'static str> {
             .iter()
             .any(|(_, report)| methods(report).any(|one| one["method"] == *name))
     };
-    enfilade::Method::ALL
-        .map(enfilade::Method::name)
+    Method::ALL
+        .map(Method::name)
         .into_iter()
         .filter(is_there)
         .collect()
@@ -215,7 +241,7 @@ fn of_methods(name: &str, report: &Value, value: fn(&Value) -> Option<f64>) -> R
             .find(|one| one["method"] == method)
             .and_then(value)
     };
-    let all = enfilade::Method::ALL.map(enfilade::Method::name);
+    let all = Method::ALL.map(Method::name);
     Row {
         name: name.to_owned(),
         values: all.iter().map(|method| of(method)).collect(),
@@ -224,7 +250,7 @@ fn of_methods(name: &str, report: &Value, value: fn(&Value) -> Option<f64>) -> R
 
 /// What a frame takes in each room, by methods that were tried in any.
 fn rooms(report: &Value) -> Result<(Vec<&'static str>, Vec<Row>)> {
-    let all = enfilade::Method::ALL.map(enfilade::Method::name);
+    let all = Method::ALL.map(Method::name);
     let choices = report["choices"].as_array().context("there are no choices")?;
     let rows: Vec<Row> = choices
         .iter()
@@ -268,7 +294,7 @@ const HEAD: i32 = 66;
 const INK: RGBColor = RGBColor(38, 43, 51);
 const FAINT: RGBColor = RGBColor(118, 125, 137);
 
-/// A table whose cells are colored by how many times the best of their row they are.
+/// A table whose cells are colored by how many times the best of their row they are; the best exact method is framed.
 fn draw(file: &Path, title: &str, columns: &[&str], rows: &[Row], written: fn(f64) -> String) -> Result<()> {
     let size = [
         NAMES + CELL[0] * columns.len() as i32 + 8,
@@ -283,7 +309,7 @@ fn draw(file: &Path, title: &str, columns: &[&str], rows: &[Row], written: fn(f6
             .pos(Pos::new(across, VPos::Center))
     };
     root.draw(&Text::new(title.to_owned(), (8, 16), text(15, &INK, HPos::Left)))?;
-    let all = enfilade::Method::ALL.map(enfilade::Method::name);
+    let all = Method::ALL.map(Method::name);
     for (number, column) in columns.iter().enumerate() {
         let middle = NAMES + CELL[0] * number as i32 + CELL[0] / 2;
         let words: Vec<&str> = column.split('-').collect();
@@ -302,7 +328,8 @@ fn draw(file: &Path, title: &str, columns: &[&str], rows: &[Row], written: fn(f6
             text(13, &INK, HPos::Right),
         );
         root.draw(&name)?;
-        let best = row.values.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+        let best = best_of(row, |_| true);
+        let best_exact = best_of(row, |method| method.contract() == Contract::Exact);
         for (place, column) in columns.iter().enumerate() {
             let left = NAMES + CELL[0] * place as i32;
             let value = all
@@ -313,6 +340,9 @@ fn draw(file: &Path, title: &str, columns: &[&str], rows: &[Row], written: fn(f6
             let (shown, ink) = match value {
                 Some(value) => {
                     root.draw(&Rectangle::new(corners, shade(value / best).filled()))?;
+                    if value == best_exact {
+                        root.draw(&Rectangle::new(corners, INK.stroke_width(2)))?;
+                    }
                     (written(value), &INK)
                 }
                 None => ("–".to_owned(), &FAINT),
@@ -323,6 +353,18 @@ fn draw(file: &Path, title: &str, columns: &[&str], rows: &[Row], written: fn(f6
     }
     root.present()?;
     Ok(())
+}
+
+/// The least value of a row, of those methods that count.
+fn best_of(row: &Row, counts: impl Fn(Method) -> bool) -> f64 {
+    let values = row
+        .values
+        .iter()
+        .zip(Method::ALL)
+        .filter(|(_, method)| counts(*method));
+    values
+        .filter_map(|(value, _)| *value)
+        .fold(f64::INFINITY, f64::min)
 }
 
 /// From the best, green, over three times as much, to ten times and more, red.

@@ -96,7 +96,7 @@ impl VisibleSet {
             }
             let own = scene.fragment(passage.fragment);
             for item in (0..own.item_count()).map(ItemId) {
-                if passage.may_show(&own.item_bounds(item)) {
+                if passage.frustum_meets(&passage.screen_from_fragment, &own.item_bounds(item)) {
                     meet(item, &|| own.item_triangles(item, &[]));
                 }
             }

@@ -14,10 +14,11 @@ mod owners;
 pub use heights::{HeightBytes, HeightFormat, Heights};
 
 use super::{BLOCK, Diagonal, HeightFieldError, check_cell, check_size};
-use crate::content::{Content, ContentBuilder, ContentError, ItemId, MOST_OPENINGS, Opening};
+use crate::content::{
+    Alpha, Content, ContentBuilder, ContentError, ItemId, MOST_OPENINGS, Material, Opening,
+};
 use crate::fragment::Surface;
 use crate::geom::Aabb;
-use crate::{Alpha, Material};
 use glam::DVec3;
 use levels::Level;
 use std::fmt;

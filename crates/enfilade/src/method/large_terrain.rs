@@ -124,8 +124,7 @@ impl Fragment for LargeTerrain {
     fn built(&self) -> Built {
         Built {
             faces: self.triangle_count(),
-            splits: 0,
-            depth: self.level_count() as u32,
+            ..Built::default()
         }
     }
 

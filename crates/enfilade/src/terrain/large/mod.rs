@@ -256,7 +256,7 @@ impl LargeTerrain {
     /// The box around a cluster of the block that was read.
     pub(crate) fn bounds_in(&self, square: &Square, block: [u32; 2], workplace: &Workplace) -> Aabb {
         let rows = self.rows_of(square, block, workplace);
-        let span = rows.fold(levels::NO_SPAN, |span, row| levels::spanned(span, row));
+        let span = rows.fold(levels::NO_SPAN, levels::spanned);
         self.around(&square.columns, &square.rows, span)
     }
 

@@ -60,6 +60,10 @@ throne-room throne_room
 red-salon red_salon
 court court
 gallery gallery
+garden antechamber_window
+pavilion pavilion
+hill hill
+tribune tribune
 TOUR
 "$program" draw @enfilade --show fragments --size 640x360 --output book/src/pictures/palace-fragments.png
 "$program" draw @mirrors --size 480x270 --output book/src/pictures/lamp-mirrors.png

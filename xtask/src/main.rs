@@ -1,6 +1,7 @@
-//! Commands for those who work on Enfilade: `cargo xtask verify`.
+//! Commands for those who work on Enfilade: `cargo xtask verify`, `cargo xtask charts`.
 #![forbid(unsafe_code)]
 
+mod charts;
 mod verify;
 
 use clap::Parser;
@@ -11,9 +12,13 @@ use clap::Parser;
 enum Task {
     /// Holds every method against the reference on many views of many scenes; takes hours
     Verify(verify::Args),
+    /// Measures every method on every scene, and draws the book's charts of it; takes half an hour
+    Charts(charts::Args),
 }
 
 fn main() -> anyhow::Result<()> {
-    let Task::Verify(args) = Task::parse();
-    verify::run(&args)
+    match Task::parse() {
+        Task::Verify(args) => verify::run(&args),
+        Task::Charts(args) => charts::run(&args),
+    }
 }

@@ -28,7 +28,7 @@ const FOUR_ROOMS: [&str; 4] = ["Treasury", "Porcelain Cabinet", "Red Salon", "Gr
 const GRIDS: [[i32; 3]; 5] = [[1; 3], [1; 3], [3; 3], [5; 3], [8; 3]];
 
 /// From one copy to the next, in metres: they stand 9 m apart, or one above the other 4 m.
-const STEP: [f32; 3] = [142.5, 20.0, 137.0];
+const STEP: [f32; 3] = [216.5, 30.0, 191.0];
 
 /// Cameras, quarter turns to the right, and the items that are seen from there.
 const INSIDE: [(&str, u8, usize); 12] = [

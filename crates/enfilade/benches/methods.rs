@@ -25,7 +25,7 @@ const SIZE: [u32; 2] = [1280, 720];
 const PATHS: [Path; 3] = [
     Path {
         scene: "enfilade",
-        cameras: &[("enfilade", 2_006), ("rotunda", 2_090), ("gallery", 4486)],
+        cameras: &[("enfilade", 2_006), ("rotunda", 2_090), ("gallery", 4517)],
         draws: true,
     },
     Path {

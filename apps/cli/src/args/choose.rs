@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// Options of `choose`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Every method that may be taken is tried in each fragment, alone, from six places in each and through the openings by which \
+Every method that may be taken is tried in each fragment, alone, from eight places in each and through the openings by which \
 it is seen from there. What counts is the time of a look, or of drawing, and a ten-thousandth of the time to build; of \
 methods that are as fast, the one that takes least memory is taken. `--method auto` of other verbs does the same first.
 

@@ -12,15 +12,15 @@ use crate::report::Sink;
 use crate::save::Destination;
 use crate::values::{Choice, among};
 use anyhow::{Context, Result, anyhow, ensure};
-use enfilade::{Aim, FragmentId, MethodChoice, Scene, Terms, View, choose_methods, survey, survey_in};
+use enfilade::{Aim, FragmentId, MethodChoice, Scene, Terms, View, choose_methods, survey_in};
 use std::path::Path;
 use std::time::Instant;
 
 pub(crate) use report::{ChoiceReport, in_words};
 use report::{Chosen, HeldBack};
 
-/// Places in each fragment that methods are tried from.
-const PLACES: usize = 6;
+/// Places in each fragment that methods are tried from, and as many that are held back.
+const PLACES: usize = 8;
 
 /// Runs `choose`.
 pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
@@ -45,7 +45,7 @@ pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
     terms.moving = named(&args.moving, &opened)?;
     let choices = choose(&opened.scene, args.size, &terms);
     let held_back = args.check.then(|| {
-        let views = held_back_views(&opened.scene, args.size);
+        let views = views(&opened.scene, args.size, 1);
         let again = measured(&opened.scene, &views, &terms, "measuring again");
         HeldBack::new(&choices, &again, views.len())
     });
@@ -66,20 +66,18 @@ pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
 
 /// Finds the methods that suit a scene's fragments, by views from places all over them.
 pub(crate) fn choose(scene: &Scene, size: [u32; 2], terms: &Terms) -> Vec<MethodChoice> {
-    let places = scene
-        .fragments()
-        .flat_map(|fragment| survey_in(scene, fragment, PLACES));
-    let views: Vec<View> = places
-        .map(|place| View::new(place.eye, place.toward, size))
-        .collect();
-    measured(scene, &views, terms, "trying methods")
+    measured(scene, &views(scene, size, 0), terms, "trying methods")
 }
 
-/// Other views than methods were chosen by: of the survey of the whole.
-fn held_back_views(scene: &Scene, size: [u32; 2]) -> Vec<View> {
-    let places = survey(scene, PLACES * scene.fragment_count());
-    let view = |place: &enfilade::Standpoint| View::new(place.eye, place.toward, size);
-    places.iter().map(view).collect()
+/// Views from every other place in each fragment, from the first on (those that methods are chosen by) or the second.
+fn views(scene: &Scene, size: [u32; 2], from: usize) -> Vec<View> {
+    let places = scene.fragments().flat_map(|fragment| {
+        let places = survey_in(scene, fragment, 2 * PLACES);
+        places.into_iter().skip(from).step_by(2)
+    });
+    places
+        .map(|place| View::new(place.eye, place.toward, size))
+        .collect()
 }
 
 fn measured(scene: &Scene, views: &[View], terms: &Terms, what: &str) -> Vec<MethodChoice> {

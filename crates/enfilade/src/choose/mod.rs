@@ -38,7 +38,7 @@ pub struct Terms {
     pub limit_bytes: u64,
     /// How often methods that are not far from the best are measured, of which the least counts: 4 unless told.
     pub rounds: u32,
-    /// The views that one fragment is tried on at most, spread evenly over those that see it: 8 unless told.
+    /// The views that one fragment is tried on at most, spread evenly over those that see it: 24 unless told.
     pub most_views: u32,
 }
 
@@ -51,7 +51,7 @@ impl Default for Terms {
             frames: 10_000,
             limit_bytes: Method::DEFAULT_LIMIT,
             rounds: 4,
-            most_views: 8,
+            most_views: 24,
         }
     }
 }
@@ -99,9 +99,10 @@ pub struct Cost {
     pub build: Duration,
     /// Memory of what it built and of its buffers for the screen.
     pub bytes: u64,
-    /// To gather what is seen: the mean of the views.
+    /// To gather what is seen: the mean of the views. Where it is not the aim it is measured once.
     pub look: Duration,
-    /// To hand a picture to a canvas that does next to nothing: the mean of the views.
+    /// To hand a picture to a canvas that does next to nothing: the mean of the views. Where it is not the aim it is measured
+    /// once.
     pub draw: Duration,
     /// To follow one item that moves; 0 where none does.
     pub edit: Duration,
@@ -200,7 +201,7 @@ fn choose(
             if let Ok(tried) = outcome
                 && tried.may_be_best(best, terms)
             {
-                tried.run(through, clock);
+                tried.run(through, terms.aim, clock);
             }
         }
     }

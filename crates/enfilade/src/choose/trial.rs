@@ -54,12 +54,17 @@ impl Tried {
         })
     }
 
-    /// Looks and draws once from each view.
-    pub(super) fn run(&mut self, through: &[Vec<&Passage>], clock: &dyn Fn() -> Duration) {
-        let looks = self.timed(through, clock, Tried::look);
-        keep_least(&mut self.look, looks);
-        let draws = self.timed(through, clock, Tried::draw);
-        keep_least(&mut self.draw, draws);
+    /// Does what is aimed at once from each view; the first time also what is not.
+    pub(super) fn run(&mut self, through: &[Vec<&Passage>], aim: Aim, clock: &dyn Fn() -> Duration) {
+        let is_first = self.look.is_empty();
+        if is_first || aim == Aim::Look {
+            let looks = self.timed(through, clock, Tried::look);
+            keep_least(&mut self.look, looks);
+        }
+        if is_first || aim == Aim::Draw {
+            let draws = self.timed(through, clock, Tried::draw);
+            keep_least(&mut self.draw, draws);
+        }
     }
 
     /// Touches all buffers, which takes longer than to use them.

@@ -29,17 +29,26 @@ pub struct Standpoint {
 /// Places inside solids or hard against a surface are left out. Fewer are returned where no more are found, none
 /// where the scene has no open space.
 pub fn survey(scene: &Scene, count: usize) -> Vec<Standpoint> {
-    survey_by(scene, scene.fragments(), count, 0x656E_6669_6C61_6465)
+    survey_by(
+        scene,
+        scene.fragments(),
+        TRIES * count,
+        count,
+        0x656E_6669_6C61_6465,
+    )
 }
 
-/// The same in one fragment alone, at other places than [`survey`] finds there.
+/// The same in one fragment alone, at other places than [`survey`] finds there. It looks longer, so that places are found also
+/// where little is open, or little is above the ground.
 pub fn survey_in(scene: &Scene, fragment: FragmentId, count: usize) -> Vec<Standpoint> {
-    survey_by(scene, std::iter::once(fragment), count, u64::from(fragment.0))
+    let seed = u64::from(fragment.0);
+    survey_by(scene, std::iter::once(fragment), 8 * TRIES * count, count, seed)
 }
 
 fn survey_by(
     scene: &Scene,
     fragments: impl Iterator<Item = FragmentId>,
+    tries: usize,
     count: usize,
     seed: u64,
 ) -> Vec<Standpoint> {
@@ -52,7 +61,7 @@ fn survey_by(
         return found;
     }
     let mut dice = Dice(seed);
-    for _ in 0..TRIES * count {
+    for _ in 0..tries {
         if found.len() == count {
             break;
         }

@@ -18,6 +18,7 @@ mod instances;
 mod lights;
 mod link;
 mod nodes;
+mod pinned;
 mod queries;
 mod rooms;
 mod scenes;

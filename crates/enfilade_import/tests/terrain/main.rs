@@ -1,7 +1,7 @@
 //! Terrain as heights with a description beside them.
 
 use enfilade::{FragmentId, Method, Ray};
-use enfilade_import::{ImportError, ReadOptions, read, read_bytes};
+use enfilade_import::{ImportError, ReadOptions, read, read_bytes, with_methods};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
@@ -324,4 +324,28 @@ fn heights_with_a_fraction_are_read_whichever_byte_comes_first() {
         let bounds = bounds.expect("sound terrain").rooms[0].content.bounds();
         assert_eq!([bounds.min[1], bounds.max[1]], [-2.0, 600.5], "{format}");
     }
+}
+
+#[test]
+fn a_description_says_by_which_method_its_terrain_is_seen() {
+    let text = description().to_string();
+    let folder = written(&[("hill.json", text.as_bytes()), ("hill.raw", &heights())]);
+    let path = folder.path().join("hill.json");
+    let method = |path: &Path| {
+        let import = read(path, &ReadOptions::default()).expect("sound terrain");
+        import.rooms[0].method
+    };
+    assert_eq!(method(&path), None);
+    let copy = with_methods(&path, &[Method::FloatingHorizon], 1 << 20).expect("it has a place for it");
+    let beside = folder.path().join("hill-pinned.json");
+    fs::write(&beside, copy).expect("a file");
+    fs::write(folder.path().join("hill-pinned.raw"), heights()).expect("a file");
+    assert_eq!(method(&beside), Some(Method::FloatingHorizon));
+    let mut description = description();
+    description["method"] = json!("magic");
+    let why = refusal(&description, &[("hill.raw", &heights())]);
+    assert!(
+        why.contains("by the method `magic`, which is not known; methods are painter-min"),
+        "{why}"
+    );
 }

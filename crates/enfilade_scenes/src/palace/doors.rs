@@ -1,7 +1,9 @@
 //! The doors and windows of the palace.
 
 use super::plan::{DOORS_AT, HALF, Name};
+use super::room::arched;
 use crate::envelope::Side;
+use glam::{Vec2, Vec3, vec2, vec3};
 
 /// A doorway or window between two rooms.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +28,22 @@ pub(crate) struct Gate {
     /// Height where its arch begins, and the arch's own.
     pub(crate) spring: f32,
     pub(crate) rise: f32,
+}
+
+impl Gate {
+    /// Its outline, counter-clockwise for who looks through it as it says, from the lower left corner.
+    pub(crate) fn outline(&self) -> Vec<Vec3> {
+        let ahead = self.looks.direction();
+        let right = vec2(-ahead.y, ahead.x);
+        let at = Vec2::from(self.at);
+        arched(self.width, self.sill, self.spring, self.rise)
+            .into_iter()
+            .map(|corner| {
+                let on_plan = at + right * corner.x;
+                vec3(on_plan.x, corner.y, on_plan.y)
+            })
+            .collect()
+    }
 }
 
 const fn in_line(name: &'static str, from: Name, to: Name, door: usize, rise: f32) -> Door {
@@ -110,12 +128,46 @@ const fn to_terrace(name: &'static str, from: Name, z: f32) -> Door {
     to_the_west(name, from, Name::Terrace, z)
 }
 
-const fn to_orchard(name: &'static str, from: Name, z: f32) -> Door {
-    to_the_west(name, from, Name::Orchard, z)
+const fn to_garden(name: &'static str, from: Name, z: f32) -> Door {
+    to_the_west(name, from, Name::Garden, z)
+}
+
+/// A door of the painted gallery, which runs west.
+const fn painted(name: &'static str, from: Name, to: Name, x: f32) -> Door {
+    Door {
+        name,
+        from,
+        to,
+        gate: Gate {
+            looks: Side::West,
+            at: [x, -87.25],
+            width: 1.9,
+            sill: 0.0,
+            spring: 2.5,
+            rise: 0.95,
+        },
+    }
+}
+
+/// A window of the painted gallery.
+const fn over_the_garden(name: &'static str, from: Name, x: f32) -> Door {
+    Door {
+        name,
+        from,
+        to: Name::Garden,
+        gate: Gate {
+            looks: Side::North,
+            at: [x, -92.0],
+            width: 1.8,
+            sill: 0.9,
+            spring: 2.9,
+            rise: 0.7,
+        },
+    }
 }
 
 /// All doors and windows.
-pub(crate) const DOORS: [Door; 42] = [
+pub(crate) const DOORS: [Door; 58] = [
     in_line("vestibule door", Name::Vestibule, Name::GuardRoom, 0, 1.4),
     in_line("guard room door", Name::GuardRoom, Name::RedSalon, 1, 0.0),
     in_line("red salon door", Name::RedSalon, Name::GreenSalon, 2, 0.0),
@@ -219,9 +271,65 @@ pub(crate) const DOORS: [Door; 42] = [
             rise: 1.0,
         },
     },
-    to_orchard("antechamber window 1", Name::Antechamber, -104.65),
-    to_orchard("antechamber window 2", Name::Antechamber, -109.35),
-    to_orchard("throne room window 1", Name::ThroneRoom, -114.27),
-    to_orchard("throne room window 2", Name::ThroneRoom, -117.02),
-    to_orchard("throne room window 3", Name::ThroneRoom, -119.77),
+    to_garden("antechamber window 1", Name::Antechamber, -104.65),
+    to_garden("antechamber window 2", Name::Antechamber, -109.35),
+    to_garden("throne room window 1", Name::ThroneRoom, -114.27),
+    to_garden("throne room window 2", Name::ThroneRoom, -117.02),
+    to_garden("throne room window 3", Name::ThroneRoom, -119.77),
+    Door {
+        name: "painted gallery entrance",
+        from: Name::Gallery,
+        to: Name::PaintedLobby,
+        gate: Gate {
+            looks: Side::North,
+            at: [-13.2, -81.45],
+            width: 1.2,
+            sill: 0.0,
+            spring: 2.3,
+            rise: 0.0,
+        },
+    },
+    painted(
+        "painted gallery 1",
+        Name::PaintedLobby,
+        Name::FirstThreshold,
+        -15.0,
+    ),
+    painted("painted gallery 2", Name::FirstThreshold, Name::MorningBay, -15.5),
+    painted(
+        "painted gallery 3",
+        Name::MorningBay,
+        Name::SecondThreshold,
+        -22.5,
+    ),
+    painted("painted gallery 4", Name::SecondThreshold, Name::Tribune, -23.0),
+    painted("painted gallery 5", Name::Tribune, Name::ThirdThreshold, -32.5),
+    painted("painted gallery 6", Name::ThirdThreshold, Name::EveningBay, -33.0),
+    painted(
+        "painted gallery 7",
+        Name::EveningBay,
+        Name::FourthThreshold,
+        -40.0,
+    ),
+    painted("painted gallery 8", Name::FourthThreshold, Name::Belvedere, -40.5),
+    over_the_garden("painted lobby window", Name::PaintedLobby, -12.5),
+    over_the_garden("morning bay window 1", Name::MorningBay, -17.0),
+    over_the_garden("morning bay window 2", Name::MorningBay, -21.0),
+    // One steps over its sill into the garden.
+    Door {
+        name: "garden window",
+        from: Name::Tribune,
+        to: Name::Garden,
+        gate: Gate {
+            looks: Side::North,
+            at: [-27.75, -92.0],
+            width: 2.2,
+            sill: 0.15,
+            spring: 2.9,
+            rise: 0.9,
+        },
+    },
+    over_the_garden("evening bay window 1", Name::EveningBay, -34.5),
+    over_the_garden("evening bay window 2", Name::EveningBay, -38.5),
+    over_the_garden("belvedere window", Name::Belvedere, -43.5),
 ];

@@ -28,7 +28,7 @@ pub(crate) fn curtain(
     cloth: MaterialId,
     cord: MaterialId,
 ) -> Arc<Mesh> {
-    shop.piece(format!("curtain {wide} {high} {}", cloth.0), || {
+    shop.piece(format!("curtain {wide} {high} {} {}", cloth.0, cord.0), || {
         const FOLDS: f32 = 6.0;
         const ACROSS: usize = 56;
         const DOWN: usize = 20;
@@ -129,7 +129,7 @@ pub(crate) fn swags(
 }
 
 /// The rugs that there are: red, blue, green, rose, yellow.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) enum Rug {
     Red,
     Blue,

@@ -279,21 +279,24 @@ pub(crate) fn fountain(shop: &mut Workshop, stone: MaterialId) -> Arc<Mesh> {
 
 /// One post of a balustrade, 0.7 m tall.
 pub(crate) fn baluster(shop: &mut Workshop, stone: MaterialId) -> Arc<Mesh> {
-    shop.piece(format!("baluster {}", stone.0), || {
-        let profile = [
-            [0.07, 0.0],
-            [0.07, 0.05],
-            [0.04, 0.08],
-            [0.085, 0.2],
-            [0.09, 0.28],
-            [0.04, 0.5],
-            [0.05, 0.56],
-            [0.04, 0.6],
-            [0.07, 0.63],
-            [0.07, 0.7],
-        ];
-        lathe(stone, &profile, 12)
-    })
+    shop.piece(format!("baluster {}", stone.0), || baluster_shape(stone))
+}
+
+/// The same, for rows that are one thing.
+pub(crate) fn baluster_shape(stone: MaterialId) -> Shape {
+    let profile = [
+        [0.07, 0.0],
+        [0.07, 0.05],
+        [0.04, 0.08],
+        [0.085, 0.2],
+        [0.09, 0.28],
+        [0.04, 0.5],
+        [0.05, 0.56],
+        [0.04, 0.6],
+        [0.07, 0.63],
+        [0.07, 0.7],
+    ];
+    lathe(stone, &profile, 12)
 }
 
 /// A bench of stone.

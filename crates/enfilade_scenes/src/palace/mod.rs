@@ -1,8 +1,10 @@
-//! The built-in palace: an enfilade of twelve rooms, with a gallery, a court and cabinets beside it.
+//! The built-in palace: an enfilade of twelve rooms, with a gallery, a court and cabinets beside it, a garden before its
+//! last rooms, and a painted gallery of convex cells along the garden.
 
 mod cameras;
 mod case;
 mod ceiling;
+mod cells;
 mod column;
 mod doll_house;
 mod doors;
@@ -15,9 +17,11 @@ mod hearth;
 mod lamps;
 mod light;
 mod living_picture;
+mod name;
 mod ornament;
 mod palette;
 mod panel;
+mod park;
 mod person;
 mod picture;
 mod plan;
@@ -39,9 +43,9 @@ use crate::BuiltIn;
 use crate::random::Random;
 use doors::{DOORS, Gate};
 use enfilade::{FragmentId, Method, OpeningId, SceneBuilder};
-use glam::{Vec2, Vec3, vec2, vec3};
+use glam::Vec2;
 use plan::{Name, ROOMS};
-use room::{Doorway, Room, arched};
+use room::{Doorway, Room};
 use std::collections::HashMap;
 use workshop::Workshop;
 
@@ -83,7 +87,13 @@ pub(crate) fn palace(seed: u64) -> BuiltIn {
             _ => None,
         };
         rooms::furnish(&mut room, name);
-        let id = room.close().add_to(&mut scene, design.name);
+        let id = if name == Name::Garden {
+            // Most of it is ground.
+            let closed = room.close_beside(&park::WALLS);
+            closed.seen_by(Method::FloatingHorizon, &mut scene, design.name)
+        } else {
+            room.close().add_to(&mut scene, design.name)
+        };
         ids.insert(name, id);
         one_way.extend(leaves.map(|(opening, to, there_from_here)| ((id, opening), to, there_from_here)));
         for (door, opening) in openings {
@@ -106,6 +116,13 @@ pub(crate) fn palace(seed: u64) -> BuiltIn {
     for (opening, number) in arches.enumerate() {
         door_ends[number].push((id, OpeningId(opening as u16)));
     }
+    for cell in cells::CELLS {
+        let (closed, openings) = cell.build(&mut shop);
+        let id = closed.seen_by(Method::Cell, &mut scene, cell.title);
+        for (door, opening) in openings {
+            door_ends[door].push((id, opening));
+        }
+    }
     for (from, to, there_from_here) in one_way {
         scene.portal(from, ids[&to], there_from_here);
     }
@@ -121,16 +138,8 @@ pub(crate) fn palace(seed: u64) -> BuiltIn {
 
 /// Cuts a gate into a room, which is the `near` one of its two or the far one; the opening looks into the room.
 fn open(room: &mut Room, name: &str, gate: &Gate, near: bool) -> OpeningId {
-    let ahead = gate.looks.direction();
-    let right = vec2(-ahead.y, ahead.x);
     let at = Vec2::from(gate.at);
-    let mut outline: Vec<Vec3> = arched(gate.width, gate.sill, gate.spring, gate.rise)
-        .into_iter()
-        .map(|corner| {
-            let on_plan = at + right * corner.x;
-            vec3(on_plan.x, corner.y, on_plan.y)
-        })
-        .collect();
+    let mut outline = gate.outline();
     let side = if near { gate.looks } else { gate.looks.opposite() };
     if !near {
         outline.reverse();

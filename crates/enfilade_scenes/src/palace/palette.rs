@@ -97,6 +97,14 @@ const fn cut_out(r: f32, g: f32, b: f32) -> Material {
     }
 }
 
+/// A cut-out whose two sides are faces of their own, so that both may be lit alike.
+const fn one_sided(r: f32, g: f32, b: f32) -> Material {
+    Material {
+        double_sided: false,
+        ..cut_out(r, g, b)
+    }
+}
+
 const fn glass(r: f32, g: f32, b: f32, coverage: f32) -> Material {
     Material {
         base_color: [r, g, b, coverage],
@@ -180,8 +188,22 @@ pub(crate) const BLUE_RUG: MaterialId = MaterialId(61);
 pub(crate) const GREEN_RUG: MaterialId = MaterialId(62);
 pub(crate) const ROSE_RUG: MaterialId = MaterialId(63);
 pub(crate) const YELLOW_RUG: MaterialId = MaterialId(64);
+/// Trees of the woods: light leaves and dark ones.
+pub(crate) const PALE_BOUGHS: MaterialId = MaterialId(65);
+pub(crate) const DARK_BOUGHS: MaterialId = MaterialId(66);
+pub(crate) const LONG_GRASS: MaterialId = MaterialId(67);
+/// The ground of the garden: terrain has no places in textures.
+pub(crate) const MEADOW: MaterialId = MaterialId(68);
+pub(crate) const SLATE: MaterialId = MaterialId(69);
+pub(crate) const GREEN_PANELS: MaterialId = MaterialId(70);
+pub(crate) const ROSE_PANELS: MaterialId = MaterialId(71);
+pub(crate) const INLAID_MARBLE: MaterialId = MaterialId(72);
+pub(crate) const PAINTED_SKY: MaterialId = MaterialId(73);
+pub(crate) const POND: MaterialId = MaterialId(74);
+/// The stripes of a lawn that were mown the other way.
+pub(crate) const MOWN: MaterialId = MaterialId(75);
 
-const TABLE: [(MaterialId, Material, Finish); 65] = [
+const TABLE: [(MaterialId, Material, Finish); 76] = [
     (PLASTER, solid(0.62, 0.56, 0.45), with(PLASTERED, 0.7)),
     (IVORY, solid(0.68, 0.63, 0.52), with(PLASTERED, 0.7)),
     (STONE, solid(0.55, 0.46, 0.34), with(CARVED, 1.0)),
@@ -255,6 +277,17 @@ const TABLE: [(MaterialId, Material, Finish); 65] = [
     (GREEN_RUG, cut_out(1.0, 1.0, 1.0), with(RUGS[2], 1.0)),
     (ROSE_RUG, cut_out(1.0, 1.0, 1.0), with(RUGS[3], 1.0)),
     (YELLOW_RUG, cut_out(1.0, 1.0, 1.0), with(RUGS[4], 1.0)),
+    (PALE_BOUGHS, one_sided(0.27, 0.44, 0.10), with(BOUGH, 1.0)),
+    (DARK_BOUGHS, one_sided(0.11, 0.28, 0.10), with(BOUGH, 1.0)),
+    (LONG_GRASS, cut_out(0.34, 0.46, 0.12), with(GRASS_TUFT, 1.0)),
+    (MEADOW, solid(0.15, 0.27, 0.05), EVEN),
+    (SLATE, solid(0.15, 0.165, 0.20), with(MASONRY, 1.6)),
+    (GREEN_PANELS, solid(1.0, 1.0, 1.0), with(PANELLED[0], 1.0)),
+    (ROSE_PANELS, solid(1.0, 1.0, 1.0), with(PANELLED[1], 1.0)),
+    (INLAID_MARBLE, solid(1.0, 1.0, 1.0), with(INLAID, 0.8)),
+    (PAINTED_SKY, solid(1.0, 1.0, 1.0), with(PAINTED_CLOUDS, 0.22)),
+    (POND, glass(0.10, 0.20, 0.24, 0.82), EVEN),
+    (MOWN, solid(0.20, 0.34, 0.07), with(GRASS, 0.9)),
 ];
 
 #[cfg(test)]

@@ -1,73 +1,18 @@
 //! The palace on paper: every room's place, shape and colors, and the doors between rooms.
 //!
-//! The enfilade runs along −z at x = 0, through twelve rooms; a gallery and a court lie west of it, cabinets east.
+//! The enfilade runs along −z at x = 0, through twelve rooms; a gallery and a court lie west of it, cabinets east. North
+//! of the court a wing of convex cells, the painted gallery, looks on the garden, as the last rooms of the enfilade do.
 //! Half of every wall belongs to the room on either side: rooms end at the planes of their doors, and nowhere
 //! reach over them.
 
 use super::floor::Floor;
+pub(crate) use super::name::Name;
 use super::palette::*;
 use super::room::{Design, Style};
 use crate::envelope::{Axis, Ceiling, Plan, Side};
 
 /// Half the thickness of a wall.
 pub(crate) const WALL: f32 = 0.45;
-
-/// Names of rooms, as places in [`ROOMS`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Name {
-    Vestibule,
-    GuardRoom,
-    RedSalon,
-    GreenSalon,
-    Rotunda,
-    BlueSalon,
-    MirrorRoom,
-    MusicRoom,
-    Library,
-    PictureRoom,
-    Antechamber,
-    ThroneRoom,
-    Gallery,
-    Court,
-    PorcelainCabinet,
-    Chapel,
-    WinterGarden,
-    Study,
-    Treasury,
-    SecretPassage,
-    Terrace,
-    Orchard,
-    /// Not in [`ROOMS`]: it is made anew for every moment.
-    Fountain,
-}
-
-impl Name {
-    /// The rooms, in the order of [`ROOMS`].
-    pub(crate) const ALL: [Name; 22] = [
-        Name::Vestibule,
-        Name::GuardRoom,
-        Name::RedSalon,
-        Name::GreenSalon,
-        Name::Rotunda,
-        Name::BlueSalon,
-        Name::MirrorRoom,
-        Name::MusicRoom,
-        Name::Library,
-        Name::PictureRoom,
-        Name::Antechamber,
-        Name::ThroneRoom,
-        Name::Gallery,
-        Name::Court,
-        Name::PorcelainCabinet,
-        Name::Chapel,
-        Name::WinterGarden,
-        Name::Study,
-        Name::Treasury,
-        Name::SecretPassage,
-        Name::Terrace,
-        Name::Orchard,
-    ];
-}
 
 /// Where the doors of the enfilade stand, from the first to the last.
 pub(crate) const DOORS_AT: [f32; 11] = [
@@ -373,7 +318,7 @@ pub(crate) const ROOMS: [Design; 22] = [
     },
     super::secret::DESIGN,
     super::rooms::gardens::TERRACE,
-    super::rooms::gardens::ORCHARD,
+    super::park::GARDEN,
 ];
 
 #[cfg(test)]
@@ -389,7 +334,7 @@ mod tests {
             (Name::Gallery, "Gallery"),
             (Name::Treasury, "Treasury"),
             (Name::SecretPassage, "Secret Passage"),
-            (Name::Orchard, "Orchard"),
+            (Name::Garden, "Garden"),
         ] {
             assert_eq!(ROOMS[name as usize].name, expected);
         }

@@ -4,12 +4,12 @@ use super::floor::Floor;
 use super::lamps::{Lamp, chosen};
 use super::palette::{content, dress};
 use super::workshop::Workshop;
-use crate::envelope::{Ceiling, Finish, Hole, Plan, Side, envelope};
+use crate::envelope::{Ceiling, Envelope, Finish, Hole, Plan, Side, envelope};
 use crate::random::Random;
 use crate::shape::Shape;
 use enfilade::{
-    Content, ContentBuilder, ConvexPolygon, FragmentId, MaterialId, Mesh, MeshId, Method, OpeningId,
-    SceneBuilder, Transform,
+    Content, ContentBuilder, ConvexPolygon, FragmentId, HeightField, MaterialId, Mesh, MeshId, Method,
+    OpeningId, SceneBuilder, Transform,
 };
 use glam::{Vec2, Vec3, vec2};
 use std::collections::HashMap;
@@ -252,8 +252,37 @@ impl<'a> Room<'a> {
         self.doorways.push(door);
     }
 
+    /// Adds ground by heights, whose first sample stands at `fragment_from_field`'s origin.
+    pub(crate) fn ground(&mut self, field: Arc<HeightField>, material: MaterialId, at: Transform) {
+        let name = format!("{}: ground", self.design.name);
+        self.content
+            .terrain(&name, field, material, at)
+            .expect("far fewer faces than are numbered");
+    }
+
     /// Closes the room round what was put in.
     pub(crate) fn close(mut self) -> Closed {
+        let shell = self.shell();
+        self.make("shell floor", &shell.floor);
+        for wall in &shell.walls {
+            self.make("shell wall", wall);
+        }
+        if !matches!(self.design.ceiling, Ceiling::Sky) {
+            self.make("shell ceiling", &shell.ceiling);
+        }
+        self.finished()
+    }
+
+    /// Closes what has walls on some sides alone; the ground closes it below and rises beyond where the others would be.
+    pub(crate) fn close_beside(mut self, sides: &[Side]) -> Closed {
+        let shell = self.shell();
+        for &side in sides {
+            self.make("shell wall", &shell.walls[self.design.plan.wall(side)]);
+        }
+        self.finished()
+    }
+
+    fn shell(&self) -> Envelope {
         let Design {
             plan,
             height,
@@ -266,14 +295,10 @@ impl<'a> Room<'a> {
             wall: style.wall,
             ceiling: style.ceiling,
         };
-        let shell = envelope(plan, height, ceiling, &self.holes, finish);
-        self.make("shell floor", &shell.floor);
-        for wall in &shell.walls {
-            self.make("shell wall", wall);
-        }
-        if !matches!(ceiling, Ceiling::Sky) {
-            self.make("shell ceiling", &shell.ceiling);
-        }
+        envelope(plan, height, ceiling, &self.holes, finish)
+    }
+
+    fn finished(self) -> Closed {
         Closed {
             content: self.content.build().expect("a room is made of sound things"),
             mirrors: self.mirrors,
@@ -283,9 +308,23 @@ impl<'a> Room<'a> {
 }
 
 impl Closed {
+    /// A content that was not made as a room is.
+    pub(crate) fn of(content: Content, lamps: Vec<Lamp>) -> Closed {
+        Closed {
+            content,
+            mirrors: Vec::new(),
+            lamps,
+        }
+    }
+
     /// Makes it a fragment, its mirrors mirrors, and lights its lamps.
     pub(crate) fn add_to(self, scene: &mut SceneBuilder, name: &str) -> FragmentId {
-        let id = scene.add(name, self.content, Method::HierarchicalZ);
+        self.seen_by(Method::HierarchicalZ, scene, name)
+    }
+
+    /// The same, seen by a method of its own.
+    pub(crate) fn seen_by(self, method: Method, scene: &mut SceneBuilder, name: &str) -> FragmentId {
+        let id = scene.add(name, self.content, method);
         for mirror in self.mirrors {
             scene.mirror(id, mirror);
         }

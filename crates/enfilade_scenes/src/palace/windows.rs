@@ -26,19 +26,9 @@ pub(crate) fn glaze(room: &mut Room, glass: MaterialId, cloth: MaterialId) {
     for window in windows {
         let frame = room.walls()[window.wall].at(window.along, 0.0);
         let Doorway {
-            width,
-            sill,
-            spring,
-            rise,
-            ..
+            width, spring, rise, ..
         } = window;
-        let kind = format!("{width} {sill} {spring} {rise} {}", glass.0);
-        let pane = room
-            .shop
-            .piece(format!("window panes {kind}"), || panes(&window, glass));
-        let bar = room.shop.piece(format!("window bars {kind}"), || bars(&window));
-        room.put("window panes", &pane, frame);
-        room.put("window bars", &bar, frame);
+        sash(room, &window, glass);
         let top = spring + rise;
         let reach = 0.5 * width;
         let [heavy, light] = [
@@ -55,6 +45,25 @@ pub(crate) fn glaze(room: &mut Room, glass: MaterialId, cloth: MaterialId) {
             room.put("lace", &light, inner);
         }
     }
+}
+
+/// Panes and bars in a window.
+pub(crate) fn sash(room: &mut Room, window: &Doorway, glass: MaterialId) {
+    let frame = room.walls()[window.wall].at(window.along, 0.0);
+    let Doorway {
+        width,
+        sill,
+        spring,
+        rise,
+        ..
+    } = *window;
+    let kind = format!("{width} {sill} {spring} {rise} {}", glass.0);
+    let pane = room
+        .shop
+        .piece(format!("window panes {kind}"), || panes(window, glass));
+    let bar = room.shop.piece(format!("window bars {kind}"), || bars(window));
+    room.put("window panes", &pane, frame);
+    room.put("window bars", &bar, frame);
 }
 
 fn panes(window: &Doorway, glass: MaterialId) -> Shape {

@@ -15,6 +15,11 @@ pub(crate) struct Workshop {
 impl Workshop {
     /// The thing of this kind; `make` is asked the first time. `kind` must tell apart all that `make` depends on.
     pub(crate) fn piece(&mut self, kind: String, make: impl FnOnce() -> Shape) -> Arc<Mesh> {
-        Arc::clone(self.made.entry(kind).or_insert_with(|| make().dressed(dress)))
+        self.mesh(kind, || make().dressed(dress))
+    }
+
+    /// The same for what is no [`Shape`].
+    pub(crate) fn mesh(&mut self, kind: String, make: impl FnOnce() -> Arc<Mesh>) -> Arc<Mesh> {
+        Arc::clone(self.made.entry(kind).or_insert_with(make))
     }
 }

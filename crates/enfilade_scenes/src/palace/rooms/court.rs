@@ -1,6 +1,7 @@
 //! The court: a garden under the sky, which the gallery's windows look on.
 
 use super::*;
+use crate::palace::workshop::Workshop;
 
 /// The middle of the court, where the fountain stands.
 const MIDDLE: Vec2 = vec2(-28.0, -51.5);
@@ -91,12 +92,16 @@ fn parterre(room: &mut Room, at: Vec2) {
     let colors = [RED_SILK, YELLOW_SILK, ROSE, IVORY, PALE_BLUE];
     for row in 0..5 {
         let color = room.random.pick(&colors);
-        let bed = room.shop.piece(format!("flowers {}", color.0), || flowers(color));
+        let bed = flower_bed(room.shop, color);
         room.put("flowers", &bed, spot(at.x, at.y - 4.0 + 2.0 * row as f32, 0.0));
     }
 }
 
-/// A bed of small bright flowers on stalks.
+/// A bed of small bright flowers on stalks, three metres by one and a half.
+pub(crate) fn flower_bed(shop: &mut Workshop, color: MaterialId) -> Arc<Mesh> {
+    shop.piece(format!("flowers {}", color.0), || flowers(color))
+}
+
 fn flowers(color: MaterialId) -> Shape {
     let mut random = crate::random::Random::new(u64::from(color.0));
     let mut shape = Shape::new();
@@ -121,36 +126,7 @@ fn facades(room: &mut Room) {
     let height = room.design.height;
     let corners = room.design.plan.corners();
     let giant = column::pilaster(room.shop, 7.4, PALE_STONE, STONE);
-    let upper = room.shop.piece("blind window".to_owned(), || {
-        let mut shape = block(NIGHT_BLUE, [-0.55, 0.0, 0.0], [0.55, 1.5, 0.02]);
-        let outline = arched(1.1, 0.0, 1.5, 0.0);
-        shape.join(surround(
-            PALE_STONE,
-            &outline,
-            true,
-            &[[0.0, 0.0], [0.0, 0.06], [0.14, 0.08], [0.2, 0.05], [0.2, 0.0]],
-        ));
-        shape.join(block(IVORY, [-0.025, 0.0, 0.02], [0.025, 1.5, 0.04]));
-        shape.join(block(IVORY, [-0.55, 0.72, 0.02], [0.55, 0.77, 0.04]));
-        shape
-    });
-    let lower = room.shop.piece("blind door".to_owned(), || {
-        let outline = arched(2.0, 0.9, 3.2, 1.0);
-        let mut shape = Shape::new();
-        let flat: Vec<Vec3> = outline.iter().map(|at| at.extend(0.02)).collect();
-        shape.face(NIGHT_BLUE, &flat);
-        shape.join(surround(
-            PALE_STONE,
-            &outline,
-            true,
-            &[[0.0, 0.0], [0.0, 0.06], [0.2, 0.09], [0.26, 0.05], [0.26, 0.0]],
-        ));
-        shape.join(block(IVORY, [-0.04, 0.9, 0.02], [0.04, 4.2, 0.05]));
-        for up in [1.65, 2.4, 3.15] {
-            shape.join(block(IVORY, [-0.97, up, 0.02], [0.97, up + 0.05, 0.045]));
-        }
-        shape
-    });
+    let [upper, lower] = [upper_window(room.shop), lower_window(room.shop)];
     for side in Side::ALL {
         let wall = room.wall(side);
         let bays = (wall.length() / 5.0).round();
@@ -184,8 +160,46 @@ fn facades(room: &mut Room) {
     balustrade(room, &corners, height - 1.0);
 }
 
+/// A window of the upper storey, behind which it is dark; its lower edge at the origin.
+pub(crate) fn upper_window(shop: &mut Workshop) -> Arc<Mesh> {
+    shop.piece("blind window".to_owned(), || {
+        let mut shape = block(NIGHT_BLUE, [-0.55, 0.0, 0.0], [0.55, 1.5, 0.02]);
+        let outline = arched(1.1, 0.0, 1.5, 0.0);
+        shape.join(surround(
+            PALE_STONE,
+            &outline,
+            true,
+            &[[0.0, 0.0], [0.0, 0.06], [0.14, 0.08], [0.2, 0.05], [0.2, 0.0]],
+        ));
+        shape.join(block(IVORY, [-0.025, 0.0, 0.02], [0.025, 1.5, 0.04]));
+        shape.join(block(IVORY, [-0.55, 0.72, 0.02], [0.55, 0.77, 0.04]));
+        shape
+    })
+}
+
+/// An arched window like those of the gallery, behind which it is dark.
+pub(crate) fn lower_window(shop: &mut Workshop) -> Arc<Mesh> {
+    shop.piece("blind door".to_owned(), || {
+        let outline = arched(2.0, 0.9, 3.2, 1.0);
+        let mut shape = Shape::new();
+        let flat: Vec<Vec3> = outline.iter().map(|at| at.extend(0.02)).collect();
+        shape.face(NIGHT_BLUE, &flat);
+        shape.join(surround(
+            PALE_STONE,
+            &outline,
+            true,
+            &[[0.0, 0.0], [0.0, 0.06], [0.2, 0.09], [0.26, 0.05], [0.26, 0.0]],
+        ));
+        shape.join(block(IVORY, [-0.04, 0.9, 0.02], [0.04, 4.2, 0.05]));
+        for up in [1.65, 2.4, 3.15] {
+            shape.join(block(IVORY, [-0.97, up, 0.02], [0.97, up + 0.05, 0.045]));
+        }
+        shape
+    })
+}
+
 /// Frames of stone round the doors and windows of a garden.
-pub(super) fn window_cases(room: &mut Room) {
+pub(crate) fn window_cases(room: &mut Room) {
     for door in room.doorways.clone() {
         let case = room
             .shop

@@ -1,4 +1,4 @@
-//! The gardens west of the enfilade, on which windows look: a terrace by the vestibule, an orchard by the throne room.
+//! The terrace by the vestibule, a garden within walls.
 
 use super::*;
 use crate::envelope::Plan;
@@ -8,19 +8,6 @@ use crate::palace::room::{Design, Style};
 pub(crate) const TERRACE: Design = Design {
     name: "Terrace",
     plan: Plan::Rectangle([-30.0, -HALF - WALL], [-21.1, -WALL]),
-    ..GARDEN
-};
-
-pub(crate) const ORCHARD: Design = Design {
-    name: "Orchard",
-    plan: Plan::Rectangle([-28.0, -HALF - WALL], [-122.0, -103.45]),
-    ..GARDEN
-};
-
-/// A garden behind walls, under the sky.
-const GARDEN: Design = Design {
-    name: "",
-    plan: Plan::Rectangle([0.0, 1.0], [0.0, 1.0]),
     height: 6.4,
     ceiling: Ceiling::Sky,
     style: Style {
@@ -78,24 +65,6 @@ pub(super) fn terrace(room: &mut Room) {
     }
 }
 
-/// Trees in rows on grass, benches under them.
-pub(super) fn orchard(room: &mut Room) {
-    enclose(room);
-    lawns(room, &[([-27.0, -9.6], [-121.0, -104.5])]);
-    let rows: Vec<(f32, f32)> = (0..3)
-        .flat_map(|row| (0..4).map(move |i| (-12.6 - 5.2 * row as f32, -106.6 - 4.2 * i as f32)))
-        .collect();
-    trees(room, &rows);
-    let bench = garden::bench(room.shop, PALE_STONE);
-    for z in [-108.7, -117.1] {
-        room.put("bench", &bench, spot(-20.4, z, 90.0));
-    }
-    let urn = ornament::urn(room.shop, TERRACOTTA, STONE);
-    for z in [-107.0, -112.0, -115.6, -118.4] {
-        room.put("urn", &urn, spot(-8.3, z, 0.0) * scaled(1.2));
-    }
-}
-
 /// The sun over it, hedges along the walls and a cornice on them, frames round the windows.
 fn enclose(room: &mut Room) {
     under_the_sky(room);
@@ -121,7 +90,7 @@ fn enclose(room: &mut Room) {
 }
 
 /// The sun and the sky over a garden.
-pub(super) fn under_the_sky(room: &mut Room) {
+pub(crate) fn under_the_sky(room: &mut Room) {
     room.lamps.push(Lamp::sun(SUNSHINE));
     room.lamps.push(Lamp::sky(0.3 * SUNSHINE));
 }

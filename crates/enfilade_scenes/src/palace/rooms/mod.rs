@@ -2,7 +2,7 @@
 
 mod arts;
 mod cabinets;
-mod court;
+pub(crate) mod court;
 mod gallery;
 pub(crate) mod gardens;
 mod salons;
@@ -19,8 +19,8 @@ use super::room::{PAVING, Room, arched, scaled, shift, spot};
 use super::statue::Pose;
 use super::trim::{cornice, dress};
 use super::{
-    case, ceiling, column, drapery, floor, garden, hearth, light, ornament, picture, seat, secret, statue,
-    table, windows,
+    case, ceiling, column, drapery, floor, garden, hearth, light, ornament, park, picture, seat, secret,
+    statue, table, windows,
 };
 use crate::envelope::{Ceiling, Side, inwards};
 use crate::shape::{Shape, band, block, cuboid, fluted, lathe, moulding, prism, surround};
@@ -62,11 +62,12 @@ pub(crate) fn furnish(room: &mut Room, name: Name) {
             gardens::terrace(room);
             return;
         }
-        Name::Orchard => {
-            gardens::orchard(room);
+        Name::Garden => {
+            park::furnish(room);
             return;
         }
-        Name::Fountain => return,
+        // What is not in the plan's list is made elsewhere.
+        _ => return,
     };
     furnish(room);
     finish(room, border);

@@ -2,6 +2,7 @@
 
 mod cloth;
 mod glass;
+mod joinery;
 mod noise;
 mod pictures;
 mod plants;
@@ -48,8 +49,15 @@ pub(crate) const RUGS: [TextureId; 5] = [
     TextureId(26),
     TextureId(27),
 ];
+/// A bough full of leaves, and a tuft of long grass.
+pub(crate) const BOUGH: TextureId = TextureId(28);
+pub(crate) const GRASS_TUFT: TextureId = TextureId(29);
+/// Panelled walls, one panel broad and as high as the wall: green and rose.
+pub(crate) const PANELLED: [TextureId; 2] = [TextureId(30), TextureId(31)];
+pub(crate) const INLAID: TextureId = TextureId(32);
+pub(crate) const PAINTED_CLOUDS: TextureId = TextureId(33);
 /// The first painting; the others follow, broad ones before high ones.
-pub(crate) const FIRST_PAINTING: u32 = 28;
+pub(crate) const FIRST_PAINTING: u32 = 34;
 
 /// How many there are.
 const COUNT: usize = FIRST_PAINTING as usize + BROAD + HIGH;
@@ -139,6 +147,12 @@ fn texture(number: u32) -> Arc<Texture> {
         id if id == RUGS[2] => rug::rug("green rug", [green, red * 0.7, gold], 703),
         id if id == RUGS[3] => rug::rug("rose rug", [vec3(0.58, 0.28, 0.24), red * 0.8, ivory], 704),
         id if id == RUGS[4] => rug::rug("yellow rug", [vec3(0.58, 0.38, 0.12), red * 0.6, ivory], 705),
+        BOUGH => plants::bough(),
+        GRASS_TUFT => plants::tuft(),
+        id if id == PANELLED[0] => joinery::panelled_wall("green panels", vec3(0.30, 0.46, 0.32), 500),
+        id if id == PANELLED[1] => joinery::panelled_wall("rose panels", vec3(0.60, 0.31, 0.26), 505),
+        INLAID => joinery::inlaid_floor(),
+        PAINTED_CLOUDS => joinery::painted_sky(),
         TextureId(number) => pictures::painting((number - FIRST_PAINTING) as usize),
     }
 }
@@ -205,7 +219,8 @@ mod tests {
                 .iter()
                 .any(|texel| texel[3] == 0)
         };
-        let cut = [LACEWORK, LEAFLET].into_iter().chain(CURTAINS).chain(RUGS);
+        let green = [LEAFLET, BOUGH, GRASS_TUFT];
+        let cut = green.into_iter().chain([LACEWORK]).chain(CURTAINS).chain(RUGS);
         assert!(cut.into_iter().all(holes));
     }
 }

@@ -1,4 +1,4 @@
-//! What grows: leaves, clipped hedges, grass.
+//! What grows: leaves, clipped hedges, grass, boughs of trees.
 
 use super::noise::{chance, clouds, step};
 use super::sheet::{painted, tile};
@@ -72,5 +72,70 @@ pub(super) fn lawn() -> Arc<Texture> {
         let blade = (f32::from(g) / 255.0).powf(2.2);
         let patch = clouds(at, [3, 3], 3, 420);
         Vec3::new(1.0 + 0.10 * patch, 1.0, 0.9) * (0.62 + 0.38 * blade + 0.10 * patch)
+    })
+}
+
+/// A bough: leaves in a heap about the middle, the upper ones lighter; round it is nothing.
+pub(super) fn bough() -> Arc<Texture> {
+    const CELLS: i32 = 14;
+    painted("bough", [128; 2], [Wrap::Clamp; 2], |at| {
+        let scaled = at * CELLS as f32;
+        let floor = scaled.floor();
+        // The topmost leaf that covers the place, by a height of its own.
+        let mut top = (-1.0_f32, 0.0, 0.0);
+        for dy in -1..=1 {
+            for dx in -1..=1 {
+                let cell = [floor.x as i32 + dx, floor.y as i32 + dy];
+                for layer in 0..3 {
+                    let own = |what: u32| chance(cell, 440 + 10 * layer + what);
+                    let middle = vec2(cell[0] as f32 + own(0), cell[1] as f32 + own(1));
+                    let off_middle = middle / CELLS as f32 - Vec2::splat(0.5);
+                    let turn = off_middle.y.atan2(off_middle.x);
+                    let reach = 0.37 + 0.06 * (3.0 * turn + 1.0).sin() + 0.04 * (7.0 * turn).sin();
+                    if off_middle.length() > reach {
+                        continue;
+                    }
+                    let (sin, cos) = (2.0 * PI * own(2)).sin_cos();
+                    let off = scaled - middle;
+                    let along = off.dot(vec2(cos, sin)) / 0.95;
+                    let aside = off.dot(vec2(-sin, cos)) / 0.5;
+                    let inside = along * along + aside.abs() * (0.6 + 0.4 * aside.abs());
+                    let height = own(3);
+                    if inside < 1.0 && height > top.0 {
+                        let rib = 1.0 - 0.25 * step(0.22, 0.0, aside.abs());
+                        top = (height, own(4), rib);
+                    }
+                }
+            }
+        }
+        let (height, tone, rib) = top;
+        let lit = 0.80 - 0.35 * (at.y - 0.5) + 0.25 * (height - 0.5);
+        let color = Vec3::new(0.85 + 0.25 * tone, 1.0, 0.7) * (lit * (0.75 + 0.35 * tone) * rib);
+        (color, f32::from(height >= 0.0))
+    })
+}
+
+/// A tuft of long grass: blades from the lower edge up.
+pub(super) fn tuft() -> Arc<Texture> {
+    painted("tuft of grass", [128, 64], [Wrap::Clamp; 2], |at| {
+        let up = 1.0 - at.y;
+        let mut best = (0.0_f32, 0.0);
+        for blade in 0..34 {
+            let own = |what: u32| chance([blade, 0], 480 + what);
+            let tall = (0.35 + 0.62 * own(1)) * (1.0 - (2.0 * own(0) - 1.0).powi(4) * 0.6);
+            let foot = 0.08 + 0.84 * own(0);
+            let lean = 0.22 * (own(2) - 0.5);
+            let part = up / tall;
+            if part >= 1.0 {
+                continue;
+            }
+            let middle = foot + lean * part * part;
+            let inside = 0.016 * (1.0 - part) + 0.003 - (at.x - middle).abs();
+            if inside > 0.0 && own(3) + 0.01 > best.0 {
+                best = (own(3) + 0.01, 0.55 + 0.45 * part + 0.25 * (own(4) - 0.5));
+            }
+        }
+        let (found, tone) = best;
+        (Vec3::new(0.95, 1.0, 0.72) * tone, f32::from(found > 0.0))
     })
 }

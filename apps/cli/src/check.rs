@@ -1,7 +1,8 @@
 //! Holds every method's answers against the reference: once per view, shared by all methods.
 
-use crate::prepare::Prepared;
+use crate::prepare::{Prepared, in_files};
 use crate::progress::Progress;
+use anyhow::{Result, bail};
 use enfilade::laws::{OwnerPicture, Reference, Truth, Verdict};
 use enfilade::{Contract, FragmentId, ItemId, Scene, View, Viewer};
 
@@ -24,12 +25,12 @@ pub(crate) fn check(
     viewers: &mut [Viewer],
     views: &[View],
     places: u32,
-) -> Vec<Vec<Found>> {
+) -> Result<Vec<Vec<Found>>> {
     let mut found: Vec<Vec<Found>> = prepared.iter().map(|_| Vec::new()).collect();
     let Some(first) = prepared.first().filter(|_| !views.is_empty()) else {
-        return found;
+        return Ok(found);
     };
-    let reference = reference(&first.scene);
+    let reference = reference(&first.scene)?;
     let progress = Progress::steps("checking", views.len());
     for view in views {
         let truth = reference.see(&first.scene, view, &viewers[0].limits());
@@ -52,13 +53,22 @@ pub(crate) fn check(
         }
         progress.step();
     }
-    found
+    Ok(found)
 }
 
 /// The reference over a scene, which takes a while.
-pub(crate) fn reference(scene: &Scene) -> Reference {
+///
+/// # Errors
+/// Terrain that stays in its file, of which the reference knows nothing.
+pub(crate) fn reference(scene: &Scene) -> Result<Reference> {
+    if let Some(name) = in_files(scene).next() {
+        bail!(
+            "{name}: the reference needs terrain as meshes, but as such this is larger than it may be; raise --memory, or do \
+             without the reference"
+        );
+    }
     let _building = Progress::spinner("building the reference");
-    Reference::new(scene)
+    Ok(Reference::new(scene))
 }
 
 /// Looks at a view and draws it, and holds both against the truth; the owners that were painted are given back.

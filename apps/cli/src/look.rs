@@ -40,7 +40,7 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
     }
     drop(progress);
     if let Some(places) = args.check {
-        let found = check(&prepared, &mut viewers, &views, places);
+        let found = check(&prepared, &mut viewers, &views, places)?;
         for ((report, found), prepared) in reports.iter_mut().zip(&found).zip(&prepared) {
             report.add_checks(found, &prepared.scene);
         }

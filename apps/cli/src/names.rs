@@ -34,10 +34,10 @@ impl<'a> Names<'a> {
 
     /// The unique name of an item.
     pub(crate) fn of(&self, (fragment, item): (FragmentId, ItemId)) -> String {
-        let name = self
-            .scene
-            .content(fragment)
-            .map_or("", |content| content.name(item));
+        let Some(content) = self.scene.content(fragment) else {
+            return self.of_own(fragment, item);
+        };
+        let name = content.name(item);
         let times = |times: Option<&u32>| times.copied().unwrap_or(0);
         if !name.is_empty() && times(self.in_scene.get(name)) == 1 {
             return name.to_owned();
@@ -47,6 +47,17 @@ impl<'a> Names<'a> {
             ("", _) => format!("{home}/item#{}", item.0),
             (name, 1) => format!("{home}/{name}"),
             (name, _) => format!("{home}/{name}#{}", item.0),
+        }
+    }
+
+    /// The same of a fragment that is no content, whose names are its own affair: it has millions of items, or none.
+    fn of_own(&self, fragment: FragmentId, item: ItemId) -> String {
+        let home = self.scene.fragment_name(fragment);
+        let name = self.scene.fragment(fragment).item_name(item);
+        match (name.as_str(), self.scene.fragment_count()) {
+            ("", _) => format!("{home}/item#{}", item.0),
+            (_, 1) => name,
+            _ => format!("{home}/{name}"),
         }
     }
 }

@@ -103,6 +103,15 @@ fn open_file(file: &str, wanted: For, choice: Choice, flat: bool, limits: &Limit
     if choice != Choice::Own {
         import.rooms.iter_mut().for_each(|room| room.method = None);
     }
+    let mut large = import.rooms.iter().filter(|room| room.large.is_some());
+    let pinned = large.find_map(|room| room.method.filter(|&method| method != Method::FloatingHorizon));
+    if let Some(method) = pinned {
+        bail!(
+            "{file}: it is to be seen by {method}, but terrain this large stays in its file, where it is seen by {} alone; choose \
+             that --method, or raise --memory, so that it becomes meshes",
+            Method::FloatingHorizon
+        );
+    }
     let method = match choice {
         Choice::Own | Choice::Auto => Method::HierarchicalZ,
         // What is asked for is built from it, and timed, so the first is the one that builds least.
@@ -142,7 +151,7 @@ fn format(path: &Path) -> &'static str {
         [b'I', b'B', b'S', b'P', ..] => "IBSP46, a map of Quake 3",
         [b'g', b'l', b'T', b'F', ..] => "glTF 2.0, binary",
         [b'{', rest @ ..] if rest.windows(13).any(|key| key == b"\"cellMetresX\"") => {
-            "16-bit heights, and a description of them"
+            "heights, and a description of them"
         }
         [b'{', ..] => "glTF 2.0",
         _ => "OBJ",

@@ -80,6 +80,9 @@ pub(crate) fn prepare(
     view: Option<&View>,
 ) -> Result<(Vec<Prepared>, Vec<Skipped>)> {
     check_cover_size(opened, choice, how, view)?;
+    if let Choice::One(method) = choice {
+        stays_visible(opened, Some(method))?;
+    }
     if choice == Choice::Auto {
         return Ok((vec![chosen(opened, aim, how, view)?], Vec::new()));
     }
@@ -110,6 +113,14 @@ pub(crate) fn prepare(
     }
     let (mut prepared, mut skipped) = (Vec::new(), Vec::new());
     for method in Method::ALL {
+        if let Err(why) = stays_visible(opened, Some(method)) {
+            skipped.push(Skipped {
+                method: method.name(),
+                why: why.to_string(),
+            });
+            progress.step();
+            continue;
+        }
         match build(Choice::One(method)) {
             Ok(built) => prepared.push(built),
             Err(why) => skipped.push(Skipped {
@@ -119,6 +130,25 @@ pub(crate) fn prepare(
         }
     }
     Ok((prepared, skipped))
+}
+
+/// The names of fragments that are terrain too large to be meshes.
+pub(crate) fn in_files(scene: &Scene) -> impl Iterator<Item = &str> {
+    let own = scene.fragments().filter(|&id| scene.content(id).is_none());
+    own.map(|id| scene.fragment_name(id))
+}
+
+/// Refuses to see terrain that stays in its file by any method but the one that can, or to choose one for it.
+pub(crate) fn stays_visible(opened: &Opened, method: Option<Method>) -> Result<()> {
+    let seen_by = Method::FloatingHorizon;
+    if method != Some(seen_by) && in_files(&opened.scene).next().is_some() {
+        bail!(
+            "{}: terrain this large stays in its file, where it is seen by {seen_by} alone; choose that --method, or raise \
+             --memory, so that it becomes meshes",
+            opened.file
+        );
+    }
+    Ok(())
 }
 
 /// Each fragment by the method that suits it.

@@ -28,7 +28,7 @@ const FROM_THE_WEST: &str = "--eye 40,12,200 --toward 400,12,200 --size 64x36";
 #[test]
 fn info_says_what_is_in_a_field_of_heights() {
     let info = valley().json("info valley.json");
-    assert_eq!(info["format"], "16-bit heights, and a description of them");
+    assert_eq!(info["format"], "heights, and a description of them");
     assert_eq!(info["items"], 6, "blocks of 32 by 32 cells");
     assert_eq!(info["triangles_drawn"], 2 * 69 * 39);
 }
@@ -63,4 +63,63 @@ fn heights_that_lack_their_file_are_told_where_it_should_be() {
         let says = "valley.json: describes heights in a file `valley.raw` beside it, but there is none";
         assert!(run.stderr.contains(says), "{verb}: {}", run.stderr);
     }
+}
+
+/// Too little for the valley as meshes.
+const LITTLE: &str = "--memory 100kB";
+
+#[test]
+fn terrain_larger_than_memory_stays_in_its_file_and_is_seen_as_if_it_did_not() {
+    let folder = valley();
+    let info = folder.json(&format!("info valley.json {LITTLE}"));
+    assert_eq!((&info["items"], &info["meshes"]), (&json!(6), &json!(0)));
+    assert_eq!(info["triangles_drawn"], 2 * 69 * 39);
+    assert_eq!(info["fragments"][0]["triangles"], 2 * 69 * 39);
+    for method in ["", "--method floating-horizon"] {
+        let [small, large] = [LITTLE, ""]
+            .map(|memory| folder.json(&format!("look valley.json {FROM_THE_WEST} {memory} {method}")));
+        for key in ["items_visible", "items_in_frustum", "visible"] {
+            assert_eq!(small["views"][0][key], large["views"][0][key], "{key}");
+        }
+        assert_eq!(small["contract"], "exact");
+    }
+    folder.json(&format!("draw valley.json {FROM_THE_WEST} {LITTLE} -o a.png"));
+    assert!(folder.names().contains(&"a.png".to_owned()));
+    // Without a place to stand it is looked at from outside.
+    assert_eq!(
+        folder
+            .run(&format!("look valley.json {LITTLE} --size 64x36"))
+            .code,
+        Some(0)
+    );
+}
+
+#[test]
+fn what_terrain_in_its_file_cannot_do_is_said_with_a_way_out() {
+    let folder = valley();
+    let says = |line: &str, words: &str| {
+        let run = folder.run(line);
+        assert_eq!(run.code, Some(2), "{line}: {}", run.stderr);
+        assert!(run.stderr.contains(words), "{line}: {}", run.stderr);
+    };
+    let alone = "stays in its file, where it is seen by floating-horizon alone; choose that --method, or raise --memory";
+    says(
+        &format!("look valley.json {FROM_THE_WEST} {LITTLE} --method bsp"),
+        alone,
+    );
+    says(&format!("choose valley.json {LITTLE}"), alone);
+    says(
+        &format!("look valley.json {FROM_THE_WEST} {LITTLE} --check"),
+        "the reference needs terrain as meshes",
+    );
+    let all = folder.json(&format!("look valley.json {FROM_THE_WEST} {LITTLE} --method all"));
+    let seen = all["methods"].as_array().expect("a list");
+    assert_eq!(seen.len(), 1);
+    assert_eq!(seen[0]["method"], "floating-horizon");
+    let text = std::fs::read_to_string(folder.path("valley.json")).expect("text");
+    folder.add(
+        "pinned.json",
+        text.replacen('{', "{\"method\": \"bsp\", \"file\": \"valley.raw\",", 1),
+    );
+    says(&format!("look pinned.json {FROM_THE_WEST} {LITTLE}"), alone);
 }

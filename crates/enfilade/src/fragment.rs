@@ -57,6 +57,27 @@ pub trait Fragment: Send + Sync {
     fn bytes(&self) -> u64 {
         0
     }
+
+    /// How many items it has, for who counts them: those below this number. 0 where it does not say; nor need it where it is a
+    /// content that a method sees, as of which [`Scene::content`](crate::Scene::content) tells.
+    fn item_count(&self) -> u32 {
+        0
+    }
+
+    /// How people call an item; empty where it has no name.
+    fn item_name(&self, _item: ItemId) -> String {
+        String::new()
+    }
+
+    /// The box around an item, in the space of the fragment; empty where it does not say.
+    fn item_bounds(&self, _item: ItemId) -> Aabb {
+        Aabb::EMPTY
+    }
+
+    /// The triangles of some of an item's clusters, or with none of all; 0 where it does not say.
+    fn item_triangles(&self, _item: ItemId, _clusters: &[u32]) -> u64 {
+        0
+    }
 }
 
 /// What a method built over the faces of a fragment.

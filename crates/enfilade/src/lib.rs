@@ -75,7 +75,7 @@ pub use choose::{Aim, Cost, MethodChoice, NotTried, Terms, Trial, choose_methods
 pub use content::{
     Alpha, BakedCells, BakedCellsError, CellId, CellNode, CellSide, CellTree, Content, ContentBuilder,
     ContentError, Filter, Item, ItemId, Material, MaterialId, MeshId, Minify, Moved, Opening, OpeningId,
-    Owner, Texture, TextureError, TextureId, Wrap,
+    Owner, Owners, Texture, TextureError, TextureId, Wrap,
 };
 pub use cover::OccluderMesh;
 pub use detail::{
@@ -105,7 +105,9 @@ pub use scene::{
 pub use seen::Seen;
 pub use simd::{SimdLevelError, simd_level, simd_levels, use_simd_level};
 pub use stats::{SpanStats, Stats};
-pub use terrain::{Diagonal, HeightField, HeightFieldError};
+pub use terrain::{
+    Diagonal, HeightBytes, HeightField, HeightFieldError, HeightFormat, Heights, LargeTerrain,
+};
 pub use view::{View, ViewError};
 pub use viewer::{Limits, Viewer};
 pub use visible::{VisibleItem, VisibleSet};

@@ -2,7 +2,7 @@
 
 use crate::aperture::Rows;
 use crate::canvas::{Canvas, Span};
-use crate::content::{Content, ItemId, OpeningId, Owner};
+use crate::content::{Content, ItemId, OpeningId, Owner, Owners};
 use crate::passage::PassageId;
 use crate::visible::VisibleSet;
 use std::cmp::Reverse;
@@ -117,11 +117,11 @@ impl Seen {
     }
 
     /// The clusters of the reported items, in order, each once; of items reported whole, all.
-    pub(crate) fn clusters_of_items(&self, content: &Content) -> impl Iterator<Item = (ItemId, u32)> {
+    pub(crate) fn clusters_of_items(&self, owners: &dyn Owners) -> impl Iterator<Item = (ItemId, u32)> {
         self.items.iter().flat_map(|seen| {
             let some = &self.clusters[seen.clusters[0] as usize..seen.clusters[1] as usize];
             let all = if some.is_empty() {
-                content.mesh_of(seen.item).clusters().len() as u32
+                owners.cluster_count(seen.item)
             } else {
                 0
             };
@@ -230,13 +230,13 @@ impl Panes {
 }
 
 /// Turns owners, in any order and with repeats, into items with their clusters.
-pub(crate) fn report_owners(owners: &mut Vec<(ItemId, u32)>, content: &Content, seen: &mut Seen) {
-    owners.sort_unstable();
-    owners.dedup();
-    for same in owners.chunk_by(|a, b| a.0 == b.0) {
+pub(crate) fn report_owners(met: &mut Vec<(ItemId, u32)>, owners: &dyn Owners, seen: &mut Seen) {
+    met.sort_unstable();
+    met.dedup();
+    for same in met.chunk_by(|a, b| a.0 == b.0) {
         let item = same[0].0;
         let start = seen.clusters.len() as u32;
-        if content.mesh_of(item).clusters().len() > 1 {
+        if owners.cluster_count(item) > 1 {
             seen.clusters.extend(same.iter().map(|&(_, cluster)| cluster));
         }
         seen.items.push(SeenItem {

@@ -303,10 +303,16 @@ impl Look<'_> {
             }
         };
         self.set.items.extend(seen.items.iter().map(|seen| {
-            let region = content.and_then(|content| {
-                let screen_from_item = passage.screen_from(&content.item(seen.item).transform());
-                Region::of(passage, &screen_from_item, &content.mesh_of(seen.item).bounds())
-            });
+            let region = match content {
+                Some(content) => {
+                    let screen_from_item = passage.screen_from(&content.item(seen.item).transform());
+                    Region::of(passage, &screen_from_item, &content.mesh_of(seen.item).bounds())
+                }
+                None => {
+                    let bounds = self.scene.fragment(passage.fragment).item_bounds(seen.item);
+                    Region::of(passage, &passage.screen_from_fragment, &bounds)
+                }
+            };
             let size_px = region.map_or(0, |Region { rect, .. }| {
                 (rect.x1 - rect.x0).max(rect.y1 - rect.y0)
             });

@@ -59,19 +59,22 @@ impl VisibleSet {
     /// Triangles of what is in the set: of a large item, those of the clusters that are seen.
     pub fn triangle_count(&self, scene: &Scene) -> u64 {
         let triangles = |item: &VisibleItem| {
-            let content = scene.content(self.passage(item.passage).fragment)?;
-            let mesh = content.mesh_of(item.item);
+            let fragment = self.passage(item.passage).fragment;
             let clusters = self.clusters(item);
-            Some(if clusters.is_empty() {
+            let Some(content) = scene.content(fragment) else {
+                return scene.fragment(fragment).item_triangles(item.item, clusters);
+            };
+            let mesh = content.mesh_of(item.item);
+            if clusters.is_empty() {
                 mesh.triangle_count()
             } else {
                 // The item may be of another mesh by now.
                 let known = clusters.iter().map(|&cluster| cluster as usize);
                 let known = known.filter(|&cluster| cluster < mesh.clusters().len());
                 known.map(|cluster| mesh.triangles_in(cluster)).sum()
-            })
+            }
         };
-        self.items.iter().filter_map(triangles).sum()
+        self.items.iter().map(triangles).sum()
     }
 
     /// Items and triangles whose boxes meet the frustum, in the fragments that are seen, each item counted once: what
@@ -80,14 +83,23 @@ impl VisibleSet {
         let mut met = BTreeSet::new();
         let mut triangles = 0;
         for passage in &self.passages {
-            let Some(content) = scene.content(passage.fragment) else {
-                continue;
-            };
-            content.items_in_passage(passage, |item| {
+            let mut meet = |item, its_triangles: &dyn Fn() -> u64| {
                 if met.insert((passage.fragment, item)) {
-                    triangles += content.mesh_of(item).triangle_count();
+                    triangles += its_triangles();
                 }
-            });
+            };
+            if let Some(content) = scene.content(passage.fragment) {
+                content.items_in_passage(passage, |item| {
+                    meet(item, &|| content.mesh_of(item).triangle_count());
+                });
+                continue;
+            }
+            let own = scene.fragment(passage.fragment);
+            for item in (0..own.item_count()).map(ItemId) {
+                if passage.frustum_meets(&passage.screen_from_fragment, &own.item_bounds(item)) {
+                    meet(item, &|| own.item_triangles(item, &[]));
+                }
+            }
         }
         (met.len(), triangles)
     }

@@ -14,6 +14,11 @@ impl Budget {
         Budget { limit, taken: 0 }
     }
 
+    /// Are so many bytes left?
+    pub(crate) fn has(&self, bytes: u64) -> bool {
+        self.taken.saturating_add(bytes) <= self.limit
+    }
+
     /// Sets `bytes` aside for what stands at `place`.
     pub(crate) fn take(&mut self, bytes: u64, place: impl FnOnce() -> String) -> Result<(), BrokenRule> {
         let taken = self.taken.saturating_add(bytes);

@@ -63,7 +63,7 @@
 //! `enfilade_bake` computes the visible pairs of, which [`with_visibility`] puts into the map. Where the `.prt` is lost,
 //! [`rebuild_portals`] makes it again out of the map.
 //!
-//! Terrain is a file of 16-bit heights and a JSON file beside it, which is the one to be read; see [`TerrainError`] for what it must
+//! Terrain is a file of heights, of 16 bits or of 32, and a JSON file beside it, which is the one to be read; see [`TerrainError`] for what it must
 //! say. Its blocks of 32 by 32 cells are items, `block 3 7`: the fourth row from the north, the eighth block from the west. The
 //! diagonal of each cell goes from the corner north-east to the one south-west, unless it says otherwise. x goes east, z south, y up; metres.
 //!
@@ -85,7 +85,8 @@
 //! yet (skins, animations, maps of metal and roughness) is named in [`Import::warnings`], never silently dropped. An image
 //! that cannot be had is grey, and a warning says why. A file that breaks a rule, however it does, gives an [`ImportError`]
 //! that names the place and the rule.
-#![forbid(unsafe_code)]
+// Not forbidden, for `terrain/map.rs` allows it, in one function.
+#![deny(unsafe_code)]
 
 mod authoring;
 mod budget;
@@ -118,7 +119,7 @@ pub use terrain::{GridError, GridPlace, TerrainError};
 pub use warning::{Warning, WarningKind};
 
 use budget::Budget;
-use enfilade::{Content, Light, Method, Portal, Scene, SceneBuilder, SceneError};
+use enfilade::{Content, LargeTerrain, Light, Method, Portal, Scene, SceneBuilder, SceneError};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -157,6 +158,9 @@ pub struct Room {
     pub content: Arc<Content>,
     /// How it is to be seen, where its author says so.
     pub method: Option<Method>,
+    /// Terrain that would not have fit in memory as meshes: then `content` holds nothing, and this is the fragment, whatever
+    /// `method` says.
+    pub large: Option<Arc<LargeTerrain>>,
 }
 
 impl Import {
@@ -170,6 +174,10 @@ impl Import {
         let mut builder = SceneBuilder::new();
         builder.limit_bytes(limit_bytes);
         for room in &self.rooms {
+            if let Some(large) = &room.large {
+                builder.add_own(&room.name, Arc::clone(large) as _);
+                continue;
+            }
             builder.add(
                 &room.name,
                 Arc::clone(&room.content),
@@ -191,6 +199,9 @@ impl Import {
 pub struct ReadOptions {
     /// Bytes that reading may take, file included. What would take more, by an estimate made before anything is
     /// allocated, is refused. 1 GiB unless told: enough for some 10 million triangles, each stored once.
+    ///
+    /// Only terrain described by a JSON file is not: what would take more stays in its file, which is then mapped into memory
+    /// ([`Room::large`]). Nobody must cut that file off or write into it until the room is dropped.
     pub limit_bytes: u64,
     /// Take everything as one room: portals are plain holes, and a mirror is what its mesh is. Where rooms and portals are
     /// is not asked then, so a file in which they make no sense can still be looked at.

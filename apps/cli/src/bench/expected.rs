@@ -43,10 +43,12 @@ pub(super) fn hold(
                 same_again: true,
             };
             if !is_plainly_right(prepared.contract, &seen, &expected) {
-                let truth = truth.get_or_insert_with(|| {
-                    let reference = reference.get_or_insert_with(|| check::reference(&first.scene));
-                    reference.see(&first.scene, view, &limits)
-                });
+                if reference.is_none() {
+                    reference = Some(check::reference(&first.scene)?);
+                }
+                let seen = || Some(reference.as_ref()?.see(&first.scene, view, &limits));
+                truth = truth.or_else(seen);
+                let Some(truth) = &truth else { continue };
                 let verdict = truth.check(set, None);
                 held.missed = verdict.missed.iter().map(|&item| names.of(item)).collect();
                 if prepared.contract == Contract::Exact {

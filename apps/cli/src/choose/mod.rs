@@ -6,6 +6,7 @@ use crate::Outcome;
 use crate::args::ChooseArgs;
 use crate::open::{For, Opened, open, settle_on};
 use crate::out;
+use crate::prepare::stays_visible;
 use crate::progress::Progress;
 use crate::report::Sink;
 use crate::save::Destination;
@@ -28,6 +29,7 @@ pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
     settle_on(&args.limits, args.simd.as_deref())?;
     // As it is read for answers with a method of its own for each room, so that pins are no part of the question.
     let opened = open(&args.scene.scene, For::Answers, Choice::Auto, false, &args.limits)?;
+    stays_visible(&opened, None)?;
     if let Some(output) = &args.output {
         ensure!(
             !opened.file.starts_with('@'),
@@ -92,7 +94,9 @@ fn measured(scene: &Scene, views: &[View], terms: &Terms, what: &str) -> Vec<Met
 /// What a method of the choice builds was within the limit when it was tried, so none is expected.
 pub(crate) fn take_over(scene: &mut Scene, choices: &[MethodChoice]) -> Result<()> {
     for choice in choices {
-        if scene.method(choice.fragment) != Some(choice.method) {
+        // A fragment that is no content has no other method.
+        let method = scene.method(choice.fragment);
+        if method.is_some_and(|method| method != choice.method) {
             scene.set_method(choice.fragment, choice.method)?;
         }
     }

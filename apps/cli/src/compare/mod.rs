@@ -89,8 +89,11 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
 }
 
 fn faces(scene: &Scene) -> u64 {
-    let contents = scene.fragments().filter_map(|id| scene.content(id));
-    contents.map(|content| content.face_count()).sum()
+    let faces = |id| match scene.content(id) {
+        Some(content) => content.face_count(),
+        None => scene.triangles_of(id),
+    };
+    scene.fragments().map(faces).sum()
 }
 
 fn destination(path: &Path) -> Result<Destination> {
@@ -120,7 +123,7 @@ fn check_and_draw(
     let Some(first) = prepared.first().filter(|_| !views.is_empty()) else {
         return Ok((found, drawn));
     };
-    let reference = reference(&first.scene);
+    let reference = reference(&first.scene)?;
     let mut artist = Artist::new(prepared, views)?;
     let progress = Progress::steps("checking and drawing", views.len() * prepared.len());
     for (number, view) in views.iter().enumerate() {

@@ -165,7 +165,10 @@ impl Inventory {
             fragments: fragments(scene),
             portals: scene.portals().len(),
             ways: ways(scene),
-            openings: contents.iter().map(|content| content.openings().len()).sum(),
+            openings: scene
+                .fragments()
+                .map(|id| scene.fragment(id).openings().len())
+                .sum(),
             occluders: Occluders::of(&contents),
             bytes: scene.bytes(),
             load_ms: rounded(opened.load_ms),
@@ -353,12 +356,13 @@ fn ways(scene: &Scene) -> Vec<WayEntry> {
 fn fragments(scene: &Scene) -> Vec<FragmentEntry> {
     let entry = |id| {
         let content = scene.content(id);
+        let fragment = scene.fragment(id);
         FragmentEntry {
             name: scene.fragment_name(id).to_owned(),
             method: scene.method(id).map_or("its own", |method| method.name()),
-            items: content.map_or(0, |content| content.items().len()),
-            triangles: content.map_or(0, |content| content.triangle_count()),
-            openings: content.map_or(0, |content| content.openings().len()),
+            items: content.map_or(fragment.item_count() as usize, |content| content.items().len()),
+            triangles: scene.triangles_of(id),
+            openings: fragment.openings().len(),
         }
     };
     scene.fragments().map(entry).collect()

@@ -174,7 +174,7 @@ impl ContentBuilder {
     }
 }
 
-pub(super) const MOST_OPENINGS: usize = 60_000;
+pub(crate) const MOST_OPENINGS: usize = 60_000;
 
 /// Openings in a node of the tree over them, at most: as many are handed out by number, however they lie.
 const FEW_OPENINGS: usize = 16;

@@ -5,15 +5,18 @@ mod builder;
 mod edit;
 mod material;
 mod names;
+mod owners;
 mod slots;
 mod texture;
 
 pub use baked_cells::{BakedCells, BakedCellsError, CellId, CellNode, CellSide, CellTree};
 pub(crate) use baked_cells::{Leaf, Room};
+pub(crate) use builder::MOST_OPENINGS;
 pub use builder::{ContentBuilder, ContentError};
 pub use edit::Moved;
 pub(crate) use edit::{Changes, Exchanged, FARTHEST, Placing, Unfit};
 pub use material::{Alpha, Material, MaterialId};
+pub use owners::Owners;
 pub use texture::{Filter, Minify, Texture, TextureError, TextureId, Wrap};
 
 use crate::geom::{Aabb, ConvexPolygon, Octree, Transform};
@@ -240,26 +243,6 @@ impl Content {
     /// The number that stands for an opening where faces are numbered through.
     pub(crate) fn opening_number(&self, opening: OpeningId) -> u32 {
         self.first_faces[self.items.len()] + u32::from(opening.0)
-    }
-
-    /// The item and face, or the opening, that a number stands for. `near` is a guess: neighbours often agree.
-    pub(crate) fn owner(&self, number: u32, near: Option<Owner>) -> Owner {
-        let faces = self.first_faces[self.items.len()];
-        if number >= faces {
-            return Owner::Opening(OpeningId((number - faces) as u16));
-        }
-        if let Some(Owner::Face(item, _)) = near {
-            let [first, end] = [
-                self.first_faces[item.0 as usize],
-                self.first_faces[item.0 as usize + 1],
-            ];
-            if (first..end).contains(&number) {
-                return Owner::Face(item, number - first);
-            }
-        }
-        // Items without faces share their number with the next; the last of them is the one that has faces.
-        let item = self.first_faces.partition_point(|&first| first <= number) - 1;
-        Owner::Face(ItemId(item as u32), number - self.first_faces[item])
     }
 }
 

@@ -12,7 +12,7 @@ use super::triangle::Triangle;
 use super::{Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
-use crate::content::Content;
+use crate::content::Owners;
 use crate::faces::Faces;
 use crate::order::Unsorted;
 use crate::passage::Passage;
@@ -60,12 +60,12 @@ impl Paints for DepthBuffer {
 
     fn finish(
         &mut self,
-        content: &Content,
+        owners: &dyn Owners,
         _passage: &Passage,
         seen: &mut Seen,
         canvas: Option<&mut dyn Canvas>,
     ) {
-        self.samples.report(content, seen, canvas);
+        self.samples.report(owners, seen, canvas);
     }
 }
 

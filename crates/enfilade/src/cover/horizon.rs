@@ -17,7 +17,7 @@ use super::triangle::Triangle;
 use super::{Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
-use crate::content::Content;
+use crate::content::Owners;
 use crate::faces::Faces;
 use crate::order::Unsorted;
 use crate::passage::Passage;
@@ -108,12 +108,12 @@ impl Paints for Horizon {
 
     fn finish(
         &mut self,
-        content: &Content,
+        owners: &dyn Owners,
         _passage: &Passage,
         seen: &mut Seen,
         canvas: Option<&mut dyn Canvas>,
     ) {
-        self.known.samples.report(content, seen, canvas);
+        self.known.samples.report(owners, seen, canvas);
     }
 }
 

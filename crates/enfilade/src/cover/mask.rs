@@ -13,7 +13,7 @@ use super::triangle::Triangle;
 use super::{Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
-use crate::content::Content;
+use crate::content::Owners;
 use crate::faces::Faces;
 use crate::order::NearToFar;
 use crate::passage::Passage;
@@ -99,12 +99,12 @@ impl Paints for Mask {
 
     fn finish(
         &mut self,
-        content: &Content,
+        owners: &dyn Owners,
         _passage: &Passage,
         seen: &mut Seen,
         canvas: Option<&mut dyn Canvas>,
     ) {
-        self.painted.samples.report(content, seen, canvas);
+        self.painted.samples.report(owners, seen, canvas);
     }
 }
 

@@ -37,7 +37,7 @@ pub use span_buffer::SpanBuffer;
 
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, CoverShape};
-use crate::content::Content;
+use crate::content::Owners;
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::occluders::{Measure, Occluder};
@@ -106,7 +106,7 @@ pub trait Paints: Cover {
     /// Reports and paints what could not be decided earlier.
     fn finish(
         &mut self,
-        content: &Content,
+        owners: &dyn Owners,
         passage: &Passage,
         seen: &mut Seen,
         canvas: Option<&mut dyn Canvas>,

@@ -12,7 +12,7 @@ use super::triangle::Triangle;
 use super::{Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
-use crate::content::Content;
+use crate::content::Owners;
 use crate::faces::Faces;
 use crate::order::FarToNear;
 use crate::passage::Passage;
@@ -63,12 +63,12 @@ impl Paints for Nothing {
 
     fn finish(
         &mut self,
-        content: &Content,
+        owners: &dyn Owners,
         _passage: &Passage,
         seen: &mut Seen,
         canvas: Option<&mut dyn Canvas>,
     ) {
-        self.painted.0.report(content, seen, canvas);
+        self.painted.0.report(owners, seen, canvas);
     }
 }
 

@@ -4,12 +4,12 @@ use super::samples::{OPEN, Sample, owner_of};
 use super::trace::Trace;
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, Span};
-use crate::content::{Content, ItemId, Owner};
+use crate::content::{ItemId, Owner, Owners};
 use crate::seen::{GlassSample, ReportBuffers, Seen, report_owners};
 
 /// Gathers runs of owners, left to right and row after row.
 pub(super) struct Report<'a> {
-    content: &'a Content,
+    owners: &'a dyn Owners,
     seen: &'a mut Seen,
     canvas: Option<&'a mut dyn Canvas>,
     /// The run at hand: the lower half of its samples, and its columns.
@@ -25,7 +25,7 @@ const REMEMBERED: usize = 4096;
 
 impl<'a> Report<'a> {
     pub(super) fn new(
-        content: &'a Content,
+        owners: &'a dyn Owners,
         seen: &'a mut Seen,
         canvas: Option<&'a mut dyn Canvas>,
     ) -> Report<'a> {
@@ -35,7 +35,7 @@ impl<'a> Report<'a> {
         buffers.clusters.clear();
         buffers.clusters.resize(REMEMBERED, (ItemId(u32::MAX), 0));
         Report {
-            content,
+            owners,
             buffers,
             seen,
             canvas,
@@ -89,7 +89,7 @@ impl<'a> Report<'a> {
 
     /// Must samples come row after row? Else they may come in any order, by [`Report::some`] and [`Report::eight`].
     pub(super) fn wants_rows(&self) -> bool {
-        self.canvas.is_some() || !self.content.openings().is_empty()
+        self.canvas.is_some() || self.owners.has_openings()
     }
 
     /// Some samples have this lower half. Only where rows are not wanted.
@@ -128,11 +128,11 @@ impl<'a> Report<'a> {
     /// Reports who owns a sample that is neither open nor covered.
     #[inline(never)]
     fn meet(&mut self, lower_half: u32) -> Option<Owner> {
-        let owner = self.content.owner(owner_of(lower_half)?, self.last);
+        let owner = self.owners.owner(owner_of(lower_half)?, self.last);
         if let Owner::Face(item, face) = owner
             && self.last != Some(owner)
         {
-            let cluster = self.content.mesh_of(item).cluster_of(face) as u32;
+            let cluster = self.owners.cluster_of(item, face);
             let ReportBuffers {
                 owners,
                 faces,
@@ -183,9 +183,9 @@ impl<'a> Report<'a> {
         let same_face = |a: &GlassSample, b: &GlassSample| (a.item, a.face) == (b.item, b.face);
         for run in seen.glass.chunk_by(same_face) {
             let GlassSample { item, face, .. } = run[0];
-            owners.push((item, self.content.mesh_of(item).cluster_of(face) as u32));
+            owners.push((item, self.owners.cluster_of(item, face)));
         }
-        report_owners(owners, self.content, seen);
+        report_owners(owners, self.owners, seen);
         owners.clear();
         seen.report = self.buffers;
     }

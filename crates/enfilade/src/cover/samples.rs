@@ -6,7 +6,7 @@ use super::trace::Trace;
 use super::triangle::{Row, Triangle};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
-use crate::content::{Content, ItemId};
+use crate::content::{ItemId, Owners};
 use crate::faces::{Faces, Of};
 use crate::passage::Passage;
 use crate::seen::Seen;
@@ -104,8 +104,8 @@ impl Samples {
     }
 
     /// Reports and paints the owners that are left.
-    pub(super) fn report(&self, content: &Content, seen: &mut Seen, canvas: Option<&mut dyn Canvas>) {
-        let mut report = Report::new(content, seen, canvas.map(|canvas| canvas as &mut dyn Canvas));
+    pub(super) fn report(&self, owners: &dyn Owners, seen: &mut Seen, canvas: Option<&mut dyn Canvas>) {
+        let mut report = Report::new(owners, seen, canvas.map(|canvas| canvas as &mut dyn Canvas));
         let Rect { x0, y0, x1, y1 } = self.rect;
         for y in y0..y1 {
             let row = self.row(y, x0, x1);

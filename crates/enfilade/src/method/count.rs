@@ -8,9 +8,15 @@ use crate::passage::Passage;
 use crate::region::{Region, Sight};
 
 /// Counts what an order hands out, and hides nothing.
-struct Count<'a> {
-    faces: u64,
+pub(super) struct Count<'a> {
+    pub(super) faces: u64,
     marks: &'a mut Marks,
+}
+
+impl<'a> Count<'a> {
+    pub(super) fn new(marks: &'a mut Marks) -> Count<'a> {
+        Count { faces: 0, marks }
+    }
 }
 
 impl Visit for Count<'_> {
@@ -36,10 +42,7 @@ pub(super) fn count_faces<O: Order>(
 ) -> u64 {
     let mut scratch = memory.take::<O::Scratch>();
     memory.marks.begin(content.items().len());
-    let mut count = Count {
-        faces: 0,
-        marks: &mut memory.marks,
-    };
+    let mut count = Count::new(&mut memory.marks);
     order.visit(content, passage, &mut scratch, &mut count);
     let faces = count.faces;
     memory.put_back(scratch);

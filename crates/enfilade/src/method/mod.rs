@@ -6,6 +6,7 @@ mod enlarged;
 mod found;
 mod gathered;
 mod in_cells;
+mod large_terrain;
 mod ordered;
 mod ours;
 mod paired;

@@ -74,7 +74,7 @@ where
         if strips > 1 {
             look_in_strips(
                 strips,
-                &self.content,
+                &*self.content,
                 passage,
                 memory,
                 seen,
@@ -87,7 +87,7 @@ where
         if primes {
             memory
                 .recall
-                .remember(passage, seen.clusters_of_items(&self.content), last);
+                .remember(passage, seen.clusters_of_items(&*self.content), last);
         } else {
             memory.recall.give_back(last);
         }
@@ -127,7 +127,7 @@ where
                 cover.look_through(&faces, passage, &mut memory.stats, seen);
             }
         }
-        cover.finish(&self.content, passage, seen, reborrow(&mut canvas));
+        cover.finish(&*self.content, passage, seen, reborrow(&mut canvas));
         if let Some(canvas) = canvas.filter(|canvas| canvas.wants_cover()) {
             cover.show(passage, canvas);
         }

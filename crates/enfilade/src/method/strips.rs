@@ -8,7 +8,7 @@
 //! Exact: the same items, clusters and openings, sample by sample, however many strips there are; other counts of work.
 
 use crate::aperture::{Rect, Rows};
-use crate::content::{Content, ItemId};
+use crate::content::{ItemId, Owners};
 use crate::memory::Memory;
 use crate::passage::Passage;
 use crate::seen::{Seen, report_owners};
@@ -28,7 +28,7 @@ const ALIGNED: u16 = 8;
 #[derive(Default)]
 struct Strips {
     strips: Vec<Strip>,
-    owners: Vec<(ItemId, u32)>,
+    met: Vec<(ItemId, u32)>,
 }
 
 #[derive(Default)]
@@ -53,14 +53,14 @@ pub(super) fn count(passage: &Passage, memory: &Memory) -> usize {
 /// Looks through `count` strips of a passage, and reports what all of them together see.
 pub(super) fn look_in_strips(
     count: usize,
-    content: &Content,
+    owners: &dyn Owners,
     passage: &Passage,
     memory: &mut Memory,
     seen: &mut Seen,
     look: impl Fn(&Passage, &mut Memory, &mut Seen) + Send + Sync,
 ) {
     let mut all = memory.take::<Strips>();
-    let Strips { strips, owners } = &mut *all;
+    let Strips { strips, met } = &mut *all;
     if strips.len() < count {
         strips.resize_with(count, Strip::default);
     }
@@ -72,13 +72,13 @@ pub(super) fn look_in_strips(
     });
     // From the first to the last: openings are reported as their samples come, top to bottom.
     for strip in strips {
-        owners.extend(strip.seen.clusters_of_items(content));
+        met.extend(strip.seen.clusters_of_items(owners));
         memory.stats.add(&strip.memory.stats);
         strip.report_openings(seen);
         seen.samples_owned += strip.seen.samples_owned;
     }
-    report_owners(owners, content, seen);
-    owners.clear();
+    report_owners(met, owners, seen);
+    met.clear();
     memory.put_back(all);
 }
 

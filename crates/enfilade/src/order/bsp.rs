@@ -10,7 +10,7 @@
 
 use super::items::{hand_out_see_through, opening_faces};
 use super::{FarToNear, NearToFar, Order, Refusal, Visit};
-use crate::content::{Alpha, Content, ItemId, OpeningId, Owner};
+use crate::content::{Alpha, Content, ItemId, OpeningId, Owner, Owners};
 use crate::faces::{Cut, Faces};
 use crate::fragment::Built;
 use crate::geom::{BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};

@@ -7,6 +7,7 @@ mod convex_cell;
 mod depth_sort;
 mod items;
 mod kd_tree;
+mod large_terrain;
 mod octree;
 mod queue;
 mod terrain_rows;

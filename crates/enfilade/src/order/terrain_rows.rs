@@ -183,36 +183,38 @@ impl Ground {
             return;
         }
         let below = &self.levels[level - 1];
-        let [columns, rows] = [
-            self.near_to_far(way.eye[0], column, below, 0),
-            self.near_to_far(way.eye[2], row, below, 1),
-        ];
+        let [columns, rows] = [(column, 0), (row, 1)].map(|(square, axis)| {
+            let first = 2 * square;
+            let squares = (below.size[axis] - first).min(2);
+            let border = move |square| below.border(first + square, axis);
+            near_to_far(squares, border, way.eye[2 * axis]).map(move |square| first + square)
+        });
         for row in rows {
-            for column in columns {
-                if column < below.size[0] && row < below.size[1] {
-                    self.walk(way, level - 1, [column, row], queue, visit);
-                }
+            for column in columns.clone() {
+                self.walk(way, level - 1, [column, row], queue, visit);
             }
-        }
-    }
-
-    /// The two squares of a level below one along an axis, first the one on the eye's side of the plane between them.
-    fn near_to_far(&self, eye: f64, square: u32, below: &Level, axis: usize) -> [u32; 2] {
-        let [first, second] = [2 * square, 2 * square + 1];
-        if second >= below.size[axis] {
-            return [first, second];
-        }
-        let place = if axis == 0 { second } else { second * below.size[0] };
-        let border = f64::from(below.bounds[place as usize].min[2 * axis]);
-        if eye < border {
-            [first, second]
-        } else {
-            [second, first]
         }
     }
 }
 
+/// Squares in a row, each before those that are beyond it: the eye's own and what is before it, then what is after. `border` says
+/// where one begins, but for the first.
+pub(super) fn near_to_far(
+    squares: u32,
+    border: impl Fn(u32) -> f64,
+    eye: f64,
+) -> impl Iterator<Item = u32> + Clone {
+    let own = (1..squares).take_while(|&square| border(square) <= eye).count() as u32;
+    (0..=own).rev().chain(own + 1..squares)
+}
+
 impl Level {
+    /// Where a column of squares begins, or with axis 1 a row: x, or z.
+    fn border(&self, square: u32, axis: usize) -> f64 {
+        let place = if axis == 0 { square } else { square * self.size[0] };
+        f64::from(self.bounds[place as usize].min[2 * axis])
+    }
+
     /// Squares of 2×2 of these.
     fn above(&self) -> Level {
         let size = self.size.map(|side| side.div_ceil(2));

@@ -158,7 +158,7 @@ impl Hit {
     }
 }
 
-fn line_of(ray: &Ray) -> Option<Line> {
+pub(super) fn line_of(ray: &Ray) -> Option<Line> {
     let [origin, direction] = [ray.origin, ray.direction].map(|v| DVec3::from(v.map(f64::from)));
     Line::new(origin, direction)
 }
@@ -175,7 +175,7 @@ fn meet_face(mesh: &Mesh, face: u32, line: &Line) -> Option<(f64, bool)> {
 }
 
 /// Where a ray meets a triangle, and whether from behind.
-fn meet([a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<(f64, bool)> {
+pub(super) fn meet([a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<(f64, bool)> {
     let [ab, ac, from_a] = [b - a, c - a, origin - a];
     let p = direction.cross(ac);
     let determinant = ab.dot(p);

@@ -5,6 +5,7 @@ mod between;
 mod capsule;
 mod cast;
 mod items;
+mod large_terrain;
 mod near;
 mod nearest;
 mod pairs;

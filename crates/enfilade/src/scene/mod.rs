@@ -17,7 +17,7 @@ pub use error::{SceneError, Way};
 pub use light::{Light, LightId, LightShape};
 pub use portal::{FragmentId, Portal, PortalId};
 
-use crate::content::{Content, OpeningId};
+use crate::content::{Content, ItemId, OpeningId};
 use crate::fragment::{Built, Fragment};
 use crate::geom::{Aabb, Transform};
 use crate::method::{Method, Ours, Unsuited};
@@ -221,7 +221,8 @@ impl Scene {
 
     /// Has every fragment of ours what a method goes by ([`Method::suits`])?
     pub fn suits(&self, method: Method) -> bool {
-        self.contents().all(|content| method.suits(content))
+        let mut contents = self.fragments().filter_map(|id| self.content(id));
+        contents.all(|content| method.suits(content))
     }
 
     /// The same scene with its openings as plain holes: no portal is followed.
@@ -261,14 +262,29 @@ impl Scene {
         self.fragment(id).bounds()
     }
 
-    /// Items of all fragments of ours; one that stands in two is counted twice.
+    /// Items of all fragments; one that stands in two is counted twice. Of the user's own, as many as they say.
     pub fn item_count(&self) -> usize {
-        self.contents().map(|content| content.item_count()).sum()
+        let items = |id| match self.content(id) {
+            Some(content) => content.item_count(),
+            None => self.fragment(id).item_count() as usize,
+        };
+        self.fragments().map(items).sum()
     }
 
-    /// Triangles of all fragments of ours, each copy counted.
+    /// Triangles of all fragments, each copy counted. Of the user's own, as many as they [say](Fragment::item_triangles).
     pub fn triangle_count(&self) -> u64 {
-        self.contents().map(|content| content.triangle_count()).sum()
+        self.fragments().map(|id| self.triangles_of(id)).sum()
+    }
+
+    /// The same of one fragment.
+    pub fn triangles_of(&self, id: FragmentId) -> u64 {
+        let own = self.fragment(id);
+        match self.content(id) {
+            Some(content) => content.triangle_count(),
+            None => (0..own.item_count())
+                .map(|item| own.item_triangles(ItemId(item), &[]))
+                .sum(),
+        }
     }
 
     /// Memory in bytes, of contents and of what methods built over them.
@@ -287,10 +303,6 @@ impl Scene {
                 splits: sum.splits + built.splits,
                 depth: sum.depth.max(built.depth),
             })
-    }
-
-    fn contents(&self) -> impl Iterator<Item = &Arc<Content>> {
-        self.fragments().filter_map(|id| self.content(id))
     }
 }
 

@@ -7,10 +7,13 @@
 
 mod carried;
 mod diagonal;
+mod large;
 #[cfg(test)]
 mod tests;
 
 pub use diagonal::Diagonal;
+pub(crate) use large::Workplace;
+pub use large::{HeightBytes, HeightFormat, Heights, LargeTerrain};
 
 use crate::content::{Content, ContentBuilder, ContentError, ItemId, MaterialId, MeshId};
 use crate::geom::Transform;
@@ -69,6 +72,17 @@ pub enum HeightFieldError {
         /// How many there are.
         has: u64,
     },
+    /// Not as many bytes as the heights take.
+    #[error("heights of {needs} bytes are needed, but {has} are there")]
+    Bytes {
+        /// How many there should be.
+        needs: u64,
+        /// How many there are.
+        has: u64,
+    },
+    /// More faces than are numbered.
+    #[error("blocks of so many samples take {0} numbers of faces, but there are no more than 4294907295")]
+    Faces(u64),
     /// NaN, which stands for a hole as a rule, or infinite.
     #[error(
         "the height at column {column}, row {row} is {height}: terrain has no holes. Fill it, or cut the field in parts around it"
@@ -111,13 +125,7 @@ impl HeightField {
         heights: impl Into<Vec<f32>>,
     ) -> Result<HeightField, HeightFieldError> {
         check_size(size)?;
-        let is_sound = |axis: usize| {
-            let end = cell[axis] * f64::from(size[axis]);
-            cell[axis] as f32 > 0.0 && end < f64::from(f32::MAX)
-        };
-        if !(is_sound(0) && is_sound(1)) {
-            return Err(HeightFieldError::Cell(cell));
-        }
+        check_cell(size, cell)?;
         let lines = [0, 1].map(|axis| {
             let place = |line| (f64::from(line) * cell[axis]) as f32;
             (0..size[axis]).map(place).collect()
@@ -275,6 +283,17 @@ impl HeightField {
 fn check_size(size: [u32; 2]) -> Result<(), HeightFieldError> {
     if size.iter().any(|side| !(2..=MOST_SAMPLES).contains(side)) {
         return Err(HeightFieldError::Size(size));
+    }
+    Ok(())
+}
+
+fn check_cell(size: [u32; 2], cell: [f64; 2]) -> Result<(), HeightFieldError> {
+    let is_sound = |axis: usize| {
+        let end = cell[axis] * f64::from(size[axis]);
+        cell[axis] as f32 > 0.0 && end < f64::from(f32::MAX)
+    };
+    if !(is_sound(0) && is_sound(1)) {
+        return Err(HeightFieldError::Cell(cell));
     }
     Ok(())
 }

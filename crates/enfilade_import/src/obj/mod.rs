@@ -138,6 +138,7 @@ fn read(
             name: name.to_owned(),
             content,
             method: None,
+            large: None,
         }],
         portals: Vec::new(),
         cameras: Vec::new(),

@@ -81,6 +81,7 @@ fn finish(
             name: shell.name,
             content: Arc::new(shell.builder.build().map_err(BrokenRule::Content)?),
             method: shell.method,
+            large: None,
         });
     }
     Ok((rooms, portals))

@@ -14,7 +14,9 @@ pub enum TerrainError {
     )]
     Description(String),
     /// Heights are stored in a way that is not read.
-    #[error("has heights in the format `{0}`; `u16 little endian` and `u16 big endian` are read")]
+    #[error(
+        "has heights in the format `{0}`; `u16 little endian`, `u16 big endian`, `f32 little endian` and `f32 big endian` are read"
+    )]
     Format(String),
     /// The heights are in a file, and there is no folder to look in.
     #[error("describes heights in a file, but no folder was given to look for it")]
@@ -62,7 +64,7 @@ pub enum TerrainError {
     )]
     NoData {
         /// What stands there.
-        number: u16,
+        number: f32,
         /// Counted from the west.
         column: u32,
         /// Counted from the north.

@@ -9,25 +9,32 @@
 //! }
 //! ```
 //!
-//! `width` heights from west to east, `height` rows of them, the northern first, each a number of 16 bits without sign, in
-//! metres. `noData` is the number that stands for a hole, if one does. Without `file` the heights are in the only file beside it
+//! `width` heights from west to east, `height` rows of them, the northern first, in metres. `format` says how each is stored: `u16
+//! little endian` and `u16 big endian` are numbers of 16 bits without sign, `f32 little endian` and `f32 big endian` those of 32
+//! bits with a fraction. `noData` is the number that stands for a hole, if one does. Without `file` the heights are in the only file beside it
 //! that is called as it is, or begins so, and ends in `.raw`. `diagonal` says where the diagonal of each cell begins:
 //! `north-east`, as where it is left out, or `north-west`. `method` says how it is to be seen, if it is there. Other keys are
 //! comments.
+//!
+//! Where the heights would take more as meshes than reading may, they stay in their file, which is mapped into memory.
 //! Source: ours.
-//! Cost: O(heights).
+//! Cost: O(heights); memory, too, unless they stay in their file.
 //! Hostile: what is said of the heights is held against their file before anything is set aside.
 
 mod error;
 mod files;
 pub(crate) mod grid;
+mod map;
 
 pub use error::TerrainError;
 pub use grid::{GridError, GridPlace};
 
 use crate::budget::Budget;
 use crate::{BrokenRule, Import, ReadOptions, Room, read_regular_file};
-use enfilade::{ContentBuilder, Diagonal, HeightField, Material, MaterialId, Method, Transform};
+use enfilade::{
+    Content, ContentBuilder, Diagonal, HeightBytes, HeightField, HeightFieldError, HeightFormat, Heights,
+    LargeTerrain, Material, MaterialId, Method, Transform,
+};
 use serde::Deserialize;
 use std::path::Path;
 use std::sync::Arc;
@@ -43,7 +50,7 @@ struct Description {
     #[serde(rename = "cellMetresZ")]
     cell_z: f64,
     #[serde(rename = "noData")]
-    no_data: Option<u16>,
+    no_data: Option<f32>,
     file: Option<String>,
     method: Option<String>,
     #[serde(default)]
@@ -96,7 +103,7 @@ pub(crate) fn import(
 ) -> Result<Import, BrokenRule> {
     let description: Description =
         serde_json::from_slice(bytes).map_err(|why| TerrainError::Description(why.to_string()))?;
-    let is_big_endian = description.is_big_endian()?;
+    let format = description.format()?;
     let method = description.method()?;
     let folder = folder.ok_or(TerrainError::NoFolder)?;
     let path = files::heights_of(&description.file, folder, name)?;
@@ -105,10 +112,11 @@ pub(crate) fn import(
         file: path.display().to_string(),
         why: Box::new(why),
     };
-    let has = std::fs::metadata(&path)
-        .map_err(|why| in_file(BrokenRule::Unreadable(why)))?
-        .len();
-    let needs = samples.saturating_mul(2);
+    let about = std::fs::metadata(&path).map_err(|why| in_file(BrokenRule::Unreadable(why)))?;
+    if !about.is_file() {
+        return Err(in_file(BrokenRule::NotAFile).into());
+    }
+    let (needs, has) = (samples.saturating_mul(format.bytes()), about.len());
     if has != needs {
         return Err(TerrainError::Length {
             file: path.display().to_string(),
@@ -118,34 +126,33 @@ pub(crate) fn import(
         }
         .into());
     }
-    budget.take(samples.saturating_mul(BYTES_OF_SAMPLE), || {
-        format!("terrain of {samples} heights")
-    })?;
-    let raw = read_regular_file(&path, None, &|| "its heights".to_owned(), &mut budget).map_err(in_file)?;
-    let heights = description.heights(&raw, is_big_endian)?;
-    let field = HeightField::new(
-        [description.width, description.height],
-        [description.cell_x, description.cell_z],
-        heights,
-    )
-    .map_err(TerrainError::Field)?
-    .cut_along(description.diagonal.into());
-
-    let ground = Material {
-        double_sided: true,
-        ..Material::opaque(GROUND)
-    };
-    let mut content = ContentBuilder::new([ground]);
-    content
-        .terrain("block", field, MaterialId(0), Transform::IDENTITY)
-        .map_err(BrokenRule::Content)?;
-    let content = Arc::new(content.build().map_err(BrokenRule::Content)?);
-    Ok(Import {
-        rooms: vec![Room {
+    let place = || format!("terrain of {samples} heights");
+    let as_meshes = samples.saturating_mul(BYTES_OF_SAMPLE);
+    let room = if budget.has(needs.saturating_add(as_meshes)) {
+        budget.take(as_meshes, place)?;
+        let raw =
+            read_regular_file(&path, None, &|| "its heights".to_owned(), &mut budget).map_err(in_file)?;
+        Room {
             name: name.to_owned(),
-            content,
+            content: Arc::new(description.meshes(&raw, format)?),
             method,
-        }],
+            large: None,
+        }
+    } else {
+        budget.take(samples / CELLS_OF_BLOCK * BYTES_OF_BLOCK, place)?;
+        let mapped = usize::try_from(needs).map_err(|_| std::io::ErrorKind::OutOfMemory.into());
+        let mapped = mapped.and_then(|bytes| map::map(&path, bytes));
+        let mapped = mapped.map_err(|why| in_file(BrokenRule::Unreadable(why)))?;
+        let nothing = ContentBuilder::new([] as [Material; 0]).build();
+        Room {
+            name: name.to_owned(),
+            content: Arc::new(nothing.map_err(BrokenRule::Content)?),
+            method,
+            large: Some(Arc::new(description.large(mapped, format)?)),
+        }
+    };
+    Ok(Import {
+        rooms: vec![room],
         portals: Vec::new(),
         cameras: Vec::new(),
         lights: Vec::new(),
@@ -168,22 +175,30 @@ const GROUND: [f32; 3] = [0.32, 0.36, 0.17];
 /// What a height takes: as a number, as a corner of two to four blocks with its normal, as two triangles.
 const BYTES_OF_SAMPLE: u64 = 4 + 30 + 2 * 40;
 
+/// Cells of a block of [`LargeTerrain`], and the bytes that it keeps of one, with those of the squares of blocks.
+const CELLS_OF_BLOCK: u64 = 32 * 32;
+const BYTES_OF_BLOCK: u64 = 11;
+
 impl Description {
-    /// Which byte of a height comes first; heights that are no numbers of 16 bits without sign are not read.
-    fn is_big_endian(&self) -> Result<bool, TerrainError> {
+    /// How a height is stored: numbers of 16 bits without sign and of 32 bits with a fraction are read.
+    fn format(&self) -> Result<HeightFormat, TerrainError> {
         let words: Vec<String> = self
             .format
             .split(|c: char| !c.is_alphanumeric())
             .map(str::to_lowercase)
             .collect();
-        let has = |word: &str| words.iter().any(|one| one == word);
-        let is_short = has("u16") || has("uint16") || has("u16le") || has("u16be");
-        let little = has("little") || has("u16le");
-        let big = has("big") || has("u16be");
-        if !is_short || little == big {
-            return Err(TerrainError::Format(self.format.clone()));
+        let has = |names: &[&str]| words.iter().any(|word| names.contains(&word.as_str()));
+        let is_short = has(&["u16", "uint16", "u16le", "u16be"]);
+        let is_float = has(&["f32", "float32", "f32le", "f32be"]);
+        let little = has(&["little", "u16le", "f32le"]);
+        let big = has(&["big", "u16be", "f32be"]);
+        match [is_short, is_float, little, big] {
+            [true, false, true, false] => Ok(HeightFormat::U16Le),
+            [true, false, false, true] => Ok(HeightFormat::U16Be),
+            [false, true, true, false] => Ok(HeightFormat::F32Le),
+            [false, true, false, true] => Ok(HeightFormat::F32Be),
+            _ => Err(TerrainError::Format(self.format.clone())),
         }
-        Ok(big)
     }
 
     fn method(&self) -> Result<Option<Method>, TerrainError> {
@@ -197,25 +212,63 @@ impl Description {
         Ok(Some(known))
     }
 
-    /// The numbers of a file that has all of them.
-    fn heights(&self, raw: &[u8], is_big_endian: bool) -> Result<Vec<f32>, TerrainError> {
-        let mut heights = Vec::with_capacity(raw.len() / 2);
-        for &two in raw.as_chunks::<2>().0 {
-            let number = if is_big_endian {
-                u16::from_be_bytes(two)
-            } else {
-                u16::from_le_bytes(two)
-            };
-            if Some(number) == self.no_data {
-                let at = heights.len() as u32;
-                return Err(TerrainError::NoData {
-                    number,
-                    column: at % self.width,
-                    row: at / self.width,
-                });
-            }
-            heights.push(f32::from(number));
+    /// The heights in bytes that have all of them.
+    fn stored<B: AsRef<[u8]> + Send + Sync>(
+        &self,
+        bytes: B,
+        format: HeightFormat,
+        hole: Option<f32>,
+    ) -> Result<HeightBytes<B>, TerrainError> {
+        HeightBytes::new(bytes, [self.width, self.height], format, hole).map_err(TerrainError::Field)
+    }
+
+    /// Blocks as meshes.
+    fn meshes(&self, raw: &[u8], format: HeightFormat) -> Result<Content, BrokenRule> {
+        let stored = self.stored(raw, format, self.no_data)?;
+        let mut heights = vec![0.0; self.width as usize * self.height as usize];
+        for (row, heights) in (0..).zip(heights.chunks_exact_mut(self.width.max(1) as usize)) {
+            stored.read(0, row, heights);
         }
-        Ok(heights)
+        let size = [self.width, self.height];
+        let field = HeightField::new(size, [self.cell_x, self.cell_z], heights);
+        let field = field.map_err(|why| self.refusal(why, raw, format))?;
+        let ground = Material {
+            double_sided: true,
+            ..Material::opaque(GROUND)
+        };
+        let mut content = ContentBuilder::new([ground]);
+        let field = field.cut_along(self.diagonal.into());
+        content
+            .terrain("block", field, MaterialId(0), Transform::IDENTITY)
+            .map_err(BrokenRule::Content)?;
+        content.build().map_err(BrokenRule::Content)
+    }
+
+    /// Heights that stay in their file.
+    fn large(&self, mapped: map::Map, format: HeightFormat) -> Result<LargeTerrain, TerrainError> {
+        let stored = self.stored(mapped.clone(), format, self.no_data)?;
+        let terrain = LargeTerrain::new(stored, [self.cell_x, self.cell_z], GROUND);
+        let terrain = terrain.map_err(|why| self.refusal(why, mapped, format))?;
+        Ok(terrain.cut_along(self.diagonal.into()))
+    }
+
+    /// Why heights make no field: a hole may be one that was announced.
+    fn refusal<B: AsRef<[u8]> + Send + Sync>(
+        &self,
+        why: HeightFieldError,
+        bytes: B,
+        format: HeightFormat,
+    ) -> TerrainError {
+        if let HeightFieldError::Hole { column, row, .. } = why
+            && let Ok(stored) = self.stored(bytes, format, None)
+        {
+            let mut number = [0.0];
+            stored.read(column, row, &mut number);
+            if Some(number[0]) == self.no_data {
+                let [number] = number;
+                return TerrainError::NoData { number, column, row };
+            }
+        }
+        TerrainError::Field(why)
     }
 }

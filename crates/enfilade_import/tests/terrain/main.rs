@@ -1,6 +1,6 @@
 //! Terrain as heights with a description beside them.
 
-use enfilade::{Method, Ray};
+use enfilade::{FragmentId, Method, Ray};
 use enfilade_import::{ImportError, ReadOptions, read, read_bytes, with_methods};
 use serde_json::{Value, json};
 use std::fs;
@@ -212,7 +212,14 @@ fn a_description_that_lacks_something_says_what_it_needs() {
         assert!(said.contains(&format!("missing field `{key}`")), "{said}");
         assert!(said.contains("it needs width, height, format"), "{said}");
     }
-    for format in ["f32 little endian", "u16", "u16 little big", "i16 little endian"] {
+    for format in [
+        "f64 little endian",
+        "f32",
+        "u16",
+        "f32 u16 big",
+        "u16 little big",
+        "i16 little endian",
+    ] {
         let mut other = description();
         other["format"] = json!(format);
         let said = refusal(&other, files);
@@ -229,21 +236,94 @@ fn a_description_that_lacks_something_says_what_it_needs() {
     assert!(said.contains("2 to 65537 samples along each side"), "{said}");
 }
 
+/// 50 heights from west to east in 40 rows, as numbers of 32 bits with a fraction.
+fn rolling() -> (Value, Vec<u8>) {
+    let mut description = description();
+    description["width"] = json!(50);
+    description["height"] = json!(40);
+    description["format"] = json!("f32 little endian");
+    let heights = (0..50 * 40_u32).flat_map(|at| ((at * 7 % 11) as f32 - 0.5).to_le_bytes());
+    (description, heights.collect())
+}
+
+const LITTLE: ReadOptions = ReadOptions {
+    limit_bytes: 20_000,
+    flat: false,
+    textures: true,
+};
+
 #[test]
-fn what_takes_more_memory_than_allowed_is_refused_before_it_is_read() {
-    let folder = written(&[
-        ("hill.json", description().to_string().as_bytes()),
-        ("hill.raw", &heights()),
-    ]);
-    let options = ReadOptions {
-        limit_bytes: 500,
-        ..ReadOptions::default()
+fn what_takes_more_as_meshes_than_allowed_stays_in_its_file_and_is_the_same_ground() {
+    let (mut description, heights) = rolling();
+    for diagonal in ["north-east", "north-west"] {
+        description["diagonal"] = json!(diagonal);
+        let text = description.to_string();
+        let folder = written(&[("hill.json", text.as_bytes()), ("hill.raw", &heights)]);
+        let path = folder.path().join("hill.json");
+        let [small, large] =
+            [ReadOptions::default(), LITTLE].map(|options| read(&path, &options).expect("sound terrain"));
+        assert!(small.rooms[0].large.is_none());
+        assert!(large.rooms[0].large.is_some() && large.rooms[0].content.items().is_empty());
+        let [small, large] = [small, large].map(|import| {
+            let scene = import.scene(Method::FloatingHorizon, Method::DEFAULT_LIMIT);
+            scene.expect("one room")
+        });
+        assert_eq!(large.fragment_name(FragmentId(0)), "hill");
+        assert_eq!((large.item_count(), large.triangle_count()), (4, 2 * 49 * 39));
+        assert_eq!(large.bounds(FragmentId(0)), small.bounds(FragmentId(0)));
+        assert!(large.bytes() < 16_000, "{}", large.bytes());
+        for at in 0..50 {
+            let ray = Ray {
+                origin: [3.7 + 9.1 * at as f32, 100.0, 11.3 + 14.9 * at as f32],
+                direction: [0.1, -1.0, 0.03],
+            };
+            let [small, large] = [&small, &large].map(|scene| scene.fragment(FragmentId(0)).cast(&ray));
+            let [small, large] = [small, large].map(|hit| hit.map(|hit| (hit.item, hit.distance)));
+            assert_eq!(small, large, "{ray:?}");
+        }
+    }
+}
+
+#[test]
+fn holes_are_told_by_their_place_wherever_heights_stay() {
+    let (mut description, mut heights) = rolling();
+    description["noData"] = json!(-9999);
+    let mut said = |height: f32| {
+        heights[4 * (33 * 50 + 7)..][..4].copy_from_slice(&height.to_le_bytes());
+        let text = description.to_string();
+        let folder = written(&[("hill.json", text.as_bytes()), ("hill.raw", &heights)]);
+        [ReadOptions::default(), LITTLE].map(|options| {
+            let refused = read(&folder.path().join("hill.json"), &options).expect_err("a hole");
+            refused.to_string()
+        })
     };
-    let said = read(&folder.path().join("hill.json"), &options).expect_err("too large");
-    assert!(
-        said.to_string().contains("terrain of 6 heights would take"),
-        "{said}"
-    );
+    for said in said(-9999.0) {
+        assert!(
+            said.contains("has no height at column 7, row 33, where -9999 stands, its noData"),
+            "{said}"
+        );
+    }
+    for said in said(f32::NAN) {
+        assert!(
+            said.contains("is no terrain: the height at column 7, row 33 is NaN"),
+            "{said}"
+        );
+    }
+}
+
+#[test]
+fn heights_with_a_fraction_are_read_whichever_byte_comes_first() {
+    let numbers = [1.25_f32, -2.0, 3.0, 4.0, 5.0, 600.5];
+    let [little, big] = [f32::to_le_bytes, f32::to_be_bytes].map(|bytes| numbers.map(bytes).concat());
+    for (format, bytes) in [("f32 little endian, metres", little), ("float32 big-endian", big)] {
+        let mut description = description();
+        description["format"] = json!(format);
+        let text = description.to_string();
+        let folder = written(&[("hill.json", text.as_bytes()), ("hill.raw", &bytes)]);
+        let bounds = read(&folder.path().join("hill.json"), &ReadOptions::default());
+        let bounds = bounds.expect("sound terrain").rooms[0].content.bounds();
+        assert_eq!([bounds.min[1], bounds.max[1]], [-2.0, 600.5], "{format}");
+    }
 }
 
 #[test]

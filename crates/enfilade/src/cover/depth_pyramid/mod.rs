@@ -10,7 +10,7 @@ mod show;
 
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, CoverShape};
-use crate::content::Content;
+use crate::content::Owners;
 use crate::cover::raster::{Band, Raster, Sink};
 use crate::cover::report::Report;
 use crate::cover::samples::look_through;
@@ -108,12 +108,12 @@ impl Paints for DepthPyramid {
 
     fn finish(
         &mut self,
-        content: &Content,
+        owners: &dyn Owners,
         _passage: &Passage,
         seen: &mut Seen,
         canvas: Option<&mut dyn Canvas>,
     ) {
-        let mut report = Report::new(content, seen, canvas.map(|canvas| canvas as &mut dyn Canvas));
+        let mut report = Report::new(owners, seen, canvas.map(|canvas| canvas as &mut dyn Canvas));
         self.depths.tiles.report(&mut report);
         report.finish();
     }

@@ -20,7 +20,7 @@ use super::triangle::Triangle;
 use super::{Coarse, Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, CoverShape};
-use crate::content::Content;
+use crate::content::Owners;
 use crate::faces::Faces;
 use crate::mesh::NONE;
 use crate::order::Unsorted;
@@ -133,12 +133,12 @@ impl Paints for SpanBuffer {
 
     fn finish(
         &mut self,
-        content: &Content,
+        owners: &dyn Owners,
         _passage: &Passage,
         seen: &mut Seen,
         canvas: Option<&mut dyn Canvas>,
     ) {
-        let mut report = Report::new(content, seen, canvas.map(|canvas| canvas as &mut dyn Canvas));
+        let mut report = Report::new(owners, seen, canvas.map(|canvas| canvas as &mut dyn Canvas));
         let rect = self.rows.rect;
         for y in rect.y0..rect.y1 {
             let spans = self.rows.rows[usize::from(y)].spans.iter();

@@ -137,6 +137,7 @@ pub(crate) fn import(
             name: name.to_owned(),
             content: Arc::new(content),
             method: None,
+            large: None,
         }],
         portals: Vec::new(),
         cameras: starts::cameras(&entities, is_quake3),

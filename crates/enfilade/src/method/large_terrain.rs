@@ -1,0 +1,159 @@
+//! Large ground seen by the floating horizon: its own walk, and the same cover as of ground that is a content.
+
+use super::count::Count;
+use super::strips::{self, look_in_strips};
+use crate::canvas::Canvas;
+use crate::content::{ItemId, Opening};
+use crate::cover::{Cover, Horizon, Paints};
+use crate::faces::Faces;
+use crate::fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
+use crate::geom::Aabb;
+use crate::memory::Memory;
+use crate::order::Visit;
+use crate::passage::Passage;
+use crate::region::{Region, Sight};
+use crate::seen::Seen;
+use crate::stats::Stats;
+use crate::terrain::{LargeTerrain, Workplace};
+
+impl LargeTerrain {
+    fn look(
+        &self,
+        passage: &Passage,
+        memory: &mut Memory,
+        seen: &mut Seen,
+        mut canvas: Option<&mut dyn Canvas>,
+    ) {
+        let mut cover = memory.take::<Horizon>();
+        let mut workplace = memory.take::<Workplace>();
+        cover.clear(passage, memory.trace);
+        let mut walk = Walk {
+            passage,
+            cover: &mut cover,
+            stats: &mut memory.stats,
+        };
+        self.visit(passage, &mut workplace, &mut walk);
+        cover.finish(
+            self,
+            passage,
+            seen,
+            canvas.as_mut().map(|canvas| &mut **canvas as _),
+        );
+        if let Some(canvas) = canvas.filter(|canvas| canvas.wants_cover()) {
+            cover.show(passage, canvas);
+        }
+        memory.put_back(cover);
+        memory.put_back(workplace);
+    }
+}
+
+/// Joins the walk to the cover.
+struct Walk<'a> {
+    passage: &'a Passage,
+    cover: &'a mut Horizon,
+    stats: &'a mut Stats,
+}
+
+impl Visit for Walk<'_> {
+    fn enter(&mut self, region: &Region) -> Sight {
+        self.stats.boxes_tested += 1;
+        let sight = self.cover.sees(region);
+        self.stats.boxes_hidden += u64::from(sight == Sight::Hidden);
+        sight
+    }
+
+    /// Blocks are met once, for each is in one square alone.
+    fn first_time(&mut self, _item: ItemId) -> bool {
+        true
+    }
+
+    fn faces(&mut self, faces: &Faces) {
+        self.cover.add(faces, self.passage, self.stats, None);
+    }
+}
+
+impl Fragment for LargeTerrain {
+    fn bounds(&self) -> Aabb {
+        let ground = self.bounds_of(self.level_count() - 1, [0, 0]);
+        ground.union(&self.holes().bounds())
+    }
+
+    fn openings(&self) -> &[Opening] {
+        self.holes().openings()
+    }
+
+    fn contract(&self) -> Contract {
+        Contract::Exact
+    }
+
+    fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
+        let strips = strips::count(passage, memory);
+        if strips > 1 {
+            look_in_strips(strips, self, passage, memory, seen, |strip, memory, seen| {
+                self.look(strip, memory, seen, None);
+            });
+        } else {
+            self.look(passage, memory, seen, None);
+        }
+        memory.stats.samples_owned += seen.samples_owned;
+    }
+
+    fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: &mut dyn Canvas) {
+        // A canvas gets one row after the other.
+        self.look(passage, memory, seen, Some(canvas));
+        memory.stats.samples_owned += seen.samples_owned;
+    }
+
+    fn cast(&self, ray: &Ray) -> Option<Hit> {
+        self.first_along(ray)
+    }
+
+    fn surface(&self, item: ItemId, face: u32) -> Surface {
+        self.surface_of(item, face)
+    }
+
+    fn walk(&self, passage: &Passage, memory: &mut Memory) -> u64 {
+        let mut workplace = memory.take::<Workplace>();
+        let mut count = Count::new(&mut memory.marks);
+        self.visit(passage, &mut workplace, &mut count);
+        let faces = count.faces;
+        memory.put_back(workplace);
+        faces
+    }
+
+    fn built(&self) -> Built {
+        Built {
+            faces: self.triangle_count(),
+            ..Built::default()
+        }
+    }
+
+    fn bytes(&self) -> u64 {
+        self.own_bytes()
+    }
+
+    fn item_count(&self) -> u32 {
+        self.blocks().iter().product()
+    }
+
+    fn item_name(&self, item: ItemId) -> String {
+        let [column, row] = self.block_at(item);
+        format!("block {row} {column}")
+    }
+
+    fn item_bounds(&self, item: ItemId) -> Aabb {
+        self.bounds_of(0, self.block_at(item))
+    }
+
+    fn item_triangles(&self, item: ItemId, clusters: &[u32]) -> u64 {
+        let block = self.block_at(item);
+        let columns = self.squares(block)[0];
+        if clusters.is_empty() {
+            return self.triangles_of_block(block);
+        }
+        let squares = clusters.iter().map(|number| [number % columns, number / columns]);
+        squares
+            .map(|place| self.square(block, place).triangle_count())
+            .sum()
+    }
+}

@@ -1,0 +1,116 @@
+//! Ground that is no content, near to far: squares of blocks dropped by the least and the greatest of their heights, and
+//! triangles made of what is left.
+//!
+//! As [`TerrainRows`](super::TerrainRows), down to squares of 8×8 cells: these are asked about one by one, for what they take to
+//! make is more than what they take to ask about.
+//! Source: as there.
+//! Cost: O(squares met), and reading the heights of the blocks that are not hidden.
+//! Gives nodes near to far; single faces may come in any order.
+
+use super::Visit;
+use super::terrain_rows::near_to_far;
+use crate::content::{Alpha, ItemId};
+use crate::faces::{Faces, Of};
+use crate::passage::Passage;
+use crate::region::Sight;
+use crate::terrain::{LargeTerrain, Workplace};
+
+/// What a walk goes by.
+struct Way<'a> {
+    terrain: &'a LargeTerrain,
+    passage: &'a Passage,
+    eye: [f64; 3],
+}
+
+impl LargeTerrain {
+    /// Hands out all openings and clusters that may be seen through `passage`.
+    pub(crate) fn visit(&self, passage: &Passage, workplace: &mut Workplace, visit: &mut impl Visit) {
+        let first = self.first_opening();
+        Faces::of_openings(self.holes(), passage, |faces| {
+            visit.faces(&Faces {
+                first_owner: first + faces.first_owner,
+                item_start: first + faces.item_start,
+                ..*faces
+            });
+        });
+        let way = Way {
+            terrain: self,
+            passage,
+            eye: passage.eye(),
+        };
+        way.walk(self.level_count() - 1, [0, 0], workplace, visit);
+    }
+}
+
+impl Way<'_> {
+    /// Goes through a square, and those in it that may be seen, near to far.
+    fn walk(&self, level: usize, square: [u32; 2], workplace: &mut Workplace, visit: &mut impl Visit) {
+        let Way {
+            terrain,
+            passage,
+            eye,
+        } = *self;
+        let bounds = terrain.bounds_of(level, square);
+        if visit.enter_box(passage, &passage.screen_from_fragment, &bounds) == Sight::Hidden {
+            return;
+        }
+        let Some(below) = level.checked_sub(1) else {
+            return self.hand_out(square, workplace, visit);
+        };
+        let size = terrain.level_size(below);
+        let [columns, rows] = [0, 1].map(|axis| {
+            let first = 2 * square[axis];
+            let squares = (size[axis] - first).min(2);
+            let border = move |square| terrain.border(below, first + square, axis);
+            near_to_far(squares, border, eye[2 * axis]).map(move |square| first + square)
+        });
+        for row in rows {
+            for column in columns.clone() {
+                self.walk(below, [column, row], workplace, visit);
+            }
+        }
+    }
+
+    /// Reads a block, and hands out what may be seen of it, near to far.
+    fn hand_out(&self, block: [u32; 2], workplace: &mut Workplace, visit: &mut impl Visit) {
+        let Way {
+            terrain,
+            passage,
+            eye,
+        } = *self;
+        terrain.read(block, workplace);
+        let item = ItemId(terrain.block_number(block));
+        let item_start = terrain.first_face(block);
+        let squares = terrain.squares(block);
+        let [columns, rows] = [0, 1].map(|axis| {
+            let border = move |square| terrain.square_border(block, square, axis);
+            near_to_far(squares[axis], border, eye[2 * axis])
+        });
+        for row in rows {
+            for column in columns.clone() {
+                let square = terrain.square(block, [column, row]);
+                let bounds = terrain.bounds_in(&square, block, workplace);
+                if visit.enter_box(passage, &passage.screen_from_fragment, &bounds) == Sight::Hidden {
+                    continue;
+                }
+                let (positions, corners) = terrain.triangles(&square, block, workplace);
+                visit.faces(&Faces {
+                    of: Of::Item(item, square.number),
+                    first_owner: item_start + terrain.first_face_in(square.number),
+                    item_start,
+                    positions,
+                    first_position: 0,
+                    corners,
+                    starts: None,
+                    neighbours: &[],
+                    screen_from_local: &passage.screen_from_fragment,
+                    mirrored: false,
+                    double_sided: true,
+                    alpha: Alpha::Opaque,
+                    may_be_chosen: true,
+                    cuts: &[],
+                });
+            }
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Rays that meet large ground.
+//!
+//! Squares of squares, and then clusters, near to far by the upright planes that part them; what lies beyond the first hit is
+//! skipped, and blocks that the ray misses are not read.
+//! Source: the walk is that of the floating horizon's order; the triangles as in `query/cast.rs`.
+//! Cost: O(squares met), and reading the blocks among them.
+
+use super::cast::{line_of, meet};
+use crate::content::ItemId;
+use crate::fragment::{Hit, Ray};
+use crate::geom::Line;
+use crate::terrain::{LargeTerrain, Workplace};
+use glam::DVec3;
+
+impl LargeTerrain {
+    /// The first face along a ray, as [`Content::cast`](crate::Content::cast) meets them.
+    pub(crate) fn first_along(&self, ray: &Ray) -> Option<Hit> {
+        let mut search = Search {
+            terrain: self,
+            line: line_of(ray)?,
+            first: None,
+            workplace: Workplace::default(),
+        };
+        search.walk(self.level_count() - 1, [0, 0]);
+        search.first
+    }
+}
+
+struct Search<'a> {
+    terrain: &'a LargeTerrain,
+    line: Line,
+    first: Option<Hit>,
+    workplace: Workplace,
+}
+
+impl Search<'_> {
+    fn limit(&self) -> f64 {
+        self.first.map_or(f64::INFINITY, |hit| hit.distance)
+    }
+
+    fn walk(&mut self, level: usize, square: [u32; 2]) {
+        let bounds = self.terrain.bounds_of(level, square);
+        if self.line.meets(&bounds, 0.0, self.limit()).is_none() {
+            return;
+        }
+        let Some(below) = level.checked_sub(1) else {
+            return self.through_block(square);
+        };
+        let size = self.terrain.level_size(below);
+        // A ray crosses the plane between two squares once, and in the direction that it goes.
+        let [columns, rows] = [0, 1].map(|axis| {
+            let first = 2 * square[axis];
+            if self.line.direction[2 * axis] < 0.0 {
+                [first + 1, first]
+            } else {
+                [first, first + 1]
+            }
+        });
+        for row in rows {
+            for column in columns {
+                if column < size[0] && row < size[1] {
+                    self.walk(below, [column, row]);
+                }
+            }
+        }
+    }
+
+    fn through_block(&mut self, block: [u32; 2]) {
+        let terrain = self.terrain;
+        terrain.read(block, &mut self.workplace);
+        let item = ItemId(terrain.block_number(block));
+        let [columns, rows] = terrain.squares(block);
+        for place in (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row])) {
+            let square = terrain.square(block, place);
+            let bounds = terrain.bounds_in(&square, block, &self.workplace);
+            let Some([enter, leave]) = self.line.meets(&bounds, 0.0, self.limit()) else {
+                continue;
+            };
+            let (positions, corners) = terrain.triangles(&square, block, &mut self.workplace);
+            let faces = corners.as_chunks::<3>().0.iter();
+            for (face, corners) in (terrain.first_face_in(square.number)..).zip(faces) {
+                let triangle = corners.map(|corner| DVec3::from(positions[corner as usize].map(f64::from)));
+                let Some((distance, from_behind)) = meet(triangle, self.line.origin, self.line.direction)
+                else {
+                    continue;
+                };
+                let distance = distance.max(enter).min(leave.max(f64::MIN_POSITIVE));
+                let comes_first =
+                    |known: Hit| (distance, item, face) < (known.distance, known.item, known.face);
+                if self.first.is_none_or(comes_first) {
+                    self.first = Some(Hit {
+                        item,
+                        face,
+                        distance,
+                        from_behind,
+                    });
+                }
+            }
+        }
+    }
+}

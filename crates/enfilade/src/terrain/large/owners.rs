@@ -1,0 +1,38 @@
+//! Whom the faces of large ground belong to: blocks have as many numbers each, and openings come after all of them.
+
+use super::{BLOCK_FACES, LargeTerrain, SQUARE_FACES};
+use crate::content::{ItemId, OpeningId, Owner, Owners};
+
+impl LargeTerrain {
+    /// The number that stands for the first opening where faces are numbered through.
+    pub(crate) fn first_opening(&self) -> u32 {
+        let [columns, rows] = self.blocks();
+        columns * rows * BLOCK_FACES
+    }
+
+    /// The number of a cluster's first face in its block.
+    pub(crate) fn first_face_in(&self, cluster: u32) -> u32 {
+        cluster * SQUARE_FACES
+    }
+}
+
+impl Owners for LargeTerrain {
+    fn owner(&self, number: u32, _near: Option<Owner>) -> Owner {
+        match number.checked_sub(self.first_opening()) {
+            Some(opening) => Owner::Opening(OpeningId(opening as u16)),
+            None => Owner::Face(ItemId(number / BLOCK_FACES), number % BLOCK_FACES),
+        }
+    }
+
+    fn cluster_of(&self, _item: ItemId, face: u32) -> u32 {
+        face / SQUARE_FACES
+    }
+
+    fn cluster_count(&self, item: ItemId) -> u32 {
+        self.squares(self.block_at(item)).iter().product()
+    }
+
+    fn has_openings(&self) -> bool {
+        self.holes.has_openings()
+    }
+}

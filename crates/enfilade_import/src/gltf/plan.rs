@@ -8,7 +8,7 @@ use super::nodes::{self, Placed};
 use crate::rooms::{self, Frame, Marked, Shell, Teleport};
 use crate::warning::{WarningKind, Warnings};
 use crate::{AuthoringError, BrokenRule, Room};
-use enfilade::{ContentBuilder, FragmentId, MeshId, Portal};
+use enfilade::{ContentBuilder, FragmentId, MeshId, Method, Portal};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
@@ -22,6 +22,8 @@ pub(super) struct Plan<'d> {
     /// Where the first two nodes of each name that is an exit's stand among those placed.
     exits: HashMap<&'d str, [Option<usize>; 2]>,
     flat: bool,
+    /// How what stands in no room is to be seen, where the scene says so.
+    method_of_rest: Option<Method>,
 }
 
 impl<'d> Plan<'d> {
@@ -57,6 +59,7 @@ impl<'d> Plan<'d> {
             hints,
             rooms,
             flat,
+            method_of_rest: hints::method_of_scene(document)?,
         };
         plan.check_rooms(warnings)?;
         for placed in plan.placed.iter().filter(|placed| plan.is_item(placed)) {
@@ -142,7 +145,7 @@ impl<'d> Plan<'d> {
                 name: name.to_owned(),
                 spoken: "what stands in no room".to_owned(),
                 builder: things.builder(),
-                method: hints::method_of_scene(self.document)?,
+                method: self.method_of_rest,
             });
         }
         let mut held: Vec<Vec<&Placed>> = vec![Vec::new(); shells.len()];

@@ -78,7 +78,7 @@ fn a_file_without_rooms_or_scenes_says_it_of_its_scene() {
 }
 
 #[test]
-fn a_method_of_a_scene_that_is_none_is_refused_with_its_place() {
+fn a_method_of_a_scene_that_is_none_is_refused_with_its_place_before_any_buffer_is_looked_for() {
     let mut file = File::leaf();
     file.json["scenes"] = json!([{ "nodes": [0], "extras": { "enfilade": { "method": "magic" } } }]);
     let (_folder, path) = written("leaf.gltf", &file.gltf(BUFFER));

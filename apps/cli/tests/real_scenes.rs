@@ -46,6 +46,11 @@ fn a_house_of_two_is_seen_rightly() {
     held_against_the_reference("ifc_duplex.glb");
 }
 
+#[test]
+fn a_county_of_hills_is_seen_rightly() {
+    held_against_the_reference("terrain_jacksboro.json");
+}
+
 /// The villa whose rooms and portals were authored, from the places of its four cameras.
 #[test]
 #[expect(clippy::print_stdout, reason = "a test that is skipped says so")]

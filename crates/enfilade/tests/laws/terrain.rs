@@ -85,10 +85,11 @@ fn content(random: &mut Random, field: &HeightField, place: Transform, openings:
     builder.build().expect("sound things")
 }
 
-/// Looks from above, on and under the ground, level and straight up and down, upright and not.
+/// Looks from above, on and under the ground, level and straight up and down, upright and not; the last along plateaus at the
+/// eye's own height, as they may be.
 fn views(random: &mut Random, field: &HeightField, place: &Transform) -> Vec<View> {
     let mut views = Vec::new();
-    for look in 0..8 {
+    for look in 0..9 {
         let mut anywhere = |above: f32| {
             let [column, row] = [0, 1].map(|axis| random.below(field.size()[axis] as usize) as u32);
             let at = field.position(column, row);
@@ -98,10 +99,11 @@ fn views(random: &mut Random, field: &HeightField, place: &Transform) -> Vec<Vie
                     .map(f64::from),
             )
         };
-        let eye = anywhere([0.3, 1.7, 30.0, 0.001, -0.2, -9.0, 2.0, -2.0][look]);
+        let eye = anywhere([0.3, 1.7, 30.0, 0.001, -0.2, -9.0, 2.0, -2.0, 0.0][look]);
         let toward = match look {
             6 => DVec3::from(place.direction([0.0, -1.0, 0.0]).map(f64::from)) + eye,
             7 => DVec3::from(place.direction([0.0, 1.0, 0.0]).map(f64::from)) + eye,
+            8 => anywhere(0.0),
             _ => anywhere(1.0),
         };
         if eye.distance(toward) < 1e-3 {

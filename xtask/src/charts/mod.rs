@@ -4,10 +4,11 @@
 //! The program measures (`bench` and `choose`, one thread), each scene once: its reports are kept in `target/charts` and not made
 //! again while they are there.
 
+mod matrix;
+
 use anyhow::{Context, Result, ensure};
-use enfilade::{Contract, Method};
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
+use enfilade::Method;
+use matrix::{Row, draw, significant};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -31,12 +32,6 @@ pub(crate) struct Args {
 const MANY_TRIANGLES: u64 = 500_000;
 const FEW_VIEWS: u32 = 2;
 
-/// One row of a chart: a scene or a room, and a value for each method.
-struct Row {
-    name: String,
-    values: Vec<Option<f64>>,
-}
-
 /// A quantity, where it stands in the report of a method, and how it is written.
 struct Quantity {
     file: &'static str,
@@ -47,21 +42,57 @@ struct Quantity {
     is_shared: bool,
 }
 
-/// What the second takes over from the first, where both are there.
-const SHARED: [[Method; 2]; 2] = [[Method::Bsp, Method::BspFront], [Method::Svbsp, Method::Mobsp]];
-
-impl Row {
-    fn share(&mut self) {
-        for pair in SHARED {
-            let [first, second] = pair.map(|method| Method::ALL.iter().position(|one| *one == method));
-            if let (Some(first), Some(second)) = (first, second)
-                && let (Some(shared), Some(own)) = (self.values[first], self.values[second])
-            {
-                self.values[second] = Some(own.max(shared));
-            }
-        }
-    }
+/// A quantity of the rooms of the palace, and where it stands in what `choose` tells of a method.
+struct OfRooms {
+    file: &'static str,
+    title: &'static str,
+    aim: &'static str,
+    key: &'static str,
+    /// Of which so much is one.
+    unit: f64,
+    /// What is less is not told apart.
+    least: f64,
+    is_shared: bool,
 }
+
+const ROOMS: [OfRooms; 4] = [
+    OfRooms {
+        file: "which-rooms-look.svg",
+        title: "rooms of the palace: look, ms",
+        aim: "look",
+        key: "frame_ms",
+        unit: 1.0,
+        least: 0.0,
+        is_shared: false,
+    },
+    OfRooms {
+        file: "which-rooms-draw.svg",
+        title: "rooms of the palace: look and draw, no shading, ms",
+        aim: "draw",
+        key: "frame_ms",
+        unit: 1.0,
+        least: 0.0,
+        is_shared: false,
+    },
+    OfRooms {
+        file: "which-rooms-build.svg",
+        title: "rooms of the palace: build, ms",
+        aim: "look",
+        key: "build_ms",
+        unit: 1.0,
+        least: 0.1,
+        is_shared: true,
+    },
+    OfRooms {
+        file: "which-rooms-memory.svg",
+        title: "rooms of the palace: memory of method and screen, MB",
+        aim: "look",
+        key: "bytes",
+        unit: 1e6,
+        least: 0.0,
+        is_shared: false,
+    },
+];
 
 const QUANTITIES: [Quantity; 4] = [
     Quantity {
@@ -138,22 +169,25 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             quantity.written,
         )?;
     }
-    for aim in ["look", "draw"] {
+    for room in &ROOMS {
+        let name = format!("rooms-{}", room.aim);
         let options = [
             "choose",
             "@enfilade",
             "--conservative",
             "--aim",
-            aim,
+            room.aim,
             "--threads",
             "1",
         ];
-        let report = measured(kept, &format!("rooms-{aim}"), &options)?;
-        let (columns, rows) = rooms(&report)?;
-        let file = args.output.join(format!("which-rooms-{aim}.svg"));
+        let report = measured(kept, &name, &options)?;
+        let (columns, mut rows) = rooms(&report, room)?;
+        if room.is_shared {
+            rows.iter_mut().for_each(Row::share);
+        }
         draw(
-            &file,
-            &format!("rooms of the palace: {aim}, ms"),
+            &args.output.join(room.file),
+            room.title,
             &columns,
             &rows,
             significant,
@@ -248,15 +282,18 @@ fn of_methods(name: &str, report: &Value, value: fn(&Value) -> Option<f64>) -> R
     }
 }
 
-/// What a frame takes in each room, by methods that were tried in any.
-fn rooms(report: &Value) -> Result<(Vec<&'static str>, Vec<Row>)> {
+/// A quantity in each room, by methods that were tried in any.
+fn rooms(report: &Value, quantity: &OfRooms) -> Result<(Vec<&'static str>, Vec<Row>)> {
     let all = Method::ALL.map(Method::name);
     let choices = report["choices"].as_array().context("there are no choices")?;
     let rows: Vec<Row> = choices
         .iter()
         .map(|choice| {
             let trials = choice["trials"].as_array().map_or(&[][..], Vec::as_slice);
-            let of = |method: &str| trials.iter().find(|one| one["method"] == method)?["frame_ms"].as_f64();
+            let of = |method: &str| {
+                let value = trials.iter().find(|one| one["method"] == method)?[quantity.key].as_f64()?;
+                Some((value / quantity.unit).max(quantity.least))
+            };
             Row {
                 name: choice["fragment"].as_str().unwrap_or_default().to_owned(),
                 values: all.iter().map(|method| of(method)).collect(),
@@ -276,107 +313,4 @@ fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
-}
-
-/// Two or three digits that count.
-fn significant(value: f64) -> String {
-    match value {
-        value if value >= 99.5 => format!("{value:.0}"),
-        value if value >= 9.95 => format!("{value:.1}"),
-        value if value >= 0.095 => format!("{value:.2}"),
-        value => format!("{value:.3}"),
-    }
-}
-
-const NAMES: i32 = 176;
-const CELL: [i32; 2] = [78, 24];
-const HEAD: i32 = 66;
-const INK: RGBColor = RGBColor(38, 43, 51);
-const FAINT: RGBColor = RGBColor(118, 125, 137);
-
-/// A table whose cells are colored by how many times the best of their row they are; the best exact method is framed.
-fn draw(file: &Path, title: &str, columns: &[&str], rows: &[Row], written: fn(f64) -> String) -> Result<()> {
-    let size = [
-        NAMES + CELL[0] * columns.len() as i32 + 8,
-        HEAD + CELL[1] * rows.len() as i32 + 8,
-    ];
-    let root = SVGBackend::new(file, (size[0] as u32, size[1] as u32)).into_drawing_area();
-    root.fill(&WHITE)?;
-    let text = |size: i32, color: &RGBColor, across: HPos| {
-        ("sans-serif", size)
-            .into_font()
-            .color(color)
-            .pos(Pos::new(across, VPos::Center))
-    };
-    root.draw(&Text::new(title.to_owned(), (8, 16), text(15, &INK, HPos::Left)))?;
-    let all = Method::ALL.map(Method::name);
-    for (number, column) in columns.iter().enumerate() {
-        let middle = NAMES + CELL[0] * number as i32 + CELL[0] / 2;
-        let words: Vec<&str> = column.split('-').collect();
-        for (line, word) in words.iter().enumerate() {
-            let from_below = (words.len() - line) as i32;
-            let at = (middle, HEAD - 2 - 15 * from_below + 4);
-            root.draw(&Text::new((*word).to_owned(), at, text(13, &INK, HPos::Center)))?;
-        }
-    }
-    for (number, row) in rows.iter().enumerate() {
-        let top = HEAD + CELL[1] * number as i32;
-        let middle = top + CELL[1] / 2;
-        let name = Text::new(
-            row.name.clone(),
-            (NAMES - 10, middle),
-            text(13, &INK, HPos::Right),
-        );
-        root.draw(&name)?;
-        let best = best_of(row, |_| true);
-        let best_exact = best_of(row, |method| method.contract() == Contract::Exact);
-        for (place, column) in columns.iter().enumerate() {
-            let left = NAMES + CELL[0] * place as i32;
-            let value = all
-                .iter()
-                .position(|name| name == column)
-                .and_then(|at| row.values[at]);
-            let corners = [(left + 1, top + 1), (left + CELL[0] - 1, top + CELL[1] - 1)];
-            let (shown, ink) = match value {
-                Some(value) => {
-                    root.draw(&Rectangle::new(corners, shade(value / best).filled()))?;
-                    if value == best_exact {
-                        root.draw(&Rectangle::new(corners, INK.stroke_width(2)))?;
-                    }
-                    (written(value), &INK)
-                }
-                None => ("–".to_owned(), &FAINT),
-            };
-            let at = (left + CELL[0] / 2, middle);
-            root.draw(&Text::new(shown, at, text(13, ink, HPos::Center)))?;
-        }
-    }
-    root.present()?;
-    Ok(())
-}
-
-/// The least value of a row, of those methods that count.
-fn best_of(row: &Row, counts: impl Fn(Method) -> bool) -> f64 {
-    let values = row
-        .values
-        .iter()
-        .zip(Method::ALL)
-        .filter(|(_, method)| counts(*method));
-    values
-        .filter_map(|(value, _)| *value)
-        .fold(f64::INFINITY, f64::min)
-}
-
-/// From the best, green, over three times as much, to ten times and more, red.
-fn shade(times: f64) -> RGBColor {
-    const STOPS: [[f64; 3]; 3] = [
-        [188.0, 225.0, 190.0],
-        [252.0, 242.0, 196.0],
-        [240.0, 170.0, 150.0],
-    ];
-    let place = (times.max(1.0).log10() * 2.0).clamp(0.0, 2.0);
-    let from = (place as usize).min(1);
-    let share = place - from as f64;
-    let [r, g, b] = [0, 1, 2].map(|i| (STOPS[from][i] + share * (STOPS[from + 1][i] - STOPS[from][i])) as u8);
-    RGBColor(r, g, b)
 }

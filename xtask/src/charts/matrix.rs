@@ -85,7 +85,11 @@ pub(super) fn draw(
         );
         root.draw(&name)?;
         let best = best_of(row, |_| true);
-        let best_exact = best_of(row, |method| method.contract() == Contract::Exact);
+        let is_exact = |method: Method| method.contract() == Contract::Exact;
+        let best_exact = best_of(row, is_exact);
+        let are_best = row.values.iter().zip(Method::ALL);
+        let are_best = are_best.filter(|(value, method)| is_exact(*method) && **value == Some(best_exact));
+        let is_one_best = are_best.count() == 1;
         for (place, column) in columns.iter().enumerate() {
             let left = NAMES + CELL[0] * place as i32;
             let value = all
@@ -96,7 +100,8 @@ pub(super) fn draw(
             let (shown, ink) = match value {
                 Some(value) => {
                     root.draw(&Rectangle::new(corners, shade(value / best).filled()))?;
-                    if value == best_exact {
+                    let is_exact = Method::by_name(column).is_some_and(is_exact);
+                    if is_one_best && is_exact && value == best_exact {
                         root.draw(&Rectangle::new(corners, INK.stroke_width(2)))?;
                     }
                     (written(value), &INK)

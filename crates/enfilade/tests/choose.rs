@@ -144,6 +144,39 @@ fn where_something_moves_a_tree_that_must_be_built_anew_pays_for_it() {
     assert!(tree.expect("tried").edit > octree.expect("tried").edit);
 }
 
+/// Six walls seen from inside, each an item: none can move without another being behind it.
+#[test]
+fn a_convex_room_whose_walls_move_is_no_cell() {
+    let mut room = ContentBuilder::new([Material::opaque([1.0; 3])]);
+    let corner = |i: u32| [0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 2.0 } else { -2.0 });
+    let walls = [
+        [0, 2, 6, 4],
+        [1, 5, 7, 3],
+        [0, 4, 5, 1],
+        [2, 3, 7, 6],
+        [0, 1, 3, 2],
+        [4, 6, 7, 5],
+    ];
+    for wall in walls {
+        let mesh = Mesh::triangles(&wall.map(corner), &[0, 1, 2, 0, 2, 3], MaterialId(0));
+        let mesh = room.mesh(mesh.expect("a wall"));
+        room.item("wall", mesh, Transform::IDENTITY);
+    }
+    let mut scene = SceneBuilder::new();
+    let id = scene.add("room", room.build().expect("walls"), Method::ZBuffer);
+    let scene = scene.build().expect("a fragment");
+    let view = View::new([0.0; 3], [1.0, 0.2, 0.3], SIZE);
+    let start = Instant::now();
+    let mut terms = Terms::default();
+    for moves in [false, true] {
+        terms.moving = if moves { vec![id] } else { Vec::new() };
+        let choices = choose_methods(&scene, &[view], &terms, &|| start.elapsed());
+        let cell = outcome(&choices[0], Method::Cell);
+        assert_eq!(cell.err(), moves.then_some(NotTried::Moves));
+        assert!(outcome(&choices[0], Method::ZBuffer).is_ok());
+    }
+}
+
 #[test]
 fn a_fragment_that_no_view_sees_keeps_its_method() {
     let scene = two_rooms();

@@ -11,6 +11,7 @@ mod trial;
 
 use crate::content::{Content, ItemId};
 use crate::fragment::Contract;
+use crate::geom::Transform;
 use crate::method::{Method, Unsuited};
 use crate::passage::Passage;
 use crate::scene::{FragmentId, Scene};
@@ -247,7 +248,7 @@ fn begin(
     Ok(tried)
 }
 
-/// What it takes to follow one item that moves: of all that may, the one with the fewest faces.
+/// What it takes to follow one item that moves a little and back: of all that may, the one with the fewest faces.
 fn edit(
     scene: &Scene,
     fragment: FragmentId,
@@ -268,12 +269,16 @@ fn edit(
     };
     let mut scene = scene.clone();
     scene.set_method(fragment, method).map_err(|_| NotTried::Moves)?;
+    let here = content.item(item).transform();
+    // Out of whatever plane it may lie in: a wall that slides along itself would leave a room convex.
+    let step = 0.01 * content.bounds().longest_side();
+    let there = Transform::translation([step, 0.7 * step, 0.4 * step]) * here;
     let mut least = None::<Duration>;
     // The first time the content is copied, for it is shared.
     for time in 0..4 {
         let start = clock();
         let mut edit = scene.edit();
-        let placed = edit.place(fragment, item, content.item(item).transform());
+        let placed = edit.place(fragment, item, if time % 2 == 0 { there } else { here });
         placed.map_err(|_| NotTried::Moves)?;
         edit.finish().map_err(|_| NotTried::Moves)?;
         let took = clock().saturating_sub(start);

@@ -103,7 +103,7 @@ pub type Cell = Paired<ConvexCell, Nothing>;
 /// height field ([`ContentBuilder::terrain`](crate::ContentBuilder::terrain)). Anderson, ACM TOG 1982; Boreskov, Using
 /// portals.
 ///
-/// What else is in the content comes after the ground and may hide some of it. An edit that changes the ground is refused.
+/// What else is in the content comes between its blocks, by how near it is, and may hide some of it. An edit that changes the ground is refused.
 pub type FloatingHorizon = Paired<TerrainRows, Horizon>;
 
 /// How a fragment is seen.

@@ -3,6 +3,7 @@
 use crate::content::{Alpha, Content, ItemId, OpeningId};
 use crate::geom::Step;
 use crate::mesh::Cluster;
+use crate::opening_view::OpeningView;
 use crate::passage::Passage;
 use glam::{DAffine3, DVec3};
 
@@ -137,20 +138,23 @@ impl<'a> Faces<'a> {
     pub(crate) fn of_opening(
         content: &'a Content,
         opening: OpeningId,
-        screen_from_fragment: &'a DAffine3,
+        view: &'a OpeningView<'a>,
     ) -> Faces<'a> {
-        let outline = content.openings()[usize::from(opening.0)].outline.corners();
-        let (corners, ends) = content.outline_face(opening);
+        let (corners, ends) = if view.holds_eye {
+            OpeningView::SQUARE_FACE
+        } else {
+            content.outline_face(opening)
+        };
         Faces {
             of: Of::Opening(opening),
             first_owner: content.opening_number(opening),
             item_start: content.opening_number(opening),
-            positions: outline,
+            positions: view.positions,
             first_position: 0,
             corners,
             starts: Some(ends),
             neighbours: &[],
-            screen_from_local: screen_from_fragment,
+            screen_from_local: &view.screen_from_local,
             mirrored: false,
             double_sided: false,
             alpha: Alpha::Opaque,
@@ -168,11 +172,9 @@ impl<'a> Faces<'a> {
             Step::Node(bounds) => passage.region_around_openings(bounds).is_some(),
             Step::Thing(opening) => {
                 let opening = OpeningId(opening as u16);
-                each(&Faces::of_opening(
-                    content,
-                    opening,
-                    &passage.screen_from_fragment,
-                ));
+                if let Some(view) = passage.view_of(content, opening) {
+                    each(&Faces::of_opening(content, opening, &view));
+                }
                 true
             }
         });

@@ -37,6 +37,7 @@
 
 pub mod cover;
 pub mod geom;
+mod opening_view;
 pub mod order;
 
 mod aperture;

@@ -1,10 +1,12 @@
 //! One way from the eye into a fragment, through zero or more portals.
 
 use crate::aperture::{Aperture, CellRoom, Rect, Rows};
+use crate::content::{Content, OpeningId};
 use crate::entrance::Entrance;
 use crate::fragment::Contract;
 use crate::geom::{Aabb, ConvexPolygon, Transform};
-use crate::region::Region;
+use crate::opening_view::{OpeningView, may_touch_eye};
+use crate::region::{Region, Volume};
 use crate::scene::{FragmentId, Portal, PortalId};
 use crate::view::View;
 use fearless_simd::Level;
@@ -88,9 +90,8 @@ impl Passage {
         outline: &ConvexPolygon,
         rows: Option<Rows>,
     ) -> Option<Passage> {
-        let aperture = self
-            .aperture
-            .behind(outline, &self.screen_from_fragment, rows, self.any_place)?;
+        let view = OpeningView::new(self, outline)?;
+        let aperture = self.aperture.behind(view.corners(), rows, self.any_place)?;
         let here_from_there = portal.there_from_here.inverse()?;
         let eye_from_fragment = self.eye_from_fragment * here_from_there.0;
         Some(Passage {
@@ -109,7 +110,7 @@ impl Passage {
             eye_from_fragment,
             screen_from_eye: self.screen_from_eye,
             screen_from_fragment: compose(&self.screen_from_eye, &eye_from_fragment),
-            entry: Some(self.beyond(outline)),
+            entry: Some(view.plane()),
             entrance: Some(Entrance::new(outline, &portal.there_from_here)),
         })
     }
@@ -177,33 +178,6 @@ impl Passage {
         }
     }
 
-    /// The plane of an outline in screen space, turned so that the eye is on the side that is not entered.
-    fn beyond(&self, outline: &ConvexPolygon) -> (DVec3, f64) {
-        let (normal, distance) = self.plane_of(outline);
-        if distance < 0.0 {
-            (-normal, -distance)
-        } else {
-            (normal, distance)
-        }
-    }
-
-    /// The plane of an outline in screen space: normal of unit length, and distance.
-    fn plane_of(&self, outline: &ConvexPolygon) -> (DVec3, f64) {
-        let corner = |&c: &[f32; 3]| {
-            let corner = DVec3::from(c.map(f64::from));
-            self.screen_from_fragment.transform_point3(corner)
-        };
-        let corners = outline.corners();
-        // Newell's sum, from one corner so that far outlines lose nothing.
-        let first = corner(&corners[0]);
-        let normal: DVec3 = corners[1..]
-            .windows(2)
-            .map(|pair| (corner(&pair[0]) - first).cross(corner(&pair[1]) - first))
-            .sum::<DVec3>()
-            .normalize_or_zero();
-        (normal, normal.dot(first))
-    }
-
     /// From the space of the fragment to eye space: x right, y up, z back.
     pub fn eye_from_fragment(&self) -> Transform {
         Transform(self.eye_from_fragment)
@@ -212,6 +186,11 @@ impl Passage {
     /// Is the fragment seen mirrored?
     pub fn mirrored(&self) -> bool {
         self.eye_from_fragment().mirrors()
+    }
+
+    /// Lengths in eye space for one in the space of the fragment.
+    pub(crate) fn eye_scale(&self) -> f64 {
+        self.eye_from_fragment.matrix3.x_axis.length()
     }
 
     /// The eye's place in the space of the fragment; behind a portal, where it would stand there.
@@ -274,24 +253,29 @@ impl Passage {
         [self.eye(), (back * DVec3::new(x, y, 1.0)).into()]
     }
 
-    /// What is seen of the box around an opening, if it shows its front. Openings are seen however near they are.
-    pub(crate) fn region_of_opening(&self, outline: &ConvexPolygon) -> Option<Region> {
-        let (_, distance) = self.plane_of(outline);
-        // As faces are told from the front.
-        let front = if self.screen_from_fragment.matrix3.determinant() < 0.0 {
-            distance > 0.0
-        } else {
-            distance < 0.0
-        };
-        let bounds = Aabb::of(outline.corners().iter().copied());
-        self.region_around_openings(&bounds).filter(|_| front)
+    /// An opening of a content as the eye meets it; `None` where it faces away or is seen edge-on.
+    pub(crate) fn view_of<'a>(&self, content: &'a Content, opening: OpeningId) -> Option<OpeningView<'a>> {
+        OpeningView::new(self, &content.openings()[usize::from(opening.0)].outline)
     }
 
-    /// What is seen of a box around openings.
+    /// What is seen of a box around openings, which have no near limit.
     pub(crate) fn region_around_openings(&self, bounds: &Aabb) -> Option<Region> {
         const AT_THE_EYE: f64 = 1e-30;
         let (rect, from_here) = (self.aperture.rect(), &self.screen_from_fragment);
+        if may_touch_eye(bounds, DVec3::from(self.eye())) {
+            return Some(Region {
+                rect,
+                nearest: f32::INFINITY,
+                volume: Volume::new(from_here, bounds),
+            });
+        }
         Region::in_rect(self, rect, AT_THE_EYE, from_here, bounds).filter(|region| !region.rect.is_empty())
+    }
+
+    /// Whether any part of a region around openings comes before the near distance: nothing can hide that part, and covers
+    /// need not know what is so near.
+    pub(crate) fn is_before_near(&self, region: &Region) -> bool {
+        f64::from(region.nearest) * f64::from(self.near) >= 1.0
     }
 
     /// Pixels that stand for a distance of 1 across the line of sight, at a distance of 1 along it.

@@ -280,12 +280,17 @@ impl Look<'_> {
 
     /// Tells the canvas which passage comes, by its place in the set that the caller gets.
     fn enter(&mut self, id: PassageId) {
+        let id_in_answer = self.id_in_answer(id);
         if let Some(canvas) = self.canvas.as_deref_mut() {
-            let passage = self.set.passage(id);
-            let gathered = self.gathered.as_ref();
-            let same = gathered.and_then(|gathered| gathered.id(passage.chain));
-            canvas.enter(same.unwrap_or(id), passage);
+            canvas.enter(id_in_answer, self.set.passage(id));
         }
+    }
+
+    /// The place of a passage in the set that the caller gets, which may be another than the one being painted.
+    fn id_in_answer(&self, id: PassageId) -> PassageId {
+        let gathered = self.gathered.as_ref();
+        let same = gathered.and_then(|gathered| gathered.id(self.set.passage(id).chain));
+        same.unwrap_or(id)
     }
 
     /// Takes the items that a fragment reported into the set.
@@ -345,7 +350,8 @@ impl Look<'_> {
         if gathered.is_some_and(|gathered| gathered.id(passage.chain_through(portal_id)).is_none()) {
             return self.paint_closed(id, seen);
         }
-        if let Some(child) = passage.through(id, portal_id, portal, outline, seen.rows) {
+        let own_id = self.id_in_answer(id);
+        if let Some(child) = passage.through(own_id, portal_id, portal, outline, seen.rows) {
             self.go_through(child);
         }
     }

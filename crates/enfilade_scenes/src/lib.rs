@@ -14,6 +14,7 @@
 mod camera;
 mod catalog;
 mod envelope;
+mod fuzz_scene;
 mod laws;
 mod palace;
 mod random;
@@ -24,6 +25,7 @@ mod thesis;
 
 pub use camera::Camera;
 pub use catalog::{BuiltIn, Group, NAMES, Named, SCENES, built_in, figures, law_scenes};
+pub use fuzz_scene::{FuzzScene, fuzz_scene};
 pub use laws::random_house;
 pub use palace::{FOUNTAIN_SECONDS, fountain, person};
 pub use random::Random;

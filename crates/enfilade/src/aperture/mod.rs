@@ -2,8 +2,7 @@
 
 mod outline;
 
-use crate::geom::ConvexPolygon;
-use glam::DAffine3;
+use glam::DVec3;
 use outline::{Outline, within};
 use smallvec::smallvec;
 
@@ -165,18 +164,18 @@ impl Aperture {
         }
     }
 
-    /// What is left of this aperture behind an opening; `None` where it holds no sample.
+    /// What is left of this aperture behind an opening, given by its corners as (X, Y, W); `None` where it holds no
+    /// sample.
     ///
     /// `rows` are the samples that the opening owns, where a method knows them; where it does not, `any_place` asks for
     /// samples anywhere in the pixels, not only in their middle.
     pub(crate) fn behind(
         &self,
-        opening: &ConvexPolygon,
-        screen_from_here: &DAffine3,
+        opening: impl Iterator<Item = DVec3>,
         rows: Option<Rows>,
         any_place: bool,
     ) -> Option<Aperture> {
-        let outline = within(&self.outline, opening, screen_from_here);
+        let outline = within(&self.outline, opening);
         let rect = match &rows {
             Some(rows) => rows.rect(),
             None => {
@@ -299,7 +298,9 @@ impl Aperture {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::ConvexPolygon;
     use crate::view::View;
+    use glam::DAffine3;
 
     fn window(z: f32) -> ConvexPolygon {
         ConvexPolygon::rectangle([-1.0, -1.0, z], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]).expect("a square")
@@ -313,7 +314,12 @@ mod tests {
             matrix3: k * eye_from_fragment.matrix3,
             translation: k * eye_from_fragment.translation,
         };
-        Aperture::screen(view.size).behind(&window(z), &screen, None, false)
+        let window = window(z);
+        let corners = window
+            .corners()
+            .iter()
+            .map(|corner| screen.transform_point3(DVec3::from(corner.map(f64::from))));
+        Aperture::screen(view.size).behind(corners, None, false)
     }
 
     #[test]

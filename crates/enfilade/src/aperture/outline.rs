@@ -1,7 +1,6 @@
 //! The convex outline of an aperture: what of an opening is seen through those before it.
 
-use crate::geom::ConvexPolygon;
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 use smallvec::SmallVec;
 
 /// Corners of an outline; of more, a wider one is made.
@@ -13,16 +12,12 @@ pub(super) type Outline = SmallVec<[[f64; 2]; MOST_CORNERS]>;
 /// Corners as (X, Y, W).
 type Corners = SmallVec<[DVec3; MOST_CORNERS]>;
 
-/// An opening's outline within an aperture's.
+/// An opening's outline, given by its corners as (X, Y, W), within an aperture's.
 ///
 /// Clipped in eye space by the planes through the eye and this outline's edges, never divided before: what is
 /// behind the eye is gone then, and an opening that the eye stands in is still seen through.
-pub(super) fn within(parent: &Outline, opening: &ConvexPolygon, screen_from_here: &DAffine3) -> Outline {
-    let mut corners: Corners = opening
-        .corners()
-        .iter()
-        .map(|&corner| screen_from_here.transform_point3(DVec3::from(corner.map(f64::from))))
-        .collect();
+pub(super) fn within(parent: &Outline, opening: impl Iterator<Item = DVec3>) -> Outline {
+    let mut corners: Corners = opening.collect();
     let homogeneous = |point: [f64; 2]| DVec3::new(point[0], point[1], 1.0);
     for (i, &from) in parent.iter().enumerate() {
         let to = parent[(i + 1) % parent.len()];

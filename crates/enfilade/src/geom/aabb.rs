@@ -84,7 +84,11 @@ impl Aabb {
 
     /// Volume in cubic scene units, in f64 because f32 overflows on large scenes; zero for flat or empty boxes.
     pub fn volume(&self) -> f64 {
-        self.size().iter().map(|&side| f64::from(side)).product()
+        if self.is_empty() {
+            return 0.0;
+        }
+        let side = |axis: usize| f64::from(self.max[axis]) - f64::from(self.min[axis]);
+        side(0) * side(1) * side(2)
     }
 
     /// Half the area of its sides, in f64 as the volume; zero for an empty box.

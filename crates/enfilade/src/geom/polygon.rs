@@ -69,7 +69,7 @@ impl ConvexPolygon {
         let normal = sum.normalize();
         let middle = points.iter().sum::<DVec3>() / points.len() as f64;
         let far = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-        let slack = FLATNESS * size + f64::from(f32::EPSILON) * far;
+        let slack = ConvexPolygon::most_bend(size, far);
         for (i, &point) in points.iter().enumerate() {
             let off = normal.dot(point - middle).abs();
             if off > slack {
@@ -111,6 +111,16 @@ impl ConvexPolygon {
     /// Unit normal; it points to the front.
     pub fn normal(&self) -> [f32; 3] {
         self.normal.map(|value| value as f32)
+    }
+
+    pub(crate) fn normal_f64(&self) -> DVec3 {
+        DVec3::from(self.normal)
+    }
+
+    /// The greatest distance of a corner from the plane that is accepted, for an outline of this size and greatest
+    /// coordinate.
+    pub(crate) fn most_bend(size: f64, greatest_coordinate: f64) -> f64 {
+        FLATNESS * size + f64::from(f32::EPSILON) * greatest_coordinate
     }
 
     /// The smallest box around the corners.

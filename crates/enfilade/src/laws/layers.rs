@@ -4,8 +4,8 @@
 //! two panes cross, or one ends.
 
 use super::EPSILON;
+use super::chains::{Chain, Chains, PassageChains};
 use super::reference::RaySees;
-use super::truth::Chain;
 use crate::canvas::{Canvas, Span};
 use crate::content::{ItemId, Owner};
 use crate::passage::{Passage, PassageId};
@@ -23,12 +23,13 @@ pub(super) struct Pane {
 }
 
 /// A face through a chain of portals.
-type Layer = (u64, Owner);
+type Layer = (Chain, Owner);
 
 /// The glass over each sample of a view, from the farthest to the nearest.
 #[derive(Default)]
 pub struct Layers {
     width: usize,
+    chains: Chains,
     /// Of each sample; `None` where its rays do not agree.
     samples: Vec<Option<Vec<Layer>>>,
 }
@@ -36,7 +37,9 @@ pub struct Layers {
 /// A canvas that keeps the glass that is painted over each sample, in order.
 pub struct LayerPicture {
     width: usize,
-    chain: u64,
+    passages: PassageChains,
+    /// Of the passage that is being painted.
+    chain: Option<Chain>,
     samples: Vec<Vec<Layer>>,
 }
 
@@ -55,11 +58,19 @@ pub struct LayerVerdict {
 }
 
 impl Layers {
-    pub(super) fn of_rows(size: [u32; 2], rows: Vec<Layers>) -> Layers {
-        Layers {
+    pub(super) fn of_rows(size: [u32; 2], rows: Vec<(Chains, Layers)>) -> Layers {
+        let mut all = Layers {
             width: size[0] as usize,
-            samples: rows.into_iter().flat_map(|row| row.samples).collect(),
+            ..Layers::default()
+        };
+        for (chains, mut row) in rows {
+            let numbers = all.chains.add_all(&chains);
+            for (chain, _) in row.samples.iter_mut().flatten().flatten() {
+                *chain = chain.renumbered(&numbers);
+            }
+            all.samples.append(&mut row.samples);
         }
+        all
     }
 
     pub(super) fn sample(&mut self, rays: &[RaySees]) {
@@ -74,12 +85,14 @@ impl Layers {
     /// Holds a picture against it, wherever the rays of a sample agree.
     pub fn check(&self, picture: &LayerPicture) -> LayerVerdict {
         let mut verdict = LayerVerdict::default();
+        let numbers = self.chains.numbers_of(&picture.passages.chains);
         for (sample, (truth, painted)) in self.samples.iter().zip(&picture.samples).enumerate() {
             let Some(truth) = truth else { continue };
             verdict.compared += usize::from(!truth.is_empty());
             verdict.stacked += usize::from(truth.len() > 1);
             verdict.deepest = verdict.deepest.max(truth.len());
-            if truth != painted {
+            let painted = (painted.iter()).map(|(chain, owner)| (chain.found(&numbers), *owner));
+            if !painted.eq(truth.iter().map(|&(chain, owner)| (Some(chain), owner))) {
                 let at = [sample % self.width, sample / self.width];
                 verdict.different.push(at.map(|value| value as u32));
             }
@@ -111,7 +124,7 @@ fn along(ray: &RaySees) -> Option<Vec<Layer>> {
     if panes.windows(2).any(touch) {
         return None;
     }
-    let layer = |pane: &Pane| (pane.chain.hash, Owner::Face(pane.item, pane.face));
+    let layer = |pane: &Pane| (pane.chain, Owner::Face(pane.item, pane.face));
     Some(panes.iter().map(layer).collect())
 }
 
@@ -120,15 +133,16 @@ impl LayerPicture {
     pub fn new(size: [u32; 2]) -> LayerPicture {
         LayerPicture {
             width: size[0] as usize,
-            chain: 0,
+            passages: PassageChains::default(),
+            chain: None,
             samples: vec![Vec::new(); size[0] as usize * size[1] as usize],
         }
     }
 }
 
 impl Canvas for LayerPicture {
-    fn enter(&mut self, _id: PassageId, passage: &Passage) {
-        self.chain = passage.chain;
+    fn enter(&mut self, id: PassageId, passage: &Passage) {
+        self.chain = Some(self.passages.of(id, passage));
     }
 
     fn row(&mut self, y: u16, spans: &[Span]) {
@@ -137,7 +151,7 @@ impl Canvas for LayerPicture {
             let run = start + usize::from(span.x0)..start + usize::from(span.x1);
             for sample in &mut self.samples[run] {
                 if span.see_through {
-                    sample.push((self.chain, span.owner));
+                    sample.extend(self.chain.map(|chain| (chain, span.owner)));
                 } else {
                     // What hides covers what was painted before.
                     sample.clear();

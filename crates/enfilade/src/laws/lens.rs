@@ -3,7 +3,7 @@
 use super::DELTA_PX;
 use super::bundle::Bundle;
 use crate::view::View;
-use glam::DVec3;
+use glam::{DMat4, DVec3, DVec4};
 
 /// Rays through a sample: through its centre, and through the four places about it.
 pub(super) const RAYS: usize = 5;
@@ -30,40 +30,43 @@ impl Chance {
     }
 }
 
-/// Directions of rays, computed from the view as its docs state it, not as the methods do.
+/// Directions of rays, from one 4×4 matrix made of the view as its docs state it.
 pub(super) struct Lens {
     eye: DVec3,
+    /// From clip space (x right, y up, −w to w; depth reversed and infinitely far) to the space of the fragment.
+    fragment_from_clip: DMat4,
     forward: DVec3,
-    right: DVec3,
-    up: DVec3,
-    focal: f64,
-    middle: [f64; 2],
+    size: [f64; 2],
+    sample: [f64; 2],
 }
 
 impl Lens {
     pub(super) fn new(view: &View) -> Lens {
         let [eye, toward, up] = [view.eye, view.toward, view.up].map(|v| DVec3::from(v.map(f64::from)));
         let forward = (toward - eye).normalize();
-        let upright = [up, DVec3::Z, DVec3::X]
+        let is_usable = |up: &DVec3| forward.cross(up.normalize_or_zero()).length_squared() > 1e-16;
+        let up = [up, DVec3::Z, DVec3::X]
             .into_iter()
-            .map(|up| forward.cross(up.normalize_or_zero()));
-        let right = upright
-            .into_iter()
-            .find(|r| r.length_squared() > 1e-16)
-            .unwrap_or(DVec3::X)
-            .normalize();
+            .find(is_usable)
+            .unwrap_or(DVec3::Y);
         let [width, height] = view.size.map(f64::from);
+        // The tangent is an f32 in the contract, for not all machines compute it alike in f64.
         let half_tangent = f64::from((0.5 * f64::from(view.fov_y)).tan() as f32);
+        let clip_from_eye = DMat4::from_cols(
+            DVec4::new(height / (width * half_tangent), 0.0, 0.0, 0.0),
+            DVec4::new(0.0, 1.0 / half_tangent, 0.0, 0.0),
+            DVec4::new(0.0, 0.0, 0.0, -1.0),
+            DVec4::new(0.0, 0.0, f64::from(view.near), 0.0),
+        );
+        // Without the translation, which would cost digits far from the origin: rays begin at the eye.
+        let eye_from_fragment =
+            glam::dcamera::rh::view::look_to_mat4(DVec3::ZERO, forward, up.normalize_or_zero());
         Lens {
             eye,
+            fragment_from_clip: (clip_from_eye * eye_from_fragment).inverse(),
             forward,
-            right,
-            up: right.cross(forward),
-            focal: 0.5 * height / half_tangent,
-            middle: [
-                0.5 * width - f64::from(view.sample[0]),
-                0.5 * height - f64::from(view.sample[1]),
-            ],
+            size: [width, height],
+            sample: view.sample.map(f64::from),
         }
     }
 
@@ -91,11 +94,16 @@ impl Lens {
         }
     }
 
+    /// Through the place (x, y) of the screen, in pixels, y down; its length along the line of sight is 1.
     fn direction(&self, x: f64, y: f64) -> DVec3 {
-        let [right, down] = [
-            (x - self.middle[0]) / self.focal,
-            (y - self.middle[1]) / self.focal,
-        ];
-        self.forward + self.right * right - self.up * down
+        let [x, y] = [x + self.sample[0], y + self.sample[1]];
+        let clip = DVec4::new(
+            2.0 * x / self.size[0] - 1.0,
+            1.0 - 2.0 * y / self.size[1],
+            0.0,
+            1.0,
+        );
+        let direction = (self.fragment_from_clip * clip).truncate();
+        direction / direction.dot(self.forward)
     }
 }

@@ -6,15 +6,20 @@
 //! Independent of the methods: it shares with them only the input arrays of contents, scenes and views.
 
 mod bundle;
+mod chains;
+mod contracts;
 mod hits;
 mod layers;
 mod lens;
+mod openings;
 mod owners;
 mod reference;
+mod sector;
 mod straight;
 mod tree;
 mod truth;
 
+pub use contracts::{Broken, Contestants};
 pub use layers::{LayerPicture, LayerVerdict, Layers};
 pub use owners::OwnerPicture;
 pub use reference::Reference;

@@ -1,5 +1,6 @@
 //! A picture of which face was painted at each sample.
 
+use super::chains::{Chain, Chains, PassageChains};
 use crate::canvas::{Canvas, Span};
 use crate::content::Owner;
 use crate::passage::{Passage, PassageId};
@@ -7,8 +8,10 @@ use crate::passage::{Passage, PassageId};
 /// A canvas that keeps the owner of each sample; glass is left aside.
 pub struct OwnerPicture {
     width: usize,
-    chain: u64,
-    owners: Vec<Option<(u64, Owner)>>,
+    passages: PassageChains,
+    /// Of the passage that is being painted.
+    chain: Option<Chain>,
+    owners: Vec<Option<(Chain, Owner)>>,
 }
 
 impl OwnerPicture {
@@ -16,18 +19,34 @@ impl OwnerPicture {
     pub fn new(size: [u32; 2]) -> OwnerPicture {
         OwnerPicture {
             width: size[0] as usize,
-            chain: 0,
+            passages: PassageChains::default(),
+            chain: None,
             owners: vec![None; size[0] as usize * size[1] as usize],
         }
     }
 
-    pub(super) fn at(&self, sample: usize) -> Option<(u64, Owner)> {
+    pub(super) fn at(&self, sample: usize) -> Option<(Chain, Owner)> {
         self.owners[sample]
+    }
+
+    pub(super) fn chains(&self) -> &Chains {
+        &self.passages.chains
     }
 
     /// The owner painted at sample (x, y), whatever passage it is seen through.
     pub fn owner(&self, [x, y]: [u32; 2]) -> Option<Owner> {
         self.owners[y as usize * self.width + x as usize].map(|(_, owner)| owner)
+    }
+
+    /// The owner painted at sample (x, y) and the portals it is seen through, as text: for the message of a law that
+    /// fails.
+    pub fn describe(&self, [x, y]: [u32; 2]) -> String {
+        match self.owners[y as usize * self.width + x as usize] {
+            Some((chain, owner)) => {
+                format!("{owner:?} through portals {:?}", self.chains().portals(chain.id))
+            }
+            None => "nothing".to_owned(),
+        }
     }
 
     /// Samples on which anything is painted.
@@ -37,20 +56,26 @@ impl OwnerPicture {
 
     /// Do two pictures show the same owners everywhere, through the same passages?
     pub fn same(&self, other: &OwnerPicture) -> bool {
-        self.owners == other.owners
+        let numbers = self.chains().numbers_of(other.chains());
+        let found = |seen: &Option<(Chain, Owner)>| match seen {
+            Some((chain, owner)) => chain.found(&numbers).map(|chain| Some((chain, *owner))),
+            None => Some(None),
+        };
+        let theirs = other.owners.iter().map(found);
+        self.owners.len() == other.owners.len() && self.owners.iter().map(|seen| Some(*seen)).eq(theirs)
     }
 }
 
 impl Canvas for OwnerPicture {
-    fn enter(&mut self, _id: PassageId, passage: &Passage) {
-        self.chain = passage.chain;
+    fn enter(&mut self, id: PassageId, passage: &Passage) {
+        self.chain = Some(self.passages.of(id, passage));
     }
 
     fn row(&mut self, y: u16, spans: &[Span]) {
         for span in spans.iter().filter(|span| !span.see_through) {
             let start = usize::from(y) * self.width;
             let run = start + usize::from(span.x0)..start + usize::from(span.x1);
-            self.owners[run].fill(Some((self.chain, span.owner)));
+            self.owners[run].fill(self.chain.map(|chain| (chain, span.owner)));
         }
     }
 }

@@ -2,13 +2,15 @@
 
 use super::EPSILON;
 use super::bundle::Bundle;
+use super::chains::{Chain, ChainId, Chains};
 use super::hits::Hits;
 use super::layers::{Layers, Pane};
 use super::lens::{Chance, Lens, PLACES, RAYS};
+use super::openings::Entered;
+use super::sector::fragment_of_eye;
 use super::tree::{Built, Meeting, Trees};
-use super::truth::{Chain, Possible, Told, Truth};
+use super::truth::{Possible, Told, Truth};
 use crate::content::{ItemId, OpeningId, Owner};
-use crate::passage::next_chain;
 use crate::scene::{FragmentId, Scene};
 use crate::view::View;
 use crate::viewer::Limits;
@@ -94,8 +96,8 @@ impl Reference {
         limits: &Limits,
         pixel: impl Fn(&mut Look<'_, N>, [u32; 2], &mut T) + Sync,
         settle: impl Fn(&mut T) + Sync,
-    ) -> Vec<T> {
-        let Some(fragment) = scene.fragment_of(view) else {
+    ) -> Vec<(Chains, T)> {
+        let Some(fragment) = fragment_of_eye(scene, view) else {
             return Vec::new();
         };
         let row = |y| {
@@ -105,12 +107,14 @@ impl Reference {
                 limits,
                 near: f64::from(view.near),
                 fragment,
+                chains: Chains::default(),
                 rays: std::array::from_fn(|_| RaySees::default()),
+                waiting: Vec::new(),
             };
             let mut told = T::default();
             (0..view.size[0]).for_each(|x| pixel(&mut look, [x, y], &mut told));
             settle(&mut told);
-            told
+            (look.chains, told)
         };
         (0..view.size[1]).into_par_iter().map(row).collect()
     }
@@ -132,18 +136,21 @@ struct Look<'a, const N: usize> {
     near: f64,
     /// Where the eye is.
     fragment: FragmentId,
+    chains: Chains,
     rays: [RaySees; N],
+    waiting: Vec<Way<N>>,
 }
 
 /// Where a bundle is: in a fragment, behind a portal.
 struct Way<const N: usize> {
-    fragment: FragmentId,
+    chain: Chain,
     bundle: Bundle<N>,
     active: [bool; N],
+    /// Whether each ray goes this way for certain.
+    certain: [bool; N],
     /// Where each ray met the last portal; 0 at the eye.
     entry: [f64; N],
     depth: u16,
-    chain: u64,
 }
 
 /// An opening that rays go into.
@@ -171,25 +178,27 @@ impl<const N: usize> Look<'_, N> {
             ray.possible.clear();
             ray.glass.clear();
         }
-        let way = Way {
-            fragment: self.fragment,
+        self.waiting.push(Way {
+            chain: Chain {
+                id: ChainId::default(),
+                fragment: self.fragment,
+            },
             bundle,
             active: std::array::from_fn(|ray| ray < used),
+            certain: [true; N],
             entry: [0.0; N],
             depth: 0,
-            chain: u64::from(self.fragment.0),
-        };
-        self.follow(&way, [true; N]);
+        });
+        while let Some(way) = self.waiting.pop() {
+            self.follow(&way);
+        }
         &self.rays[..used]
     }
 
-    /// Follows the active rays through a fragment. `certain`: does the ray go this way for certain?
-    fn follow(&mut self, way: &Way<N>, certain: [bool; N]) {
-        let chain = Chain {
-            hash: way.chain,
-            fragment: way.fragment,
-        };
-        let Some(trees) = &self.reference.fragments[way.fragment.0 as usize] else {
+    /// Follows the active rays through a fragment.
+    fn follow(&mut self, way: &Way<N>) {
+        let Way { chain, certain, .. } = *way;
+        let Some(trees) = &self.reference.fragments[chain.fragment.0 as usize] else {
             return;
         };
         let mut hits = Hits::new(way.active, way.entry.map(|entry| entry.max(self.near)));
@@ -237,56 +246,53 @@ impl<const N: usize> Look<'_, N> {
         }
         let certain = std::array::from_fn(|ray| certain[ray] && ways[ray] == 1 && !ends[ray]);
         for ahead in ahead {
-            self.go_through(way, ahead, certain);
+            self.go_through(way, &ahead, certain);
         }
     }
 
     fn leads_on(&self, way: &Way<N>, opening: OpeningId) -> bool {
-        let portal = self.scene.portal_of(way.fragment, opening);
+        let portal = self.scene.portal_of(way.chain.fragment, opening);
         portal.is_some_and(|id| self.scene.portals()[id.0 as usize].open)
             && way.depth < self.limits.max_crossings
     }
 
-    fn go_through(&mut self, way: &Way<N>, ahead: Ahead<N>, certain: [bool; N]) {
-        let Some(portal_id) = self.scene.portal_of(way.fragment, ahead.opening) else {
+    fn go_through(&mut self, way: &Way<N>, ahead: &Ahead<N>, certain: [bool; N]) {
+        let Some(portal_id) = self.scene.portal_of(way.chain.fragment, ahead.opening) else {
             return;
         };
         let portal = &self.scene.portals()[portal_id.0 as usize];
         let there_from_here: DAffine3 = portal.there_from_here.0;
-        let next = Way {
-            fragment: portal.to,
+        self.waiting.push(Way {
+            chain: Chain {
+                id: self.chains.through(way.chain.id, portal_id),
+                fragment: portal.to,
+            },
             bundle: way.bundle.moved(&there_from_here),
             active: ahead.active,
+            certain,
             entry: ahead.entry,
             depth: way.depth + 1,
-            chain: next_chain(way.chain, portal_id),
-        };
-        self.follow(&next, certain);
+        });
     }
 }
 
 fn meet_openings<const N: usize>(way: &Way<N>, trees: &Trees, hits: &mut Hits<N>) {
-    for (number, corners) in trees.openings().iter().enumerate() {
+    for (outline, number) in trees.openings().iter().zip(0..) {
         for ray in (0..N).filter(|&ray| way.active[ray]) {
-            for last in 2..corners.len() {
-                let triangle = [corners[0], corners[last - 1], corners[last]];
-                let Some((w, false)) = way.bundle.meets(ray, triangle) else {
-                    continue;
+            let Some(Entered { w, sure }) = outline.entered(&way.bundle, ray) else {
+                continue;
+            };
+            // An opening has no near limit: it is seen through even where the eye is in it.
+            if w >= way.entry[ray] * (1.0 - EPSILON) {
+                let certain = sure && (way.depth == 0 || w > way.entry[ray] * (1.0 + EPSILON));
+                let meeting = Meeting {
+                    ray,
+                    w,
+                    item: ItemId(u32::MAX),
+                    face: 0,
+                    hides: true,
                 };
-                // An opening has no near limit: it is seen through even where the eye stands in it.
-                if w >= way.entry[ray] * (1.0 - EPSILON) {
-                    let owner = Owner::Opening(OpeningId(number as u16));
-                    let certain = way.depth == 0 || w > way.entry[ray] * (1.0 + EPSILON);
-                    let meeting = Meeting {
-                        ray,
-                        w,
-                        item: ItemId(u32::MAX),
-                        face: 0,
-                        hides: true,
-                    };
-                    hits.take(meeting, owner, certain);
-                    break;
-                }
+                hits.take(meeting, Owner::Opening(OpeningId(number)), certain);
             }
         }
     }

@@ -3,6 +3,7 @@
 //! Its own walk is in f32, which is too coarse for scenes far from the origin: what it drops would be missed here.
 
 use super::bundle::Bundle;
+use super::openings::Outline;
 use crate::content::{Alpha, Content, ItemId, Opening};
 use crate::geom::{Aabb, Transform};
 use crate::mesh::Mesh;
@@ -37,8 +38,7 @@ pub(super) struct Trees {
     faces: Vec<Arc<Faces>>,
     /// Into each item's space; `None` where its tree is in the fragment's.
     item_from_fragment: Vec<Option<DAffine3>>,
-    /// The corners of each opening.
-    openings: Vec<Vec<DVec3>>,
+    openings: Vec<Outline>,
 }
 
 /// A tree over the triangles of a mesh.
@@ -141,12 +141,12 @@ impl Trees {
             .iter()
             .map(|&item| Boxed(content.item(item).bounds))
             .collect();
-        let corners = |opening: &Opening| {
+        let outline = |opening: &Opening| {
             let corners = opening.outline.corners().iter();
-            corners.map(|c| DVec3::from(c.map(f64::from))).collect()
+            Outline::new(corners.map(|c| DVec3::from(c.map(f64::from))).collect())
         };
         Trees {
-            openings: content.openings().iter().map(corners).collect(),
+            openings: content.openings().iter().map(outline).collect(),
             content: Arc::clone(content),
             items: tree(&boxes),
             solid,
@@ -155,8 +155,7 @@ impl Trees {
         }
     }
 
-    /// The corners of each opening.
-    pub(super) fn openings(&self) -> &[Vec<DVec3>] {
+    pub(super) fn openings(&self) -> &[Outline] {
         &self.openings
     }
 

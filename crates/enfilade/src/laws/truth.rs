@@ -1,18 +1,13 @@
 //! What may be seen, and how an answer is held against it.
 
+use super::chains::{Chain, Chains, PassageChains};
 use super::owners::OwnerPicture;
 use super::reference::RaySees;
 use crate::content::{ItemId, Owner};
+use crate::passage::PassageId;
 use crate::scene::FragmentId;
 use crate::visible::VisibleSet;
 use std::collections::{BTreeSet, HashSet};
-
-/// A way through portals, and the fragment it ends in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(super) struct Chain {
-    pub(super) hash: u64,
-    pub(super) fragment: FragmentId,
-}
 
 /// What may own a sample; `None` where nothing is there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -24,6 +19,7 @@ pub(super) struct Possible {
 /// What may be seen at each sample of a view.
 pub struct Truth {
     size: [u32; 2],
+    chains: Chains,
     /// Possible owners, sample after sample, and where each sample's end; nothing where it is not about a picture.
     possible: Vec<Possible>,
     ends: Vec<u32>,
@@ -124,21 +120,29 @@ pub struct Verdict {
 }
 
 impl Truth {
-    pub(super) fn new(size: [u32; 2], rows: Vec<Told>) -> Truth {
+    pub(super) fn new(size: [u32; 2], rows: Vec<(Chains, Told)>) -> Truth {
         let mut truth = Truth {
             size,
+            chains: Chains::default(),
             possible: Vec::new(),
             ends: Vec::new(),
             contested: 0,
             certain: BTreeSet::new(),
             imaginable: HashSet::new(),
         };
-        for row in rows {
+        for (chains, row) in rows {
+            let numbers = truth.chains.add_all(&chains);
+            let seen = |(chain, item): (Chain, ItemId)| (chain.renumbered(&numbers), item);
             let before = truth.possible.len() as u32;
             truth.contested += row.contested;
-            truth.certain.extend(row.certain);
-            truth.imaginable.extend(row.imaginable);
-            truth.possible.extend(row.possible);
+            truth.certain.extend(row.certain.into_iter().map(seen));
+            truth.imaginable.extend(row.imaginable.into_iter().map(seen));
+            truth
+                .possible
+                .extend(row.possible.into_iter().map(|possible| Possible {
+                    chain: possible.chain.renumbered(&numbers),
+                    ..possible
+                }));
             truth.ends.extend(row.ends.into_iter().map(|end| before + end));
         }
         truth
@@ -155,25 +159,31 @@ impl Truth {
     /// Holds a visible set, and the picture that was drawn with it, against the truth. The viewer must have had the
     /// limits that the reference was given.
     pub fn check(&self, set: &VisibleSet, picture: Option<&OwnerPicture>) -> Verdict {
-        let answered: HashSet<(Chain, ItemId)> = set
+        let mut passages = PassageChains::default();
+        let chains: Vec<Chain> = (0..)
+            .map(PassageId)
+            .zip(set.passages())
+            .map(|(id, passage)| passages.of(id, passage))
+            .collect();
+        let numbers = self.chains.numbers_of(&passages.chains);
+        // `None` for what is seen through a chain that no ray goes along.
+        let answered: HashSet<(FragmentId, Option<Chain>, ItemId)> = set
             .items()
             .iter()
             .map(|visible| {
-                let passage = set.passage(visible.passage);
-                (
-                    Chain {
-                        hash: passage.chain,
-                        fragment: passage.fragment,
-                    },
-                    visible.item,
-                )
+                let chain = chains[visible.passage.0 as usize];
+                (chain.fragment, chain.found(&numbers), visible.item)
             })
             .collect();
-        let flat = |items: &mut dyn Iterator<Item = &(Chain, ItemId)>| -> BTreeSet<(FragmentId, ItemId)> {
-            items.map(|(chain, item)| (chain.fragment, *item)).collect()
-        };
-        let missed = flat(&mut self.certain.iter().filter(|seen| !answered.contains(seen)));
-        let extra = flat(&mut answered.iter().filter(|seen| !self.imaginable.contains(seen)));
+        let answer = |&(chain, item): &(Chain, ItemId)| (chain.fragment, Some(chain), item);
+        let missed: BTreeSet<(FragmentId, ItemId)> = (self.certain.iter())
+            .filter(|seen| !answered.contains(&answer(seen)))
+            .map(|(chain, item)| (chain.fragment, *item))
+            .collect();
+        let imaginable: HashSet<_> = self.imaginable.iter().map(answer).collect();
+        let extra: BTreeSet<(FragmentId, ItemId)> = (answered.difference(&imaginable))
+            .map(|&(fragment, _, item)| (fragment, item))
+            .collect();
         Verdict {
             reference_visible: self.visible().len(),
             missed: missed.into_iter().collect(),
@@ -185,19 +195,23 @@ impl Truth {
 
     /// The samples (x, y) that a picture paints with what cannot own them.
     pub fn different<'a>(&'a self, picture: &'a OwnerPicture) -> impl Iterator<Item = [u32; 2]> + 'a {
-        (0..self.ends.len())
-            .filter(|&sample| {
-                let start = sample
-                    .checked_sub(1)
-                    .map_or(0, |before| self.ends[before] as usize);
-                let allowed = &self.possible[start..self.ends[sample] as usize];
-                !match picture.at(sample) {
-                    Some((hash, owner)) => allowed
-                        .iter()
-                        .any(|p| p.chain.hash == hash && p.owner == Some(owner)),
-                    None => allowed.iter().any(|p| p.owner.is_none()),
+        let numbers = self.chains.numbers_of(picture.chains());
+        let is_wrong = move |&sample: &usize| {
+            let start = sample
+                .checked_sub(1)
+                .map_or(0, |before| self.ends[before] as usize);
+            let allowed = &self.possible[start..self.ends[sample] as usize];
+            !match picture.at(sample) {
+                Some((chain, owner)) => {
+                    let chain = chain.found(&numbers);
+                    let mut all = allowed.iter();
+                    all.any(|p| Some(p.chain) == chain && p.owner == Some(owner))
                 }
-            })
+                None => allowed.iter().any(|p| p.owner.is_none()),
+            }
+        };
+        (0..self.ends.len())
+            .filter(is_wrong)
             .map(|sample| [sample as u32 % self.size[0], sample as u32 / self.size[0]])
     }
 
@@ -207,6 +221,11 @@ impl Truth {
         let start = sample
             .checked_sub(1)
             .map_or(0, |before| self.ends[before] as usize);
-        format!("{:?}", &self.possible[start..self.ends[sample] as usize])
+        let possible = &self.possible[start..self.ends[sample] as usize];
+        let text = |possible: &Possible| {
+            let portals = self.chains.portals(possible.chain.id);
+            format!("{:?} through portals {portals:?}", possible.owner)
+        };
+        possible.iter().map(text).collect::<Vec<_>>().join(" or ")
     }
 }

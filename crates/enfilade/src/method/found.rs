@@ -141,8 +141,10 @@ impl<A: Against> Walk<'_, A> {
         }
         openings.retain(|opening| {
             let outline = &self.content.openings()[usize::from(opening.0)].outline;
-            let region = self.passage.region_of_opening(outline);
-            region.is_some_and(|region| self.enter(&region) != Sight::Hidden)
+            let region = self.passage.region_around_openings(&outline.bounds());
+            region.is_some_and(|region| {
+                self.passage.is_before_near(&region) || self.enter(&region) != Sight::Hidden
+            })
         });
         *self.found = Found { clusters, openings };
     }

@@ -8,12 +8,12 @@
 //! Cost: building O(n log n) and more where much is cut; a walk O(pieces in view).
 //! Gives an exact order, far to near or near to far; content must not move.
 
-use super::items::{hand_out_see_through, opening_faces};
+use super::items::{hand_out_openings_at_eye, hand_out_see_through};
 use super::{FarToNear, NearToFar, Order, Refusal, Visit};
 use crate::content::{Alpha, Content, ItemId, OpeningId, Owner, Owners};
 use crate::faces::{Cut, Faces};
 use crate::fragment::Built;
-use crate::geom::{BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
+use crate::geom::{Aabb, BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
 use crate::passage::Passage;
 use crate::region::{Region, Sight};
 use glam::{DAffine3, DMat3, DVec3};
@@ -94,7 +94,12 @@ impl<D: Direction> Bsp<D> {
                 visit.faces(&Faces::of_face(content, item, face, screen_from_item, cuts));
             }
             Owner::Opening(_) if passage.flat => {}
-            Owner::Opening(opening) => visit.faces(&opening_faces(content, passage, opening).cut(cuts)),
+            Owner::Opening(opening) => {
+                // One that touches the eye comes before, or over, everything: the tree may have the eye on its back.
+                if let Some(view) = passage.view_of(content, opening).filter(|view| !view.touches_eye) {
+                    visit.faces(&Faces::of_opening(content, opening, &view).cut(cuts));
+                }
+            }
         }
     }
 }
@@ -232,12 +237,25 @@ impl<D: Direction> Order for Bsp<D> {
             screen_from_items,
             normals: passage.screen_from_fragment.matrix3.inverse().transpose(),
         };
+        if D::NEAR_FIRST {
+            hand_out_openings_at_eye(content, passage, visit);
+        }
+        // Openings have no near limit, and any node may hold one.
+        let has_openings = !passage.flat && !content.openings().is_empty();
+        let region = |bounds: &Aabb| {
+            if has_openings {
+                passage.region_around_openings(bounds)
+            } else {
+                Region::of(passage, &passage.screen_from_fragment, bounds)
+            }
+        };
         let mut last = None;
         self.sorted
             .tree
             .walk(passage.eye(), D::NEAR_FIRST, stack, &mut |step| match step {
-                BspStep::Node(bounds) => Region::of(passage, &passage.screen_from_fragment, bounds)
-                    .is_some_and(|region| visit.enter(&region) != Sight::Hidden),
+                BspStep::Node(bounds) => {
+                    region(bounds).is_some_and(|region| visit.enter(&region) != Sight::Hidden)
+                }
                 BspStep::Coplanar(pieces) => {
                     // Of faces in one plane the lowest is seen: it comes first near to far, and last far to near.
                     if D::NEAR_FIRST {
@@ -253,5 +271,8 @@ impl<D: Direction> Order for Bsp<D> {
                     true
                 }
             });
+        if !D::NEAR_FIRST {
+            hand_out_openings_at_eye(content, passage, visit);
+        }
     }
 }

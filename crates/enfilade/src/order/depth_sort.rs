@@ -7,7 +7,7 @@
 //! Approximate: one number cannot order long faces beside small ones, cycles, or faces that cross: `@overlap`, `@cycle`
 //!     and `@crossing-triangles` show it. Right for things apart from each other, and faces of like size.
 
-use super::items::{hand_out_see_through, may_be_seen, opening_faces};
+use super::items::{hand_out_opening, hand_out_see_through, may_be_seen};
 use super::{FarToNear, Order, Refusal, Visit};
 use crate::content::{Alpha, Content, ItemId, Moved, OpeningId};
 use crate::faces::Faces;
@@ -104,7 +104,7 @@ impl<K: SortKey> Order for DepthSort<K> {
                 Some((item, screen_from_item)) => {
                     visit.faces(&Faces::of_face(content, *item, face, screen_from_item, &[]));
                 }
-                None => visit.faces(&opening_faces(content, passage, OpeningId(face as u16))),
+                None => hand_out_opening(content, passage, OpeningId(face as u16), visit),
             }
         }
     }
@@ -150,9 +150,11 @@ impl Sorting {
     }
 
     fn add_opening<K: SortKey>(&mut self, content: &Content, passage: &Passage, opening: OpeningId) {
-        let [x, y, z, w] = along_sight(&passage.screen_from_fragment);
-        let corners = content.openings()[usize::from(opening.0)].outline.corners();
-        let key = K::key(corners.iter().map(|p| x * p[0] + y * p[1] + z * p[2] + w));
+        let Some(view) = passage.view_of(content, opening) else {
+            return;
+        };
+        let [x, y, z, w] = along_sight(&view.screen_from_local);
+        let key = K::key(view.positions.iter().map(|p| x * p[0] + y * p[1] + z * p[2] + w));
         self.faces.push(Sorted {
             key: far_first(key),
             item: u32::MAX,

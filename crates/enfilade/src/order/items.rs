@@ -4,6 +4,7 @@ use super::Visit;
 use crate::content::{Alpha, Content, ItemId, OpeningId};
 use crate::faces::Faces;
 use crate::geom::{Aabb, Enter, Step};
+use crate::opening_view::may_touch_eye;
 use crate::passage::{Passage, eye_in};
 use crate::region::Sight;
 
@@ -77,9 +78,34 @@ pub(super) fn hand_out_openings(content: &Content, passage: &Passage, visit: &mu
     Faces::of_openings(content, passage, |faces| visit.faces(faces));
 }
 
-/// An opening as a face.
-pub(super) fn opening_faces<'a>(content: &'a Content, passage: &'a Passage, opening: OpeningId) -> Faces<'a> {
-    Faces::of_opening(content, opening, &passage.screen_from_fragment)
+/// Hands out an opening, if its front is seen.
+pub(super) fn hand_out_opening(
+    content: &Content,
+    passage: &Passage,
+    opening: OpeningId,
+    visit: &mut impl Visit,
+) {
+    if let Some(view) = passage.view_of(content, opening) {
+        visit.faces(&Faces::of_opening(content, opening, &view));
+    }
+}
+
+/// Hands out the openings that touch the eye ([`OpeningView`](crate::opening_view::OpeningView)).
+pub(super) fn hand_out_openings_at_eye(content: &Content, passage: &Passage, visit: &mut impl Visit) {
+    if passage.flat {
+        return;
+    }
+    let eye = passage.eye();
+    content.opening_tree().walk(eye, |step| match step {
+        Step::Node(bounds) => may_touch_eye(bounds, eye.into()),
+        Step::Thing(opening) => {
+            let opening = OpeningId(opening as u16);
+            if let Some(view) = passage.view_of(content, opening).filter(|view| view.touches_eye) {
+                visit.faces(&Faces::of_opening(content, opening, &view));
+            }
+            true
+        }
+    });
 }
 
 pub(super) fn may_be_seen(

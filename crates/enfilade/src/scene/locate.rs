@@ -6,6 +6,7 @@
 
 use super::FragmentId;
 use crate::geom::{Aabb, Octree, Step};
+use glam::DVec3;
 
 /// The boxes of a scene's fragments.
 #[derive(Clone)]
@@ -71,11 +72,10 @@ impl Boxes {
 
     /// The smallest box that holds a point; of those that only end in it, the one ahead.
     fn around(&self, point: [f32; 3], toward: [f32; 3]) -> Option<u32> {
+        let [eye, toward] = [point, toward].map(|point| DVec3::from(point.map(f64::from)));
         let ahead = |bounds: &Aabb| -> f64 {
-            let center = bounds.center();
-            (0..3)
-                .map(|a| f64::from(center[a] - point[a]) * f64::from(toward[a] - point[a]))
-                .sum()
+            let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
+            (0.5 * (min + max) - eye).dot(toward - eye)
         };
         let inside = |bounds: &Aabb| (0..3).all(|a| bounds.min[a] < point[a] && point[a] < bounds.max[a]);
         let mut smallest: Option<(f64, u32)> = None;
@@ -104,9 +104,11 @@ impl Boxes {
     fn nearest(&self, point: [f32; 3]) -> Option<u32> {
         // Grows with the box's place alone, also when rounded: no box is nearer than the node that holds it.
         let away = |bounds: &Aabb| -> f64 {
-            (0..3)
-                .map(|a| f64::from((bounds.min[a] - point[a]).max(point[a] - bounds.max[a]).max(0.0)).powi(2))
-                .sum()
+            let off = |a: usize| {
+                let [min, point, max] = [bounds.min[a], point[a], bounds.max[a]].map(f64::from);
+                (min - point).max(point - max).max(0.0)
+            };
+            (0..3).map(|a| off(a).powi(2)).sum()
         };
         let nearest = std::cell::Cell::new(None::<(f64, u32)>);
         self.each(

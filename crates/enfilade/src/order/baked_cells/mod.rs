@@ -132,11 +132,15 @@ impl Order for BakedCellsOrder {
             return;
         }
         Faces::of_openings(content, passage, |faces| {
-            let cells = match faces.of {
-                Of::Opening(opening) => &self.openings[usize::from(opening.0)][..],
-                Of::Item(..) => &[],
-            };
-            if cells.is_empty() || cells.iter().any(|&cell| scratch.is_seen(cell)) {
+            let Of::Opening(opening) = faces.of else { return };
+            let cells = &self.openings[usize::from(opening.0)];
+            // Rows say what is seen from the near distance on, or from the last portal; openings come before, too.
+            let bounds = content.openings()[usize::from(opening.0)].outline.bounds();
+            let region = passage.region_around_openings(&bounds);
+            if cells.is_empty()
+                || region.is_some_and(|region| passage.is_before_near(&region))
+                || cells.iter().any(|&cell| scratch.is_seen(cell))
+            {
                 visit.faces(faces);
             }
         });

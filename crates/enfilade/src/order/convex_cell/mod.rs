@@ -16,7 +16,7 @@ mod laid;
 mod resting;
 mod walls;
 
-use super::items::{hand_out_openings, may_be_seen, opening_faces, sight};
+use super::items::{hand_out_opening, hand_out_openings, may_be_seen, sight};
 use super::{FarToNear, Order, Refusal, Visit};
 use crate::content::{Alpha, Content, ItemId, Moved, OpeningId};
 use crate::faces::Faces;
@@ -145,7 +145,7 @@ impl ConvexCell {
         if !passage.flat {
             for &(opening, plane) in self.openings.iter().rev() {
                 if is_outside(plane) {
-                    visit.faces(&opening_faces(content, passage, opening));
+                    hand_out_opening(content, passage, opening, visit);
                 }
             }
         }

@@ -1,0 +1,31 @@
+//! Which fragment an eye is in, by asking all of them.
+
+use crate::scene::{FragmentId, Scene};
+use crate::view::View;
+use glam::DVec3;
+
+/// The fragment of a view's eye, as the docs of [`Scene::fragment_of`] and [`Scene::locate`] state it.
+pub(super) fn fragment_of_eye(scene: &Scene, view: &View) -> Option<FragmentId> {
+    if let Some(named) = view.fragment {
+        return scene.fragments().find(|&id| id == named);
+    }
+    let [eye, toward] = [view.eye, view.toward].map(|point| DVec3::from(point.map(f64::from)));
+    let solid = || {
+        let all = scene.fragments().map(|id| (id, scene.bounds(id)));
+        all.filter(|(_, bounds)| !bounds.is_empty()).map(|(id, bounds)| {
+            let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
+            (id, min, max)
+        })
+    };
+    let strictly = solid().filter(|&(_, min, max)| eye.cmpgt(min).all() && eye.cmplt(max).all());
+    let touching = solid().filter(|&(_, min, max)| eye.cmpge(min).all() && eye.cmple(max).all());
+    let volume = |(_, min, max): &(FragmentId, DVec3, DVec3)| (max - min).element_product();
+    let ahead = |(_, min, max): &(FragmentId, DVec3, DVec3)| (0.5 * (min + max) - eye).dot(toward - eye);
+    let away = |(_, min, max): &(FragmentId, DVec3, DVec3)| (eye.clamp(*min, *max) - eye).length_squared();
+    strictly
+        .min_by(|a, b| volume(a).total_cmp(&volume(b)))
+        .or_else(|| touching.max_by(|a, b| ahead(a).total_cmp(&ahead(b))))
+        .or_else(|| solid().min_by(|a, b| away(a).total_cmp(&away(b))))
+        .map(|(id, ..)| id)
+        .or_else(|| scene.fragments().next())
+}

@@ -1,7 +1,9 @@
-//! Commands for those who work on Enfilade: `cargo xtask verify`, `cargo xtask charts`.
+//! Commands for those who work on Enfilade: `cargo xtask verify`, `cargo xtask fuzz-scenes`,
+//! `cargo xtask charts`.
 #![forbid(unsafe_code)]
 
 mod charts;
+mod fuzz_scenes;
 mod verify;
 
 use clap::Parser;
@@ -12,6 +14,8 @@ use clap::Parser;
 enum Task {
     /// Holds every method against the reference on many views of many scenes; takes hours
     Verify(verify::Args),
+    /// Tests every method on small random scenes that are hard to get right, from hard viewpoints
+    FuzzScenes(fuzz_scenes::Args),
     /// Measures every method on every scene, and draws the book's charts of it; takes half an hour
     Charts(charts::Args),
 }
@@ -19,6 +23,7 @@ enum Task {
 fn main() -> anyhow::Result<()> {
     match Task::parse() {
         Task::Verify(args) => verify::run(&args),
+        Task::FuzzScenes(args) => fuzz_scenes::run(&args),
         Task::Charts(args) => charts::run(&args),
     }
 }

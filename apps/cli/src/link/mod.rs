@@ -59,6 +59,7 @@ pub(crate) fn run(args: &LinkArgs) -> Result<Outcome> {
         glb,
         left_out,
         missing_images,
+        files: _,
         import,
     } = join(&world, folder, output, options).with_context(|| name.clone())?;
     drop(progress);

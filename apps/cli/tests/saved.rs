@@ -1,5 +1,5 @@
 //! Outputs replace what is there whole or not at all, and keep its mode; what dead runs left is removed.
-#![cfg(unix)]
+#![cfg(target_os = "linux")]
 
 #[path = "../../../crates/enfilade_import/tests/quake/carved.rs"]
 mod carved;

@@ -1,5 +1,5 @@
 //! Inputs that are no files, or too large, are refused before they are read; names need not be UTF-8.
-#![cfg(unix)]
+#![cfg(target_os = "linux")]
 
 mod support;
 

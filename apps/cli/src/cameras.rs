@@ -4,13 +4,12 @@ use crate::args::CameraArgs;
 use crate::open::Opened;
 use crate::out;
 use crate::progress::Progress;
+use crate::read::read_file;
 use crate::values::among;
 use anyhow::{Context, Result, anyhow, bail};
 use enfilade::{FragmentId, Ray, Scene, Standpoint, View};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 /// A place to look from, that came with a scene.
@@ -216,20 +215,29 @@ struct Line {
 /// More than this is no path: views by the hundred thousand.
 const LONGEST_PATH_BYTES: u64 = 64 << 20;
 
+/// A line is no longer than this. What is not read of it takes much more memory than its text.
+const LONGEST_LINE_BYTES: usize = 1 << 16;
+
 fn read_path(path: &Path, args: &CameraArgs) -> Result<Vec<View>> {
     let name = path.display();
-    let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
+    let bytes = read_file(path, LONGEST_PATH_BYTES, "make several paths of it")?;
     let mut views = Vec::new();
     let mut unread = BTreeSet::new();
-    for (number, text) in BufReader::new(file.take(LONGEST_PATH_BYTES)).lines().enumerate() {
+    for (number, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
         let place = || format!("{name}, line {}", number + 1);
-        let text = text.with_context(place)?;
+        let text = str::from_utf8(line).with_context(place)?;
         if text.trim().is_empty() {
             continue;
         }
         let wants = r#"a line is {"eye":[x,y,z],"toward":[x,y,z]}, with "up" and "fov" if need be"#;
+        if text.len() > LONGEST_LINE_BYTES {
+            bail!(
+                "{}: it has more than {LONGEST_LINE_BYTES} bytes; {wants}",
+                place()
+            );
+        }
         let line: Line =
-            serde_json::from_str(&text).map_err(|error| anyhow!("{}: {error}; {wants}", place()))?;
+            serde_json::from_str(text).map_err(|error| anyhow!("{}: {error}; {wants}", place()))?;
         let mut view = plain(args, line.eye, line.toward);
         view.up = line.up.unwrap_or(view.up);
         view.fov_y = line.fov.map_or(view.fov_y, f32::to_radians);

@@ -11,15 +11,14 @@ use crate::out;
 use crate::prepare::{Prepared, prepare};
 use crate::progress::Progress;
 use crate::report::{Report, Reports, Sink, Skipped, left_out};
+use crate::run_files::RunFiles;
 use crate::save::Destination;
 use crate::text::{count, ms, plural};
 use crate::values::Choice;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use enfilade::{Aim, Method, View, Viewer};
 use enfilade_draw::{Exposure, Picture, RgbImage, Samples, Settings, Show};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use std::fs::File;
-use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -41,9 +40,10 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
             args.samples
         );
     }
-    // Names made from this one lie in the same folder.
-    Destination::new(&args.output)?;
-    let sink = Sink::new(&args.json)?;
+    let mut files = RunFiles::of(&args.scene.scene, args.cameras.path.as_deref())?;
+    // Names made from this one are in the same folder.
+    files.writes(&args.output)?;
+    let sink = Sink::new(&args.json, &mut files)?;
     settle(&args.methods.how)?;
     let choice = args.methods.choice();
     let opened = open(
@@ -56,12 +56,17 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
         choice,
         args.methods.how.flat,
         &args.methods.how.limits,
+        &mut files,
     )?;
     let views = cameras::views(&args.cameras, &opened)?;
     let (mut prepared, mut skipped) = prepare(&opened, choice, Aim::Draw, &args.methods.how, views.first())?;
     if args.show == Show::Cover {
         prepared = with_shapes(prepared, choice, &mut skipped)?;
     }
+    let destinations = prepared
+        .iter()
+        .map(|prepared| destinations(args, choice, prepared, views.len(), &mut files))
+        .collect::<Result<Vec<_>>>()?;
     let mut settings = settings(args.show);
     settings.exposure = Exposure::Eye(args.exposure);
     if args.samples == 4 {
@@ -71,15 +76,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
     let passes = if measured { 2 + 3 * PASSES } else { 1 };
     let progress = Progress::steps("drawing", prepared.len() * views.len() * passes);
     let (mut reports, mut said) = (Vec::new(), String::new());
-    for prepared in &mut prepared {
-        let base = if choice == Choice::All {
-            with_word(&args.output, prepared.method)
-        } else {
-            args.output.clone()
-        };
-        let files: Vec<PathBuf> = (0..views.len())
-            .map(|number| numbered(&base, number, views.len()))
-            .collect();
+    for (prepared, destinations) in prepared.iter_mut().zip(&destinations) {
         let mut viewer = prepared.viewer();
         #[cfg(feature = "levels")]
         let mut leveled = args
@@ -87,7 +84,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
             .map(|pixels| Leveled::new(prepared, pixels))
             .transpose()?;
         let mut shaded = Vec::new();
-        for (view, file) in views.iter().zip(&files) {
+        for (view, destination) in views.iter().zip(destinations) {
             #[cfg(feature = "levels")]
             let by_levels = match &mut leveled {
                 Some(leveled) => leveled.settle(prepared, &mut viewer, view)?,
@@ -100,10 +97,10 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
             let start = Instant::now();
             let picture = draw(prepared, &mut viewer, view, &settings);
             let took = start.elapsed().as_secs_f64() * 1e3;
-            save(&picture.image, file)?;
+            destination.write(&png(&picture.image)?)?;
             shaded.push(picture.shaded);
             let lights = (args.show == Show::Image).then_some(picture.lights_shining);
-            said += &line(file, prepared, &viewer, lights, took, &by_levels);
+            said += &line(destination.name(), prepared, &viewer, lights, took, &by_levels);
             progress.step();
         }
         if measured {
@@ -112,8 +109,8 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
             let looks = measure::looks(prepared, &views, &mut prepared.viewer(), &progress);
             let mut report = Report::new(&opened, prepared, &views, args.cameras.size, looks);
             report.add_times(&draws, &walks);
-            for ((view, file), shaded) in report.views.iter_mut().zip(&files).zip(shaded) {
-                view.picture = Some(file.display().to_string());
+            for ((view, destination), shaded) in report.views.iter_mut().zip(destinations).zip(shaded) {
+                view.picture = Some(destination.name().display().to_string());
                 view.samples_shaded = Some(shaded);
             }
             reports.push(report);
@@ -125,6 +122,28 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
     }
     sink.write(&Reports::new(choice == Choice::All, reports, skipped))?;
     Ok(Outcome::Done)
+}
+
+/// Returns where the pictures of a method go, one for each view.
+fn destinations(
+    args: &DrawArgs,
+    choice: Choice,
+    prepared: &Prepared,
+    views: usize,
+    files: &mut RunFiles,
+) -> Result<Vec<Destination>> {
+    let base = if choice == Choice::All {
+        with_word(&args.output, prepared.method)
+    } else {
+        args.output.clone()
+    };
+    (0..views)
+        .map(|number| match numbered(&base, number, views) {
+            // That one is known.
+            file if file == args.output => Destination::new(&file),
+            file => files.writes_too(&file),
+        })
+        .collect()
 }
 
 /// Those whose covers have a shape to show; of all methods the others are skipped.
@@ -212,14 +231,15 @@ pub(crate) fn draw(prepared: &Prepared, viewer: &mut Viewer, view: &View, settin
     prepared.stage().draw(viewer, &prepared.scene, view, settings)
 }
 
-/// Writes a picture, whole or not at all.
-pub(crate) fn save(image: &RgbImage, file: &Path) -> Result<()> {
-    Destination::new(file)?.write(|file| {
-        let out = BufWriter::new(File::create(file)?);
-        // Walls and cells of one colour come to half of what the fastest compression makes of them.
-        let png = PngEncoder::new_with_quality(out, CompressionType::Default, FilterType::Adaptive);
-        image.write_with_encoder(png)
-    })
+/// Returns a picture as the bytes of a PNG.
+pub(crate) fn png(image: &RgbImage) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    // Walls and cells of one colour come to half of what the fastest compression makes of them.
+    let png = PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive);
+    image
+        .write_with_encoder(png)
+        .context("a picture that is no PNG")?;
+    Ok(bytes)
 }
 
 #[cfg(test)]

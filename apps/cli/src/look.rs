@@ -11,6 +11,7 @@ use crate::out;
 use crate::prepare::prepare;
 use crate::progress::Progress;
 use crate::report::{Report, Reports, SceneReport, Sink, Summary, WayReport, left_out};
+use crate::run_files::RunFiles;
 use crate::text::{bytes, count, ms, plural, point, table};
 use crate::values::Choice;
 use anyhow::Result;
@@ -19,7 +20,8 @@ use std::fmt::Write;
 
 /// Runs `look`.
 pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
-    let sink = Sink::new(&args.json)?;
+    let mut files = RunFiles::of(&args.scene.scene, args.cameras.path.as_deref())?;
+    let sink = Sink::new(&args.json, &mut files)?;
     settle(&args.methods.how)?;
     let choice = args.methods.choice();
     let opened = open(
@@ -28,6 +30,7 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
         choice,
         args.methods.how.flat,
         &args.methods.how.limits,
+        &mut files,
     )?;
     let views = cameras::views(&args.cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, choice, Aim::Look, &args.methods.how, views.first())?;
@@ -285,11 +288,12 @@ mod tests {
             panic!("a look")
         };
         let opened = open(
-            "@enfilade",
+            "@enfilade".as_ref(),
             For::Answers,
             Choice::Own,
             false,
             &args.methods.how.limits,
+            &mut RunFiles::default(),
         )
         .expect("it is built in");
         let views = cameras::views(&args.cameras, &opened).expect("a view");

@@ -20,7 +20,9 @@ mod out;
 mod portals;
 mod prepare;
 mod progress;
+mod read;
 mod report;
+mod run_files;
 mod save;
 mod text;
 mod values;
@@ -94,7 +96,16 @@ fn refuse(error: &clap::Error) -> ExitCode {
         ));
         return ExitCode::from(2);
     }
-    // A reader of the help that has gone away has what it wanted.
-    let _ = error.print();
-    ExitCode::from(if error.use_stderr() { 2 } else { 0 })
+    if error.use_stderr() {
+        // Where standard error is closed there is nobody to tell.
+        let _ = error.print();
+        return ExitCode::from(2);
+    }
+    match out::printed(error.print()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(why) => {
+            out::error(&why);
+            ExitCode::from(2)
+        }
+    }
 }

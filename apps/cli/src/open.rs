@@ -4,11 +4,13 @@ use crate::args::{HowArgs, LimitArgs};
 use crate::cameras::Camera;
 use crate::out;
 use crate::progress::Progress;
+use crate::run_files::RunFiles;
 use crate::values::{Choice, among};
 use anyhow::{Context, Result, anyhow, bail};
 use enfilade::{Method, Scene, SceneError};
 use enfilade_draw::Stage;
 use enfilade_import::{MapSummary, ReadOptions};
+use std::ffi::OsStr;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -17,7 +19,7 @@ use std::time::Instant;
 
 /// A scene and what came with it.
 pub(crate) struct Opened {
-    /// As it was asked for: a path or `@NAME`.
+    /// As it was asked for: a path or `@NAME`. What is not UTF-8 in it is replaced.
     pub(crate) file: String,
     /// How it is stored, in words.
     pub(crate) format: &'static str,
@@ -43,18 +45,22 @@ pub(crate) enum For {
 
 /// Opens a scene. Rooms of a file whose author says no method are seen by hierarchical-z unless another is chosen and
 /// built from it. With `flat` a file is one room; the portals of a built-in scene are there and are not to be followed.
+///
+/// The files that belong to the scene are added to the inputs in `files`.
 pub(crate) fn open(
-    name: &str,
+    scene: &OsStr,
     wanted: For,
     choice: Choice,
     flat: bool,
     limits: &LimitArgs,
+    files: &mut RunFiles,
 ) -> Result<Opened> {
+    let name = &*scene.to_string_lossy();
     let progress = Progress::spinner(&format!("loading {name}"));
     let start = Instant::now();
     let mut opened = match name.strip_prefix('@') {
         Some(built_in) => open_built_in(name, built_in),
-        None => open_file(name, wanted, choice, flat, limits),
+        None => open_file(Path::new(scene), wanted, choice, flat, limits, files),
     }?;
     opened.load_ms = start.elapsed().as_secs_f64() * 1e3;
     drop(progress);
@@ -88,8 +94,15 @@ fn open_built_in(file: &str, name: &str) -> Result<Opened> {
     })
 }
 
-fn open_file(file: &str, wanted: For, choice: Choice, flat: bool, limits: &LimitArgs) -> Result<Opened> {
-    let path = Path::new(file);
+fn open_file(
+    path: &Path,
+    wanted: For,
+    choice: Choice,
+    flat: bool,
+    limits: &LimitArgs,
+    files: &mut RunFiles,
+) -> Result<Opened> {
+    let file = &*path.to_string_lossy();
     let mut options = ReadOptions {
         flat,
         textures: wanted == For::Pictures,
@@ -100,6 +113,10 @@ fn open_file(file: &str, wanted: For, choice: Choice, flat: bool, limits: &Limit
         bail!("{file}: there is no such file; the built-in scene is called @{file}");
     }
     let mut import = enfilade_import::read(path, &options)?;
+    import
+        .files
+        .iter()
+        .try_for_each(|side_file| files.reads(side_file))?;
     if choice != Choice::Own {
         import.rooms.iter_mut().for_each(|room| room.method = None);
     }

@@ -4,13 +4,19 @@ use anyhow::{Context, Result};
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};
 
-/// Prints a text on standard output. A reader that has gone away (`| head`) has what it wanted.
+/// Prints a text on standard output.
 pub(crate) fn print(text: &str) -> Result<()> {
     let mut stdout = std::io::stdout().lock();
-    match stdout
-        .write_all(harmless(text).as_bytes())
-        .and_then(|()| stdout.flush())
-    {
+    printed(
+        stdout
+            .write_all(harmless(text).as_bytes())
+            .and_then(|()| stdout.flush()),
+    )
+}
+
+/// Says why printing failed. A reader that has gone away (`| head`) has what it wanted.
+pub(crate) fn printed(result: std::io::Result<()>) -> Result<()> {
+    match result {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(error).context("cannot write to standard output")
         }

@@ -5,7 +5,7 @@ use crate::args::PortalsArgs;
 use crate::out;
 use crate::progress::Progress;
 use crate::report::Sink;
-use crate::save::Destination;
+use crate::run_files::RunFiles;
 use crate::text::{bytes, plural};
 use anyhow::{Result, bail};
 use enfilade_import::{ClustersFrom, ReadOptions, RebuiltPortals, rebuild_portals};
@@ -44,8 +44,10 @@ pub(crate) fn run(args: &PortalsArgs) -> Result<Outcome> {
         );
     }
     keep(&output, args.force)?;
-    let destination = Destination::new(&output)?;
-    let sink = Sink::new(&args.json)?;
+    let mut files = RunFiles::default();
+    files.reads(&args.map)?;
+    let destination = files.writes(&output)?;
+    let sink = Sink::new(&args.json, &mut files)?;
     let mut options = ReadOptions::default();
     options.limit_bytes = args.memory.unwrap_or(options.limit_bytes);
     let progress = Progress::spinner("rebuilding");
@@ -60,7 +62,7 @@ pub(crate) fn run(args: &PortalsArgs) -> Result<Outcome> {
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
     keep(&output, args.force)?;
-    destination.write_bytes(text.as_bytes())?;
+    destination.write(text.as_bytes())?;
     let made = Made {
         file: output.display().to_string(),
         bytes: text.len() as u64,

@@ -8,12 +8,12 @@ use crate::names::Names;
 use crate::open::Opened;
 use crate::out;
 use crate::prepare::Prepared;
+use crate::run_files::RunFiles;
 use crate::save::Destination;
 use anyhow::{Context, Result};
 use enfilade::{Contract, FragmentId, OpeningId, Scene, View};
 use serde::{Serialize, Serializer};
 use std::fmt::Display;
-use std::fs;
 
 /// One method over all views.
 #[derive(Debug, Serialize)]
@@ -178,12 +178,12 @@ pub(crate) enum Sink {
 }
 
 impl Sink {
-    /// Checks that the file can be written.
-    pub(crate) fn new(json: &JsonArg) -> Result<Sink> {
+    /// Checks that the file can be written, and is no other file of the run.
+    pub(crate) fn new(json: &JsonArg, files: &mut RunFiles) -> Result<Sink> {
         Ok(match &json.file {
             None => Sink::Nowhere,
             Some(_) if json.takes_stdout() => Sink::Stdout,
-            Some(file) => Sink::File(Destination::new(file)?),
+            Some(file) => Sink::File(files.writes(file)?),
         })
     }
 
@@ -194,8 +194,8 @@ impl Sink {
             Sink::Nowhere => Ok(()),
             Sink::Stdout => out::print(&(text()? + "\n")),
             Sink::File(file) => {
-                let text = text()? + "\n";
-                file.write(|path| fs::write(path, &text))
+                file.write((text()? + "\n").as_bytes())?;
+                Ok(())
             }
         }
     }

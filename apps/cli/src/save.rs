@@ -1,138 +1,368 @@
-//! Files that are written whole or not at all.
+//! Outputs: each replaces what is there as a whole, or leaves it as it is.
+//!
+//! A save writes a temporary file in the folder of the output, syncs it, checks it and renames it. Every temporary file is
+//! locked while its run lives, so later runs can tell those of dead runs and remove them.
 
+use crate::out;
+use crate::run_files::folder_of;
 use anyhow::{Context, Result, bail};
-use std::ffi::OsString;
-use std::fs::{self, File, OpenOptions};
-use std::io::Write;
+use std::fs::{self, File, Metadata, TryLockError};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 
-/// A place for a file, found to be writable before the work that fills it.
+/// Where an output goes, checked before the work that fills it.
+#[derive(Debug)]
 pub(crate) struct Destination {
+    /// As the user calls it.
+    name: PathBuf,
+    /// The same with symbolic links followed: what a link points at is replaced, not the link.
     path: PathBuf,
-    /// A device or a pipe: written to as it is, for a rename would replace it.
-    special: bool,
+    /// Whether it is a device or a pipe. Those are written to directly, because a rename would replace them.
+    is_special: bool,
 }
 
 impl Destination {
-    /// Checks that a file can be made there, and leaves nothing behind.
-    pub(crate) fn new(path: &Path) -> Result<Destination> {
-        let fails = || format!("cannot write {}", path.display());
-        // What a link points at is replaced, not the link.
-        let path_there = fs::canonicalize(path);
-        let there = path_there.as_ref().ok().and_then(|path| fs::metadata(path).ok());
-        if there.as_ref().is_some_and(fs::Metadata::is_dir) {
-            bail!("{}: it is a folder; name a file in it", fails());
-        }
-        let special = there.is_some_and(|there| !there.is_file());
-        let destination = Destination {
-            path: path_there.unwrap_or_else(|_| path.to_owned()),
-            special,
+    /// Checks that the name is one that a file can have, and that its file may be replaced.
+    pub(crate) fn new(name: &Path) -> Result<Destination> {
+        let fails = || format!("cannot write {}", name.display());
+        let destination = |path, is_special| Destination {
+            name: name.to_owned(),
+            path,
+            is_special,
         };
-        if path.file_name().is_none() {
+        let why = match fs::metadata(name) {
+            Ok(there) if there.is_dir() => bail!("{}: it is a folder; name a file in it", fails()),
+            Ok(there) if !there.is_file() => return Ok(destination(name.to_owned(), true)),
+            Ok(there) if there.permissions().readonly() => bail!(
+                "{}: it is read-only; make it writable, or name another file with -o or --json",
+                fails()
+            ),
+            Ok(_) => return Ok(destination(fs::canonicalize(name).with_context(fails)?, false)),
+            Err(why) => why,
+        };
+        let folder = folder_of(name);
+        let Some(file_name) = name.file_name() else {
             bail!("{}: it does not end in a file's name", fails());
+        };
+        if !folder.is_dir() {
+            bail!(
+                "{}: there is no folder {}; make it first, or name another",
+                fails(),
+                folder.display()
+            );
         }
-        if !special {
-            let folder = destination.folder();
-            if !folder.is_dir() {
-                bail!(
-                    "{}: there is no folder {}; make it first, or name another",
-                    fails(),
-                    folder.display()
-                );
-            }
-            let probe = destination.beside();
-            OpenOptions::new()
-                .write(true)
-                .create(true)
-                .truncate(true)
-                .open(&probe)
-                .with_context(fails)?;
-            fs::remove_file(&probe).with_context(fails)?;
+        if let Ok(target) = fs::read_link(name) {
+            bail!(
+                "{}: it is a symbolic link to {}, where no file is; remove the link, or name another file",
+                fails(),
+                target.display()
+            );
         }
-        Ok(destination)
+        if why.kind() != ErrorKind::NotFound {
+            return Err(why).with_context(fails);
+        }
+        Ok(destination(folder.join(file_name), false))
     }
 
-    /// Lets `fill` write the file under a passing name, then puts it in its place.
-    pub(crate) fn write<E>(&self, fill: impl FnOnce(&Path) -> Result<(), E>) -> Result<()>
-    where
-        Result<(), E>: Context<(), E>,
+    /// Checks that a file can be made beside it, and removes the temporary files of dead runs there. Warns of hard links.
+    pub(crate) fn prepare(&self) -> Result<()> {
+        if self.is_special {
+            return Ok(());
+        }
+        let folder = folder_of(&self.path);
+        remove_dead(folder);
+        temporary_in(folder, true).with_context(|| format!("cannot write {}", self.name.display()))?;
+        let links = hard_links(&self.path);
+        if links > 1 {
+            out::warn(format_args!(
+                "{0} has {links} hard links; the new content is under {0} alone, the other names keep the old one",
+                self.name.display()
+            ));
+        }
+        Ok(())
+    }
+
+    /// As the user calls it.
+    pub(crate) fn name(&self) -> &Path {
+        &self.name
+    }
+
+    /// Writes all bytes, or leaves what is there as it is. The file that is returned keeps its lock until it is closed.
+    pub(crate) fn write(&self, bytes: &[u8]) -> Result<File> {
+        let written = if self.is_special {
+            let device = File::options().write(true).open(&self.path);
+            device.and_then(|mut device| device.write_all(bytes).map(|()| device))
+        } else {
+            self.replace(|mut file| fill(&mut file, bytes))
+        };
+        written.with_context(|| format!("cannot write {}", self.name.display()))
+    }
+
+    /// Lets `fill` write a temporary file, and renames it if that succeeds.
+    fn replace(&self, fill: impl FnOnce(&File) -> io::Result<()>) -> io::Result<File> {
+        let replaced = fs::metadata(&self.path).ok();
+        let temporary = temporary_in(folder_of(&self.path), replaced.is_some())?;
+        if let Some(replaced) = replaced {
+            keep_owner_and_mode(temporary.as_file(), &replaced)?;
+        }
+        fill(temporary.as_file())?;
+        temporary.persist(&self.path).map_err(|why| why.error)
+    }
+}
+
+/// What a save asks of a file. Tests have another one, of which each step can fail.
+trait Storage: Write {
+    /// Waits until all is on the disk.
+    fn sync(&mut self) -> io::Result<()>;
+    /// Returns the number of bytes that have arrived.
+    fn length(&mut self) -> io::Result<u64>;
+}
+
+impl Storage for &File {
+    fn sync(&mut self) -> io::Result<()> {
+        self.sync_all()
+    }
+
+    fn length(&mut self) -> io::Result<u64> {
+        Ok(self.metadata()?.len())
+    }
+}
+
+fn fill(file: &mut impl Storage, bytes: &[u8]) -> io::Result<()> {
+    file.write_all(bytes)?;
+    file.flush()?;
+    file.sync()?;
+    match file.length()? {
+        length if length == bytes.len() as u64 => Ok(()),
+        length => Err(io::Error::other(format!(
+            "only {length} of {} bytes arrived on the disk",
+            bytes.len()
+        ))),
+    }
+}
+
+/// Temporary files are called `.enfilade-`, random letters, `.tmp`. The name is short whatever the output is called.
+const PREFIX: &str = ".enfilade-";
+const SUFFIX: &str = ".tmp";
+
+/// Makes a temporary file and locks it.
+///
+/// One that is to be `private` can be read by its owner alone, others by whom the system lets read new files.
+fn temporary_in(folder: &Path, private: bool) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(PREFIX).suffix(SUFFIX).rand_bytes(12);
+    #[cfg(unix)]
+    if !private {
+        use std::os::unix::fs::PermissionsExt;
+        // Less what the umask takes away.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    #[cfg(not(unix))]
+    let _ = private;
+    loop {
+        let temporary = builder.tempfile_in(folder)?;
+        // Before it is locked another run can take it for a dead run's and remove it. Some file systems have no locks:
+        // there no run removes anything.
+        let is_taken = is_locked_by_another(temporary.as_file());
+        if !is_taken && temporary.path().exists() {
+            return Ok(temporary);
+        }
+    }
+}
+
+/// Locks a file unless another open file has its lock; returns `true` if one has. `false` where there are no locks.
+pub(crate) fn is_locked_by_another(file: &File) -> bool {
+    matches!(file.try_lock(), Err(TryLockError::WouldBlock))
+}
+
+/// Removes the temporary files that runs left that are dead.
+fn remove_dead(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let is_temporary = name.starts_with(PREFIX) && name.ends_with(SUFFIX);
+        // A pipe would not open until someone writes.
+        if !is_temporary || !entry.file_type().is_ok_and(|kind| kind.is_file()) {
+            continue;
+        }
+        // Removed while it is locked, or its own run could lock it in between. What cannot be removed harms nobody.
+        if let Ok(file) = File::open(entry.path())
+            && file.try_lock().is_ok()
+        {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+#[cfg(unix)]
+fn hard_links(path: &Path) -> u64 {
+    use std::os::unix::fs::MetadataExt;
+    fs::metadata(path).map_or(1, |there| there.nlink())
+}
+
+#[cfg(not(unix))]
+fn hard_links(_path: &Path) -> u64 {
+    1
+}
+
+/// Gives a file the mode of the one it replaces, and its owner and group as far as the user may.
+fn keep_owner_and_mode(file: &File, replaced: &Metadata) -> io::Result<()> {
+    #[cfg(unix)]
     {
-        let fails = || format!("cannot write {}", self.path.display());
-        if self.special {
-            return fill(&self.path).with_context(fails);
-        }
-        let passing = self.beside();
-        let written = fill(&passing)
-            .with_context(fails)
-            .and_then(|()| fs::rename(&passing, &self.path).with_context(fails));
-        if written.is_err() {
-            // The first error says more than one about the leftover.
-            let _ = fs::remove_file(&passing);
-        }
-        written
+        use std::os::unix::fs::{MetadataExt, fchown};
+        let [user, group] = [Some(replaced.uid()), Some(replaced.gid())];
+        // Only root may give files away; others may choose among their groups.
+        let _ = fchown(file, user, group).or_else(|_| fchown(file, None, group));
     }
-
-    /// Writes bytes there, which are on the disk before they get the file's name.
-    pub(crate) fn write_bytes(&self, bytes: &[u8]) -> Result<()> {
-        self.write(|path| {
-            let mut file = File::create(path)?;
-            file.write_all(bytes)?;
-            file.sync_all()
-        })
+    // Some file systems have one mode for all files, and refuse to set any.
+    if file.metadata()?.permissions() == replaced.permissions() {
+        return Ok(());
     }
-
-    fn folder(&self) -> &Path {
-        self.path
-            .parent()
-            .filter(|folder| !folder.as_os_str().is_empty())
-            .unwrap_or(Path::new("."))
-    }
-
-    /// A hidden name in the same folder, with the same ending.
-    fn beside(&self) -> PathBuf {
-        let mut name = OsString::from(".");
-        name.push(self.path.file_stem().unwrap_or_default());
-        name.push(format!("-{}-unfinished", std::process::id()));
-        if let Some(ending) = self.path.extension() {
-            name.push(".");
-            name.push(ending);
-        }
-        self.folder().join(name)
-    }
+    file.set_permissions(replaced.permissions())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_file_is_there_whole_or_not_at_all() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("a.txt");
-        let destination = Destination::new(&path).expect("it can be written");
-        assert!(!path.exists());
-        assert!(
-            destination
-                .write(|_| -> std::io::Result<()> { Err(std::io::Error::other("full")) })
-                .is_err()
-        );
-        destination
-            .write(|path| fs::write(path, "whole"))
-            .expect("written");
-        assert_eq!(fs::read_to_string(&path).expect("there"), "whole");
-        assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
+    /// A file of which one call fails, counted from 0, and that takes a few bytes in each write.
+    struct Failing<'f> {
+        file: &'f File,
+        calls_before: usize,
+    }
+
+    impl Failing<'_> {
+        fn call(&mut self) -> io::Result<()> {
+            if self.calls_before == 0 {
+                return Err(io::Error::other("the disk is full"));
+            }
+            self.calls_before -= 1;
+            Ok(())
+        }
+    }
+
+    impl Write for Failing<'_> {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.call()?;
+            self.file.write(&bytes[..bytes.len().min(3)])
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            self.call()?;
+            self.file.flush()
+        }
+    }
+
+    impl Storage for Failing<'_> {
+        fn sync(&mut self) -> io::Result<()> {
+            self.call()?;
+            self.file.sync_all()
+        }
+
+        fn length(&mut self) -> io::Result<u64> {
+            self.call()?;
+            Ok(self.file.metadata()?.len())
+        }
+    }
+
+    /// A file that says that it took all, and loses the last byte.
+    struct Losing<'f>(&'f File);
+
+    impl Write for Losing<'_> {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0.write_all(&bytes[..bytes.len() - 1])?;
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    impl Storage for Losing<'_> {
+        fn sync(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+
+        fn length(&mut self) -> io::Result<u64> {
+            self.0.length()
+        }
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).expect("a folder");
+        let name = |entry: io::Result<fs::DirEntry>| entry.expect("an entry").file_name();
+        entries
+            .map(|entry| name(entry).to_string_lossy().into_owned())
+            .collect()
     }
 
     #[test]
-    fn what_cannot_be_written_is_said_before() {
+    fn whatever_step_fails_the_old_file_is_whole_and_nothing_is_beside_it() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.txt");
+        let destination = Destination::new(&path).expect("it can be written");
+        for old in [None, Some("old")] {
+            let _ = fs::remove_file(&path);
+            if let Some(old) = old {
+                fs::write(&path, old).expect("written");
+            }
+            let mut failures = 0;
+            let save = |calls_before| {
+                destination.replace(|file| fill(&mut Failing { file, calls_before }, b"new and whole"))
+            };
+            while save(failures).is_err() {
+                assert_eq!(
+                    fs::read_to_string(&path).ok().as_deref(),
+                    old,
+                    "after {failures} calls"
+                );
+                assert_eq!(names(folder.path()).len(), usize::from(old.is_some()));
+                failures += 1;
+            }
+            assert_eq!(
+                failures,
+                5 + 3,
+                "writes of three bytes, a flush, a sync and a check"
+            );
+            assert_eq!(fs::read_to_string(&path).expect("there"), "new and whole");
+            assert_eq!(names(folder.path()), ["a.txt"]);
+        }
+    }
+
+    #[test]
+    fn bytes_that_are_lost_without_an_error_are_noticed() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.txt");
+        fs::write(&path, "old").expect("written");
+        let destination = Destination::new(&path).expect("it can be written");
+        let why = destination.replace(|file| fill(&mut Losing(file), b"new"));
+        let why = why.expect_err("a byte is missing").to_string();
+        assert!(why.contains("only 2 of 3 bytes"), "{why}");
+        assert_eq!(fs::read_to_string(&path).expect("there"), "old");
+    }
+
+    #[test]
+    fn a_folder_that_takes_the_name_meanwhile_is_an_error_that_leaves_nothing_beside_it() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.txt");
+        let destination = Destination::new(&path).expect("it can be written");
+        fs::create_dir(&path).expect("made");
+        let why = destination.write(b"new").expect_err("a folder is there");
+        assert!(format!("{why:#}").contains("cannot write "), "{why:#}");
+        assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn outputs_that_cannot_be_written_are_refused_before_the_work() {
         let folder = tempfile::tempdir().expect("a folder");
         let error = |path: &Path| {
-            Destination::new(path)
-                .err()
-                .map(|error| format!("{error:#}"))
-                .unwrap_or_default()
+            let why = Destination::new(path).expect_err("it cannot be written");
+            format!("{why:#}")
         };
         assert!(error(&folder.path().join("no/a.txt")).contains("there is no folder"));
         assert!(error(folder.path()).contains("it is a folder"));
+        assert!(error(Path::new("")).contains("a file's name"));
     }
 }

@@ -3,14 +3,14 @@
 use crate::Outcome;
 use crate::args::{Args, LookArgs, Verb};
 use crate::cameras;
-use crate::draw::{draw, save, settings};
+use crate::draw::{draw, png, settings};
 use crate::measure::{self, PASSES};
 use crate::open::{For, open};
 use crate::out;
 use crate::prepare::prepare;
 use crate::progress::Progress;
 use crate::report::{SceneReport, left_out};
-use crate::save::Destination;
+use crate::run_files::RunFiles;
 use crate::text::{count, ms, plural, table};
 use crate::values::Choice;
 use anyhow::{Result, bail};
@@ -34,13 +34,15 @@ pub(crate) fn run() -> Result<Outcome> {
         methods,
         ..
     } = &args;
-    Destination::new(Path::new(PICTURE))?;
+    let mut files = RunFiles::default();
+    let destination = files.writes(Path::new(PICTURE))?;
     let opened = open(
         &scene.scene,
         For::Pictures,
         Choice::All,
         false,
         &methods.how.limits,
+        &mut files,
     )?;
     let views = cameras::views(cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, Choice::All, Aim::Draw, &methods.how, views.first())?;
@@ -74,7 +76,7 @@ pub(crate) fn run() -> Result<Outcome> {
         let mut settings = settings(Show::Image);
         settings.samples = Samples::Four;
         let picture = draw(prepared, &mut prepared.viewer(), view, &settings);
-        save(&picture.image, Path::new(PICTURE))?;
+        destination.write(&png(&picture.image)?)?;
     }
     let SceneReport {
         items,

@@ -238,7 +238,11 @@ fn a_run_that_is_killed_again_and_again_ends_like_one_that_is_not() {
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     assert!(!run.stdout.contains("started anew"), "{}", run.stdout);
     assert_eq!(map(&folder, "part.bsp"), map(&folder, "whole.bsp"));
-    assert!(!saved.exists());
+    assert_eq!(
+        folder.names(),
+        ["map.bsp", "map.prt", "part.bsp", "whole.bsp"],
+        "what the killed runs left is gone"
+    );
 }
 
 #[test]

@@ -120,9 +120,10 @@ pub use warning::{Warning, WarningKind};
 
 use budget::Budget;
 use enfilade::{Content, LargeTerrain, Light, Method, Portal, Scene, SceneBuilder, SceneError};
+use std::ffi::OsStr;
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What a file holds.
@@ -147,6 +148,9 @@ pub struct Import {
     pub map: Option<MapSummary>,
     /// What the file has that was not read, or that is odd: one warning of each kind, worst first.
     pub warnings: Vec<Warning>,
+    /// The other files that it names, read or not: buffers, images, materials, heights. Whoever writes files should write
+    /// none of these.
+    pub files: Vec<PathBuf>,
 }
 
 /// A fragment of a file.
@@ -237,7 +241,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
 /// Reads a file that must be glTF.
 fn read_gltf(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
     read_file(path, options, |bytes, name, budget| {
-        gltf::import(bytes, path.parent(), name, options, budget)
+        gltf::import(bytes, path.parent(), &name.to_string_lossy(), options, budget)
     })
 }
 
@@ -245,7 +249,7 @@ fn read_gltf(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> 
 fn read_file<T>(
     path: &Path,
     options: &ReadOptions,
-    import: impl FnOnce(&[u8], &str, Budget) -> Result<T, BrokenRule>,
+    import: impl FnOnce(&[u8], &OsStr, Budget) -> Result<T, BrokenRule>,
 ) -> Result<T, ImportError> {
     let failed = |rule| ImportError {
         file: path.display().to_string(),
@@ -253,10 +257,8 @@ fn read_file<T>(
     };
     let mut budget = Budget::new(options.limit_bytes);
     let bytes = read_regular_file(path, None, &|| "the file".to_owned(), &mut budget).map_err(failed)?;
-    let name = path
-        .file_stem()
-        .map_or("scene".into(), |stem| stem.to_string_lossy());
-    import(&bytes, &name, budget).map_err(failed)
+    let name = path.file_stem().unwrap_or(OsStr::new("scene"));
+    import(&bytes, name, budget).map_err(failed)
 }
 
 /// Reads the bytes of a file. `folder` is where the files lie that it names; with `None`, naming a buffer is an error, and an
@@ -273,7 +275,7 @@ pub fn read_bytes(bytes: &[u8], folder: Option<&Path>, options: &ReadOptions) ->
     budget
         .take(bytes.len() as u64, || "the file".to_owned())
         .map_err(failed)?;
-    import(bytes, folder, "scene", false, options, budget).map_err(failed)
+    import(bytes, folder, OsStr::new("scene"), false, options, budget).map_err(failed)
 }
 
 /// Finds out what the bytes are, and reads them. OBJ has no first bytes of its own, so what is not clearly something else
@@ -281,7 +283,7 @@ pub fn read_bytes(bytes: &[u8], folder: Option<&Path>, options: &ReadOptions) ->
 fn import(
     bytes: &[u8],
     folder: Option<&Path>,
-    name: &str,
+    name: &OsStr,
     is_called_obj: bool,
     options: &ReadOptions,
     budget: Budget,
@@ -289,6 +291,7 @@ fn import(
     if terrain::describes_terrain(bytes) {
         return terrain::import(bytes, folder, name, options, budget);
     }
+    let name = &*name.to_string_lossy();
     if gltf::begins_like_gltf(bytes) {
         return gltf::import(bytes, folder, name, options, budget);
     }

@@ -2,6 +2,7 @@
 
 use super::{CameraArgs, HowArgs, JsonArg};
 use crate::values::{self, Choice};
+use std::ffi::OsString;
 
 /// What says nothing to `--micro`.
 const OF_PATHS: [&str; 12] = [
@@ -44,7 +45,7 @@ Examples:
 pub(crate) struct BenchArgs {
     /// A .glb, .gltf, .obj or .bsp file, a .json that describes terrain, or a built-in scene by its @NAME [default: @enfilade, none with --micro]
     #[arg(value_name = "SCENE")]
-    pub(crate) scene: Option<String>,
+    pub(crate) scene: Option<OsString>,
     /// Measure the masked cover alone: faces and boxes a second, and how close that is to what the machine can do
     #[arg(long, conflicts_with_all = OF_PATHS)]
     pub(crate) micro: bool,

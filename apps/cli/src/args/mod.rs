@@ -12,6 +12,7 @@ use crate::values::{self, Choice};
 use clap::{Parser, Subcommand};
 use enfilade::Method;
 use enfilade_draw::Show;
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Says what can be seen in a scene, and draws it.
@@ -225,7 +226,7 @@ pub(crate) struct InfoArgs {
 pub(crate) struct SceneArg {
     /// A .glb, .gltf, .obj or .bsp file, a .json that describes terrain, or a built-in scene by its @NAME
     #[arg(value_name = "SCENE", default_value = "@enfilade")]
-    pub(crate) scene: String,
+    pub(crate) scene: OsString,
 }
 
 /// Where the report goes.

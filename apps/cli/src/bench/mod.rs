@@ -13,10 +13,12 @@ use crate::open::{For, open, settle};
 use crate::out;
 use crate::prepare::{Prepared, prepare};
 use crate::report::{Report, Reports, SceneReport, Sink, left_out};
+use crate::run_files::RunFiles;
 use crate::text::{bytes, count, ms, plural, point, table};
 use crate::values::Choice;
 use anyhow::Result;
 use enfilade::{Aim, Contract, Viewer};
+use std::ffi::OsStr;
 
 /// Views of the survey, where no camera is told.
 const VIEWS: u32 = 16;
@@ -26,10 +28,18 @@ pub(crate) fn run(mut args: BenchArgs) -> Result<Outcome> {
     if args.micro {
         return micro::run(&args);
     }
-    let sink = Sink::new(&args.json)?;
+    let scene = args.scene.as_deref().unwrap_or(OsStr::new("@enfilade"));
+    let mut files = RunFiles::of(scene, args.cameras.path.as_deref())?;
+    let sink = Sink::new(&args.json, &mut files)?;
     settle(&args.how)?;
-    let scene = args.scene.as_deref().unwrap_or("@enfilade");
-    let opened = open(scene, For::Pictures, args.method, args.how.flat, &args.how.limits)?;
+    let opened = open(
+        scene,
+        For::Pictures,
+        args.method,
+        args.how.flat,
+        &args.how.limits,
+        &mut files,
+    )?;
     args.cameras.survey_unless_told(VIEWS);
     let views = cameras::views(&args.cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, args.method, Aim::Look, &args.how, views.first())?;

@@ -9,7 +9,7 @@ use crate::out;
 use crate::prepare::stays_visible;
 use crate::progress::Progress;
 use crate::report::Sink;
-use crate::save::Destination;
+use crate::run_files::RunFiles;
 use crate::values::{Choice, among};
 use anyhow::{Context, Result, anyhow, ensure};
 use enfilade::{Aim, FragmentId, MethodChoice, Scene, Terms, View, choose_methods, survey_in};
@@ -24,19 +24,29 @@ const PLACES: usize = 8;
 
 /// Runs `choose`.
 pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
-    let sink = Sink::new(&args.json)?;
-    let destination = args.output.as_deref().map(Destination::new).transpose()?;
+    let mut files = RunFiles::of(&args.scene.scene, None)?;
+    let sink = Sink::new(&args.json, &mut files)?;
+    let output = args.output.as_deref();
+    let destination = output.map(|output| files.writes(output)).transpose()?;
     settle_on(&args.limits, args.simd.as_deref())?;
     // As it is read for answers with a method of its own for each room, so that pins are no part of the question.
-    let opened = open(&args.scene.scene, For::Answers, Choice::Auto, false, &args.limits)?;
+    let opened = open(
+        &args.scene.scene,
+        For::Answers,
+        Choice::Auto,
+        false,
+        &args.limits,
+        &mut files,
+    )?;
+    let file = Path::new(&args.scene.scene);
     stays_visible(&opened, None)?;
-    if let Some(output) = &args.output {
+    if let Some(output) = output {
         ensure!(
             !opened.file.starts_with('@'),
             "{}: a built-in scene is no file that methods could be written into",
             opened.file
         );
-        must_lie_beside(Path::new(&opened.file), output)?;
+        must_lie_beside(file, output)?;
     }
     let mut terms = Terms::default();
     terms.aim = args.aim;
@@ -52,10 +62,9 @@ pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
     let chosen = Chosen::new(&opened, &choices, &terms, args.size, held_back);
     if let Some(destination) = &destination {
         let methods: Vec<_> = choices.iter().map(|choice| choice.method).collect();
-        let file = Path::new(&opened.file);
         let pinned = enfilade_import::with_methods(file, &methods, args.limits.memory())
             .with_context(|| opened.file.clone())?;
-        destination.write_bytes(&pinned)?;
+        destination.write(&pinned)?;
     }
     if !args.json.takes_stdout() {
         out::print(&chosen.for_people())?;

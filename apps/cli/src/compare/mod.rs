@@ -21,12 +21,12 @@ use crate::out;
 use crate::prepare::{Prepared, prepare};
 use crate::progress::Progress;
 use crate::report::{Report, Reports, SceneReport, Sink, Skipped, left_out};
+use crate::run_files::RunFiles;
 use crate::save::Destination;
 use crate::text::plural;
 use anyhow::{Result, bail};
 use enfilade::{Aim, Scene, View, Viewer};
 use pictures::{Artist, ViewPictures};
-use std::fs;
 use std::path::Path;
 
 /// All that the page shows.
@@ -45,8 +45,9 @@ struct Comparison<'a> {
 
 /// Runs `compare`.
 pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
-    let page = destination(&args.output)?;
-    let sink = Sink::new(&args.json)?;
+    let mut files = RunFiles::of(&args.scene.scene, args.cameras.path.as_deref())?;
+    let page = destination(&args.output, &mut files)?;
+    let sink = Sink::new(&args.json, &mut files)?;
     settle(&args.how)?;
     let opened = open(
         &args.scene.scene,
@@ -54,6 +55,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
         args.method,
         args.how.flat,
         &args.how.limits,
+        &mut files,
     )?;
     let views = cameras::views(&args.cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, args.method, Aim::Draw, &args.how, views.first())?;
@@ -73,7 +75,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
         pictures,
     };
     let text = page::page(&comparison)?;
-    page.write(|path| fs::write(path, &text))?;
+    page.write(text.as_bytes())?;
     if !args.json.takes_stdout() {
         out::print(&(for_people(&comparison) + &left_out(&skipped)))?;
     }
@@ -96,7 +98,7 @@ fn faces(scene: &Scene) -> u64 {
     scene.fragments().map(faces).sum()
 }
 
-fn destination(path: &Path) -> Result<Destination> {
+fn destination(path: &Path, files: &mut RunFiles) -> Result<Destination> {
     if !path
         .extension()
         .is_some_and(|ending| ending.eq_ignore_ascii_case("html"))
@@ -106,7 +108,7 @@ fn destination(path: &Path) -> Result<Destination> {
             path.display()
         );
     }
-    Destination::new(path)
+    files.writes(path)
 }
 
 /// Holds every method against the reference at every view, and draws the first ones.

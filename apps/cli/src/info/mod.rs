@@ -8,6 +8,7 @@ use crate::args::InfoArgs;
 use crate::open::{For, Opened, allow_threads, open};
 use crate::out;
 use crate::report::{Sink, rounded};
+use crate::run_files::RunFiles;
 use crate::text::{bytes, count, ms, plural, point};
 use crate::values::Choice;
 use anyhow::Result;
@@ -104,9 +105,17 @@ struct WayEntry {
 
 /// Runs `info`.
 pub(crate) fn run(args: &InfoArgs) -> Result<Outcome> {
-    let sink = Sink::new(&args.json)?;
+    let mut files = RunFiles::of(&args.scene.scene, None)?;
+    let sink = Sink::new(&args.json, &mut files)?;
     allow_threads(&args.limits)?;
-    let opened = open(&args.scene.scene, For::Answers, Choice::Own, false, &args.limits)?;
+    let opened = open(
+        &args.scene.scene,
+        For::Answers,
+        Choice::Own,
+        false,
+        &args.limits,
+        &mut files,
+    )?;
     let inventory = Inventory::of(opened);
     if !args.json.takes_stdout() {
         out::print(&inventory.for_people())?;

@@ -7,16 +7,19 @@ use crate::args::LinkArgs;
 use crate::open::allow_threads;
 use crate::out;
 use crate::progress::Progress;
+use crate::read::read_file;
 use crate::report::Sink;
-use crate::save::Destination;
+use crate::run_files::RunFiles;
 use crate::text::{bytes, count, plural};
 use anyhow::{Context, Result, anyhow, bail};
 use enfilade::{Aabb, Transform};
 use enfilade_import::{Import, LinkError, Linked, Linker, NodeId, PartId, ReadOptions, Shape};
 use serde::Serialize;
-use std::fs;
 use std::path::Path;
 use world::{At, Place, Portal, World};
+
+/// A WORLD.toml is no longer than this: tens of thousands of parts.
+const LONGEST_WORLD_BYTES: u64 = 1 << 20;
 
 /// What was made.
 #[derive(Debug, Serialize)]
@@ -42,27 +45,37 @@ pub(crate) fn run(args: &LinkArgs) -> Result<Outcome> {
             output.display()
         );
     }
-    let destination = Destination::new(output)?;
-    let sink = Sink::new(&args.json)?;
+    let mut files = RunFiles::default();
+    files.reads(&args.world)?;
+    let destination = files.writes(output)?;
+    let sink = Sink::new(&args.json, &mut files)?;
     allow_threads(&args.limits)?;
     let name = args.world.display().to_string();
-    let text = fs::read_to_string(&args.world).with_context(|| format!("cannot read {name}"))?;
+    let text = read_file(&args.world, LONGEST_WORLD_BYTES, "link some of its parts first")?;
+    let text = String::from_utf8(text).with_context(|| format!("cannot read {name}"))?;
     let world = World::parse(&text).with_context(|| name.clone())?;
+    let folder = args.world.parent().unwrap_or(Path::new(""));
+    for part in &world.parts {
+        files.reads(&folder.join(&part.file))?;
+    }
     let progress = Progress::spinner("joining");
     let mut options = ReadOptions {
         textures: false,
         ..ReadOptions::default()
     };
     options.limit_bytes = args.limits.memory.unwrap_or(options.limit_bytes);
-    let folder = args.world.parent().unwrap_or(Path::new(""));
     let Linked {
         glb,
         left_out,
         missing_images,
+        files: side_files,
         import,
-    } = join(&world, folder, output, options).with_context(|| name.clone())?;
+    } = join(&world, folder, options).with_context(|| name.clone())?;
     drop(progress);
-    destination.write_bytes(&glb)?;
+    side_files
+        .iter()
+        .try_for_each(|side_file| files.reads(side_file))?;
+    destination.write(&glb)?;
     let mut warnings = apart(&world, &import);
     if !left_out.is_empty() {
         warnings.push(format!(
@@ -103,7 +116,7 @@ pub(crate) fn run(args: &LinkArgs) -> Result<Outcome> {
 }
 
 /// Puts the parts in their places and the portals between them.
-fn join(world: &World, folder: &Path, output: &Path, options: ReadOptions) -> Result<Linked> {
+fn join(world: &World, folder: &Path, options: ReadOptions) -> Result<Linked> {
     let mut linker = Linker::new(options);
     let mut parts = Vec::new();
     for part in &world.parts {
@@ -116,14 +129,6 @@ fn join(world: &World, folder: &Path, output: &Path, options: ReadOptions) -> Re
         if ending.eq_ignore_ascii_case("toml") {
             return Err(anyhow!(
                 "a part is a .glb or .gltf file; link {} first, and name what that makes",
-                path.display()
-            ))
-            .with_context(place);
-        }
-        let same = fs::canonicalize(&path).ok().zip(fs::canonicalize(output).ok());
-        if same.is_some_and(|(part, output)| part == output) {
-            return Err(anyhow!(
-                "{} would be a part of itself; write to another file with -o",
                 path.display()
             ))
             .with_context(place);

@@ -4,6 +4,7 @@ use crate::values::among;
 use anyhow::{Result, anyhow, bail};
 use enfilade_import::{Placing, Shape};
 use serde::Deserialize;
+use std::collections::HashSet;
 use std::path::PathBuf;
 
 /// A whole WORLD.toml.
@@ -88,10 +89,9 @@ impl World {
                 world.portals.iter().map(|portal| &portal.name).collect(),
             ),
         ] {
-            for (number, name) in names.iter().enumerate() {
-                if names[..number].contains(name) {
-                    bail!("two [[{kind}]] are called {name:?}; rename one");
-                }
+            let mut known = HashSet::new();
+            if let Some(name) = names.into_iter().find(|name| !known.insert(*name)) {
+                bail!("two [[{kind}]] are called {name:?}; rename one");
             }
         }
         Ok(world)

@@ -1,13 +1,13 @@
 //! Where another vis of the same map says otherwise, and who is right.
 
 use super::report::Line;
+use crate::read::read_file;
 use crate::text::{count, plural};
 use anyhow::{Context, Result, bail};
 use enfilade::{BakedCells, CellId};
 use enfilade_bake::{PairsWork, Stage, VisiblePairs};
 use enfilade_import::{PlacedPortals, PortalFile, ReadOptions, place_portals};
 use serde::Serialize;
-use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -75,7 +75,7 @@ impl Other {
             );
         };
         let name = || path.display().to_string();
-        let bytes = fs::read(path).with_context(name)?;
+        let bytes = read_file(path, options.limit_bytes, "raise --memory")?;
         let there = place_portals(&bytes, portals).with_context(name)?;
         // Compiled again a map may have a few clusters elsewhere: nothing can be said of those.
         let mut is_elsewhere = vec![false; portals.cells.count() as usize];

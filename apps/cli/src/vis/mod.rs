@@ -9,7 +9,9 @@ use crate::args::VisArgs;
 use crate::open::allow_threads;
 use crate::out;
 use crate::progress::Progress;
+use crate::read::read_file;
 use crate::report::Sink;
+use crate::run_files::{RunFiles, is_same, portals_beside};
 use crate::save::Destination;
 use anyhow::{Context, Result, anyhow, bail};
 use differ::Other;
@@ -18,7 +20,6 @@ use enfilade_import::{
     PortalFile, ReadOptions, place_portals, read_portals, visibility_bytes, with_visibility,
 };
 use report::{Checked, Found, Seconds, Visibility};
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use unfinished::Unfinished;
@@ -34,13 +35,23 @@ pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
         Some("prt") => None,
         _ => bail!("{name}: a map is a .bsp (or, for the report alone, its .prt)"),
     };
-    let destination = target.map(writable).transpose()?;
-    let sink = Sink::new(&args.json)?;
+    let mut files = RunFiles::default();
+    let destination = target
+        .map(|target| writable(target, &args.map, &mut files))
+        .transpose()?;
+    let prt = portals_of(args);
+    let inputs = [Some(&args.map), prt.as_ref().ok(), args.compare.as_ref()];
+    inputs
+        .into_iter()
+        .flatten()
+        .try_for_each(|input| files.reads(input))?;
+    let mut unfinished = Unfinished::beside(target.unwrap_or(&args.map), &mut files)?;
+    let sink = Sink::new(&args.json, &mut files)?;
     let threads = allow_threads(&args.limits)?;
     let start = Instant::now();
     let mut seconds = Seconds::default();
     let map = read_map(args)?;
-    let prt = portals_of(args)?;
+    let prt = prt?;
     let mut options = ReadOptions::default();
     options.limit_bytes = args.limits.memory.unwrap_or(options.limit_bytes);
     let portals = read_portals(&prt, &options)?;
@@ -54,17 +65,10 @@ pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
     };
     seconds.read = start.elapsed().as_secs_f64();
 
-    let unfinished = Unfinished::beside(target.unwrap_or(&args.map));
-    let saved = if args.resume { unfinished.read()? } else { None };
-    if !args.resume && unfinished.path().exists() {
-        out::warn(format_args!(
-            "{} is of a run that was not finished: --resume goes on with it, while this one starts anew and will replace it",
-            unfinished.path().display()
-        ));
-    }
+    let saved = unfinished.begin(args.resume, args.limits.memory())?;
     let goes_on = saved.is_some();
     let begun = begin(args, &portals, &prt, &unfinished, saved)?;
-    let work = work(args, begun, &unfinished, &mut seconds)?;
+    let work = work(args, begun, &mut unfinished, &mut seconds)?;
     let pairs = work.pairs();
     let checked = args
         .check
@@ -76,7 +80,7 @@ pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
         (Some(map), Some(destination)) if !missing => {
             let start = Instant::now();
             let bytes = with_visibility(map, &portals, &pairs).with_context(|| name.to_string())?;
-            destination.write_bytes(&bytes)?;
+            destination.write(&bytes)?;
             seconds.write = start.elapsed().as_secs_f64();
             Some(visibility_bytes(&bytes)? as u64)
         }
@@ -107,7 +111,7 @@ pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
     });
     if !args.json.takes_stdout() {
         out::print(&visibility.text())?;
-        if !is_complete && unfinished.path().exists() {
+        if !is_complete && unfinished.is_held() {
             out::print(&format!(
                 "  --resume goes on from {}\n",
                 unfinished.path().display()
@@ -126,18 +130,16 @@ fn ending(path: &Path) -> Option<String> {
     Some(path.extension()?.to_str()?.to_ascii_lowercase())
 }
 
-/// A place for a map; a file that is there must be one that may be written.
-fn writable(path: &Path) -> Result<Destination> {
+/// Where the map with what is visible goes: into the map itself, or a copy.
+fn writable(path: &Path, map: &Path, files: &mut RunFiles) -> Result<Destination> {
     if ending(path).as_deref() != Some("bsp") {
         bail!("cannot write {}: a map's name ends in .bsp", path.display());
     }
-    if fs::metadata(path).is_ok_and(|there| there.permissions().readonly()) {
-        bail!(
-            "cannot write {}: it is read-only; make it writable, or write a copy with -o OTHER.bsp",
-            path.display()
-        );
+    if is_same(path, map) {
+        files.changes(path)
+    } else {
+        files.writes(path)
     }
-    Destination::new(path)
 }
 
 /// The bytes of the map, if it is one.
@@ -145,16 +147,8 @@ fn read_map(args: &VisArgs) -> Result<Option<Vec<u8>>> {
     if ending(&args.map).as_deref() != Some("bsp") {
         return Ok(None);
     }
-    let fails = || format!("cannot read {}", args.map.display());
-    let bytes = fs::metadata(&args.map).with_context(fails)?.len();
-    let limit = args.limits.memory();
-    if bytes * 2 > limit {
-        bail!(
-            "{}: it has {bytes} bytes, and twice as many are more than the limit of {limit}; raise --memory",
-            fails()
-        );
-    }
-    fs::read(&args.map).with_context(fails).map(Some)
+    let remedy = "raise --memory to more than twice as much";
+    read_file(&args.map, args.limits.memory() / 2, remedy).map(Some)
 }
 
 /// The file of portals: as told, or beside the map; `NAME.novis.bsp` goes with `NAME.prt`.
@@ -165,8 +159,7 @@ fn portals_of(args: &VisArgs) -> Result<PathBuf> {
     if ending(&args.map).as_deref() == Some("prt") {
         return Ok(args.map.clone());
     }
-    let own = args.map.with_extension("prt");
-    let bare = args.map.with_extension("").with_extension("prt");
+    let [own, bare] = portals_beside(&args.map);
     [&own, &bare]
         .into_iter()
         .find(|path| path.is_file())
@@ -201,7 +194,7 @@ fn leafs_by_portals(portals: &PortalFile) -> Vec<u32> {
 fn work(
     args: &VisArgs,
     mut work: PairsWork,
-    unfinished: &Unfinished,
+    unfinished: &mut Unfinished,
     seconds: &mut Seconds,
 ) -> Result<PairsWork> {
     let start = Instant::now();

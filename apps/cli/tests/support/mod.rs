@@ -173,7 +173,7 @@ pub(crate) fn glb(document: &Value) -> Vec<u8> {
 }
 
 /// Corner i has +½ along axis a where bit a of i is set. Faces are counter-clockwise from outside.
-fn cube() -> Vec<u8> {
+pub(crate) fn cube() -> Vec<u8> {
     const QUADS: [[u8; 4]; 6] = [
         [0, 4, 6, 2],
         [1, 3, 7, 5],

@@ -57,6 +57,15 @@ pub(super) fn fetch(
     }
 }
 
+/// The file that an address names, if it names one in the folder.
+pub(super) fn file(uri: &str, folder: &Path) -> Option<PathBuf> {
+    let is_file = !uri.is_empty() && scheme(uri).is_none();
+    let inside = is_file
+        .then(|| inside_folder(uri, &String::new))
+        .and_then(Result::ok);
+    Some(folder.join(inside?))
+}
+
 /// What stands before the first colon, if that makes it an address with a scheme.
 fn scheme(uri: &str) -> Option<&str> {
     let (scheme, _) = uri.split_once(':')?;

@@ -50,7 +50,7 @@ use nodes::Placed;
 use plan::Plan;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use terrain::{TerrainPlan, Terrains};
 use textures::TexturePlan;
@@ -135,7 +135,17 @@ pub(crate) fn import(
         lights,
         map: None,
         warnings: warnings.into_list(),
+        files: folder.map_or_else(Vec::new, |folder| files(&document, folder)),
     })
+}
+
+/// The files that buffers and images are in.
+fn files(document: &Document, folder: &Path) -> Vec<PathBuf> {
+    // Where images make no sense, none is read.
+    let images: Vec<document::Image> = document::list(document.images, "images").unwrap_or_default();
+    let buffers = document.buffers.iter().map(|buffer| &buffer.uri);
+    let named = buffers.chain(images.iter().map(|image| &image.uri));
+    named.filter_map(|uri| address::file(uri, folder)).collect()
 }
 
 /// Builds meshes, side by side.

@@ -26,6 +26,11 @@ impl Inside {
             .map_err(|why| why.to_string())
     }
 
+    /// Where it is.
+    pub(super) fn path(&self, folder: Option<&Path>) -> Option<PathBuf> {
+        Some(folder?.join(&self.0))
+    }
+
     /// Is there such a file?
     pub(super) fn exists(&self, folder: Option<&Path>) -> bool {
         folder.is_some_and(|folder| folder.join(&self.0).is_file())

@@ -11,8 +11,8 @@ use crate::budget::Budget;
 use crate::images;
 use crate::warning::{WarningKind, Warnings};
 use enfilade::{Alpha, Material, Texture, TextureId, Wrap};
-use std::collections::{HashMap, HashSet};
-use std::path::Path;
+use std::collections::{BTreeSet, HashMap, HashSet};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What the groups of a file are made of.
@@ -23,6 +23,8 @@ pub(super) struct Materials {
     pub(super) textures: Vec<Arc<Texture>>,
     /// Where images lie on faces of each material; `None` where it has none.
     pub(super) placings: Vec<Option<Placing>>,
+    /// The files of materials, and the images that these name.
+    pub(super) files: Vec<PathBuf>,
 }
 
 /// How texture coordinates of the file become those of the image.
@@ -59,11 +61,15 @@ impl Materials {
         budget: &mut Budget,
         warnings: &mut Warnings,
     ) -> Materials {
-        let library = Library::load(&groups.libraries, folder, budget, warnings);
+        let mut files = BTreeSet::new();
+        let library = Library::load(&groups.libraries, folder, budget, warnings, &mut files);
         let mut reader = Reader {
             folder,
             with_images,
-            found: Materials::default(),
+            found: Materials {
+                files: files.into_iter().collect(),
+                ..Materials::default()
+            },
             known: HashMap::new(),
             budget,
             warnings,
@@ -96,6 +102,7 @@ impl Library {
         folder: Option<&Path>,
         budget: &mut Budget,
         warnings: &mut Warnings,
+        named: &mut BTreeSet<PathBuf>,
     ) -> Library {
         let mut library = HashMap::new();
         let mut read = HashSet::new();
@@ -105,6 +112,7 @@ impl Library {
             if !read.insert(here.clone()) {
                 continue;
             }
+            named.extend(here.path(folder));
             let bytes = here.read(folder, budget).and_then(|bytes| {
                 budget
                     .take(TIMES_ITS_LENGTH * bytes.len() as u64, || here.spoken())
@@ -114,6 +122,9 @@ impl Library {
             match bytes {
                 Ok(bytes) => {
                     for entry in mtl::parse(&bytes, &here.spoken(), warnings) {
+                        let maps = [&entry.diffuse_map, &entry.emission_map, &entry.coverage_map];
+                        let images = maps.into_iter().flatten().map(|map| Inside::of(&map.file, &here));
+                        named.extend(images.filter_map(|image| image.path(folder)));
                         // Of several that share a name the first counts.
                         library
                             .entry(entry.name.clone())

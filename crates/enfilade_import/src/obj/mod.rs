@@ -145,6 +145,7 @@ fn read(
         lights: Vec::new(),
         map: None,
         warnings: warnings.into_list(),
+        files: materials.files,
     })
 }
 

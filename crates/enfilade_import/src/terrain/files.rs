@@ -1,10 +1,15 @@
 //! Which file heights are in.
 
 use super::TerrainError;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// The file called `named`, or else the only one that belongs to a description called `name`.
-pub(super) fn heights_of(named: &Option<String>, folder: &Path, name: &str) -> Result<PathBuf, TerrainError> {
+pub(super) fn heights_of(
+    named: &Option<String>,
+    folder: &Path,
+    name: &OsStr,
+) -> Result<PathBuf, TerrainError> {
     if let Some(named) = named {
         let is_beside = !named.contains(['/', '\\', ':']) && !matches!(named.as_str(), "" | "." | "..");
         return if is_beside {
@@ -13,8 +18,10 @@ pub(super) fn heights_of(named: &Option<String>, folder: &Path, name: &str) -> R
             Err(TerrainError::NotBeside(named.clone()))
         };
     }
-    let wanted = format!("{name}.raw");
+    let mut wanted = name.to_owned();
+    wanted.push(".raw");
     let own = folder.join(&wanted);
+    let wanted = wanted.to_string_lossy().into_owned();
     if own.is_file() {
         return Ok(own);
     }
@@ -29,7 +36,7 @@ pub(super) fn heights_of(named: &Option<String>, folder: &Path, name: &str) -> R
         .filter(|path| {
             let begins = path
                 .file_stem()
-                .is_some_and(|stem| stem.to_string_lossy().starts_with(name));
+                .is_some_and(|stem| stem.as_encoded_bytes().starts_with(name.as_encoded_bytes()));
             let ends = path
                 .extension()
                 .is_some_and(|ending| ending.eq_ignore_ascii_case("raw"));

@@ -36,6 +36,7 @@ use enfilade::{
     LargeTerrain, Material, MaterialId, Method, Transform,
 };
 use serde::Deserialize;
+use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -97,7 +98,7 @@ pub(crate) fn describes_terrain(bytes: &[u8]) -> bool {
 pub(crate) fn import(
     bytes: &[u8],
     folder: Option<&Path>,
-    name: &str,
+    name: &OsStr,
     _options: &ReadOptions,
     mut budget: Budget,
 ) -> Result<Import, BrokenRule> {
@@ -128,12 +129,13 @@ pub(crate) fn import(
     }
     let place = || format!("terrain of {samples} heights");
     let as_meshes = samples.saturating_mul(BYTES_OF_SAMPLE);
+    let name = name.to_string_lossy().into_owned();
     let room = if budget.has(needs.saturating_add(as_meshes)) {
         budget.take(as_meshes, place)?;
         let raw =
             read_regular_file(&path, None, &|| "its heights".to_owned(), &mut budget).map_err(in_file)?;
         Room {
-            name: name.to_owned(),
+            name,
             content: Arc::new(description.meshes(&raw, format)?),
             method,
             large: None,
@@ -145,7 +147,7 @@ pub(crate) fn import(
         let mapped = mapped.map_err(|why| in_file(BrokenRule::Unreadable(why)))?;
         let nothing = ContentBuilder::new([] as [Material; 0]).build();
         Room {
-            name: name.to_owned(),
+            name,
             content: Arc::new(nothing.map_err(BrokenRule::Content)?),
             method,
             large: Some(Arc::new(description.large(mapped, format)?)),
@@ -158,6 +160,7 @@ pub(crate) fn import(
         lights: Vec::new(),
         map: None,
         warnings: Vec::new(),
+        files: vec![path],
     })
 }
 

@@ -22,6 +22,7 @@ use crate::open::{For, open, settle};
 use crate::out;
 use crate::progress::Progress;
 use crate::report::Sink;
+use crate::run_files::RunFiles;
 use crate::values::Choice;
 use anyhow::Result;
 use ceilings::{Ceiling, Ceilings};
@@ -93,14 +94,16 @@ impl Row {
 
 /// Runs `bench --micro`.
 pub(super) fn run(args: &BenchArgs) -> Result<Outcome> {
-    let sink = Sink::new(&args.json)?;
+    let scene = args.scene.as_deref();
+    let mut files = scene.map_or_else(|| Ok(RunFiles::default()), |scene| RunFiles::of(scene, None))?;
+    let sink = Sink::new(&args.json, &mut files)?;
     settle(&args.how)?;
     let making = Progress::spinner("making faces");
     let mut screen = Screen::new(SIZE)?;
     let wanted = |name: &str| args.rows.is_empty() || args.rows.iter().any(|row| row == name);
     let mut rows = rows::rows(&screen, wanted);
     drop(making);
-    if let Some(scene) = &args.scene {
+    if let Some(scene) = scene {
         // Openings are left aside: all of the scene is in one space.
         let opened = open(
             scene,
@@ -108,6 +111,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome> {
             Choice::One(Method::ZBuffer),
             true,
             &args.how.limits,
+            &mut files,
         )?;
         rows.extend(walk::rows(&opened.scene, wanted)?);
     }

@@ -258,7 +258,7 @@ pub(in crate::gltf) fn list<'a, T: Deserialize<'a>>(
 }
 
 /// About the memory that a parsed document takes, with what is worked out about its nodes.
-fn estimated_bytes(json: &[u8]) -> u64 {
+pub(in crate::gltf) fn estimated_bytes(json: &[u8]) -> u64 {
     // The largest thing that brackets can hold, and room for lists that grow by doubling.
     const EACH_BRACKET: u64 = 256;
     const EACH_COMMA: u64 = 12;

@@ -62,6 +62,11 @@ impl Merged {
         &mut self.lists[list][index]
     }
 
+    /// Returns the length of its buffer.
+    pub(super) fn buffer_bytes(&self) -> u64 {
+        self.binary.len() as u64
+    }
+
     /// Adds a thing to a list and says its number.
     pub(super) fn push(&mut self, list: &str, thing: Value) -> usize {
         let entry = self.lists.entry(list).or_insert_with(|| json!([]));

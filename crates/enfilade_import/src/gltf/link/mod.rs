@@ -14,7 +14,7 @@ pub use shape::Shape;
 use super::buffers::{Buffers, Source};
 use super::compressed::Compressed;
 use super::container::Container;
-use super::document::{BufferView, Document};
+use super::document::{BufferView, Document, estimated_bytes};
 use super::hints::{self, Hint};
 use super::{extensions, nodes};
 use crate::budget::Budget;
@@ -24,7 +24,7 @@ use merge::Merged;
 use serde_json::{Value, json};
 use shape::Turned;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A world in the making: glTF files placed in one space, and portals that join them.
 ///
@@ -35,6 +35,10 @@ pub struct Linker {
     merged: Merged,
     parts: Vec<Part>,
     missing_images: Vec<String>,
+    /// The other files that the parts name.
+    files: Vec<PathBuf>,
+    /// About the memory that the documents of the parts take.
+    document_bytes: u64,
     options: ReadOptions,
 }
 
@@ -76,6 +80,8 @@ pub struct Linked {
     pub left_out: Vec<String>,
     /// Which images of the parts cannot be had, and why. They are grey in it.
     pub missing_images: Vec<String>,
+    /// The other files that the parts name, read or not. Whoever writes files should write none of these.
+    pub files: Vec<PathBuf>,
     /// What it holds.
     pub import: Import,
 }
@@ -125,7 +131,7 @@ impl Linker {
             textures: false,
             ..self.options.clone()
         };
-        crate::read_gltf(path, &flat)?;
+        self.files.extend(crate::read_gltf(path, &flat)?.files);
         let failed = |rule| ImportError {
             file: path.display().to_string(),
             rule,
@@ -157,6 +163,10 @@ impl Linker {
     fn take_in(&mut self, name: &str, path: &Path) -> Result<(Vec<usize>, bool), BrokenRule> {
         let mut budget = Budget::new(self.options.limit_bytes);
         let mut unread = Warnings::default();
+        // The world needs as much when it is read in the end; it is not made before that is known to fit.
+        budget.take(self.merged.buffer_bytes() + self.document_bytes, || {
+            "the parts before it".to_owned()
+        })?;
         let bytes = read_regular_file(path, None, &|| "the file".to_owned(), &mut budget)?;
         let container = Container::split(&bytes)?;
         let document = Document::parse(container.json, &mut budget)?;
@@ -197,6 +207,7 @@ impl Linker {
         self.missing_images
             .extend(missing.into_iter().map(|why| format!("{name}: {why}")));
         self.merged.rename(first, name);
+        self.document_bytes += estimated_bytes(container.json);
         Ok((
             roots.iter().map(|&root| first + root as usize).collect(),
             has_rooms,
@@ -365,6 +376,7 @@ impl Linker {
             glb,
             left_out,
             missing_images: self.missing_images,
+            files: self.files,
             import,
         })
     }

@@ -144,5 +144,6 @@ pub(crate) fn import(
         lights: lights::lights(&entities, is_quake3),
         map: Some(summary),
         warnings: warnings.into_list(),
+        files: Vec::new(),
     })
 }

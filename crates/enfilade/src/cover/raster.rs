@@ -106,6 +106,14 @@ fn run_batch<S: Simd>(
         front: faces.front(passage),
         // Only a face alone is ever cut.
         cuts: if faces.is_lone() { faces.cuts } else { &[] },
+        // Openings that are edge-on are not handed out, and the square around an eye in one is as near as rounding.
+        rounding: if matches!(faces.of, Of::Opening(_)) {
+            0.0
+        } else {
+            ROUNDING
+                * (passage.screen_from_fragment.translation.length()
+                    + faces.screen_from_local.translation.length())
+        },
     };
     if !faces.is_lone() {
         fetch(faces);
@@ -168,6 +176,13 @@ fn fetch(faces: &Faces) {
     }
 }
 
+/// Rounding of a corner on the screen, relative to the terms that it is the sum of.
+const ROUNDING: f64 = 1.0 / (1_u64 << 50) as f64;
+
+/// The sine of the angle between a face and the line of sight to a corner, above which rounding cannot decide whether the
+/// eye is in the face's plane.
+const THIN: f64 = 1e-6;
+
 /// What holds for all triangles of a batch.
 struct Batch<'a> {
     rect: Rect,
@@ -176,9 +191,21 @@ struct Batch<'a> {
     front: f64,
     /// Planes that cut the face.
     cuts: &'a [Cut],
+    /// How far rounding may have moved a corner, in the space of (X, Y, W).
+    rounding: f64,
 }
 
 impl Batch<'_> {
+    /// Returns `true` if the eye is in the plane of a triangle, as far as rounding lets one know: its determinant, which is
+    /// zero then, is no larger than moving the corners by `rounding` makes it.
+    #[cold]
+    fn is_edge_on(&self, &[a, b, c]: &[DVec3; 3]) -> bool {
+        let [ab, ac] = [b - a, c - a];
+        let normal = ab.cross(ac);
+        let moved = self.rounding + ROUNDING * a.length().max(b.length()).max(c.length());
+        normal.dot(a).abs() <= moved * (normal.length() + 2.0 * a.length() * (ab.length() + ac.length()))
+    }
+
     /// A triangle, or what is left of it behind cuts.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "what one triangle needs, never kept")]
@@ -228,7 +255,9 @@ impl Batch<'_> {
         let normal = (b - a).cross(c - a);
         let determinant = normal.dot(a);
         // Edge-on it owns nothing; seen from behind, a face with one side is not there.
-        if determinant == 0.0 || self.front * determinant < 0.0 {
+        let is_thin =
+            determinant * determinant <= THIN * THIN * normal.length_squared() * a.length_squared();
+        if (is_thin && self.is_edge_on(&[a, b, c])) || self.front * determinant < 0.0 {
             return;
         }
         stats.triangles += 1;

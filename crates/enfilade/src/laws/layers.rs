@@ -16,8 +16,10 @@ pub(super) struct Pane {
     pub(super) chain: Chain,
     pub(super) item: ItemId,
     pub(super) face: u32,
-    /// How many portals lie before it, and how far it is.
-    pub(super) place: (u16, f64),
+    /// How many portals lie before it.
+    pub(super) depth: u16,
+    /// How far it is, at the least and at the most.
+    pub(super) w: [f64; 2],
     /// Is it in front for certain?
     pub(super) sure: bool,
 }
@@ -117,9 +119,10 @@ fn along(ray: &RaySees) -> Option<Vec<Layer>> {
         return None;
     }
     let mut panes = ray.glass.clone();
-    panes.sort_by(|a, b| b.place.0.cmp(&a.place.0).then(b.place.1.total_cmp(&a.place.1)));
+    panes.sort_by(|a, b| b.depth.cmp(&a.depth).then(b.w[0].total_cmp(&a.w[0])));
     let touch = |pair: &[Pane]| {
-        pair[0].place.0 == pair[1].place.0 && pair[0].place.1 <= pair[1].place.1 * (1.0 + EPSILON)
+        let [behind, before] = [&pair[0], &pair[1]];
+        behind.depth == before.depth && behind.w[0] <= before.w[1] * (1.0 + EPSILON)
     };
     if panes.windows(2).any(touch) {
         return None;

@@ -18,6 +18,7 @@ mod sector;
 mod straight;
 mod tree;
 mod truth;
+mod walks;
 
 pub use contracts::{Broken, Contestants};
 pub use layers::{LayerPicture, LayerVerdict, Layers};
@@ -25,6 +26,7 @@ pub use owners::OwnerPicture;
 pub use reference::Reference;
 pub use straight::{Lamplight, chains, goes_straight};
 pub use truth::{Truth, Verdict};
+pub use walks::views_through;
 
 /// How far from a sample's centre the other four rays pass, in pixels, along x and y: 2⁻¹⁰.
 pub const DELTA_PX: f64 = 1.0 / 1024.0;

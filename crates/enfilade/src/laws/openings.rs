@@ -14,9 +14,13 @@ pub(super) struct Outline {
 
 /// Where a ray goes into an opening.
 pub(super) struct Entered {
-    pub(super) w: f64,
-    /// Whether rounding could not decide otherwise.
+    /// The least and the greatest parameter that the corners, which are not quite flat, leave open.
+    pub(super) w: [f64; 2],
+    /// Whether the ray certainly goes into it.
     pub(super) sure: bool,
+    /// Whether the ray goes along the plane of an opening that holds its origin: it may pass between the opening and
+    /// what ends in that plane.
+    pub(super) slips: bool,
 }
 
 /// Directions this near to an opening's plane may be said to lead to its front or to its back.
@@ -45,13 +49,19 @@ impl Outline {
         let distance = self.normal.dot(origin - self.corners[0]);
         let magnitude = self.magnitude.max(origin.abs().max_element());
         let in_plane = self.bend + magnitude * 2.0_f64.powi(-40);
-        let before = || {
-            (distance > 0.5 * in_plane)
-                .then(|| self.hit(bundle, ray))
-                .flatten()
+        // How much nearer or farther rounding to f32 and corners off the plane may put it.
+        let off = (self.bend + magnitude * 0.5 * f64::from(f32::EPSILON))
+            / self.normal.dot(bundle.directions[ray]).abs();
+        let before = |sure| {
+            let w = (distance > 0.5 * in_plane).then(|| self.hit(bundle, ray)).flatten()?;
+            Some(Entered {
+                w: [(w - off).max(0.0), w + off],
+                sure,
+                slips: false,
+            })
         };
         if distance.abs() > 2.0 * in_plane {
-            return before().map(|w| Entered { w, sure: true });
+            return before(true);
         }
         // How far inside the outline the origin is; negative outside.
         let count = self.corners.len();
@@ -66,10 +76,14 @@ impl Outline {
             .fold(f64::INFINITY, f64::min);
         let back = -self.normal.dot(bundle.directions[ray].normalize_or_zero());
         if inside < -2.0 * in_plane || back < -ALONG {
-            return before().map(|w| Entered { w, sure: false });
+            return before(false);
         }
-        let sure = distance.abs() <= 0.5 * in_plane && inside >= -0.5 * in_plane && back > ALONG;
-        Some(Entered { w: 0.0, sure })
+        let slips = back <= ALONG;
+        Some(Entered {
+            w: [0.0, if slips { 0.0 } else { off }],
+            sure: distance.abs() <= 0.5 * in_plane && inside >= -0.5 * in_plane && !slips,
+            slips,
+        })
     }
 
     /// Where a ray meets the outline's triangles from the front.

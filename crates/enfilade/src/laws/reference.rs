@@ -148,8 +148,8 @@ struct Way<const N: usize> {
     active: [bool; N],
     /// Whether each ray goes this way for certain.
     certain: [bool; N],
-    /// Where each ray met the last portal; 0 at the eye.
-    entry: [f64; N],
+    /// Where each ray met the last portal, at the least and at the most; 0 at the eye.
+    entry: [[f64; 2]; N],
     depth: u16,
 }
 
@@ -157,8 +157,8 @@ struct Way<const N: usize> {
 struct Ahead<const N: usize> {
     opening: OpeningId,
     active: [bool; N],
-    /// Where each ray meets it.
-    entry: [f64; N],
+    /// Where each ray meets it, at the least and at the most.
+    entry: [[f64; 2]; N],
 }
 
 impl<const N: usize> Ahead<N> {
@@ -166,7 +166,7 @@ impl<const N: usize> Ahead<N> {
         Ahead {
             opening,
             active: [false; N],
-            entry: [0.0; N],
+            entry: [[0.0; 2]; N],
         }
     }
 }
@@ -186,7 +186,7 @@ impl<const N: usize> Look<'_, N> {
             bundle,
             active: std::array::from_fn(|ray| ray < used),
             certain: [true; N],
-            entry: [0.0; N],
+            entry: [[0.0; 2]; N],
             depth: 0,
         });
         while let Some(way) = self.waiting.pop() {
@@ -201,15 +201,21 @@ impl<const N: usize> Look<'_, N> {
         let Some(trees) = &self.reference.fragments[chain.fragment.0 as usize] else {
             return;
         };
-        let mut hits = Hits::new(way.active, way.entry.map(|entry| entry.max(self.near)));
+        let from = way.entry.map(|entry| entry.map(|w| w.max(self.near)));
+        let mut hits = Hits::new(way.active, from);
+        let mut slipping = Vec::new();
         if !self.scene.is_flat() {
-            meet_openings(way, trees, &mut hits);
+            meet_openings(way, trees, &mut hits, &mut slipping);
         }
         trees.walk(&way.bundle, &way.active, &mut hits);
 
         let mut ahead: Vec<Ahead<N>> = Vec::new();
         // Into how many openings each ray goes, and whether it sees anything in this fragment but openings.
         let (mut ways, mut ends) = ([0; N], [false; N]);
+        for ray in slipping {
+            ends[ray] = true;
+            self.rays[ray].possible.push(Possible { chain, owner: None });
+        }
         for &(Meeting { ray, w, hides, .. }, owner) in hits.meetings() {
             match owner {
                 Owner::Opening(opening) if self.leads_on(way, opening) => {
@@ -223,13 +229,14 @@ impl<const N: usize> Look<'_, N> {
                     ahead[known].entry[ray] = w;
                 }
                 Owner::Face(item, face) if !hides => {
-                    let in_front = w < hits.nearest(ray) * (1.0 - EPSILON);
-                    let sure = certain[ray] && in_front && hits.certainly_beyond(ray, w);
+                    let in_front = w[1] < hits.first_hiding(ray) * (1.0 - EPSILON);
+                    let sure = certain[ray] && in_front && hits.certainly_beyond(ray, w[0]);
                     self.rays[ray].glass.push(Pane {
                         chain,
                         item,
                         face,
-                        place: (way.depth, w),
+                        depth: way.depth,
+                        w,
                         sure,
                     });
                 }
@@ -276,15 +283,20 @@ impl<const N: usize> Look<'_, N> {
     }
 }
 
-fn meet_openings<const N: usize>(way: &Way<N>, trees: &Trees, hits: &mut Hits<N>) {
+/// Adds the openings that rays go into, and to `slipping` the rays that may pass by one that holds the eye.
+fn meet_openings<const N: usize>(way: &Way<N>, trees: &Trees, hits: &mut Hits<N>, slipping: &mut Vec<usize>) {
     for (outline, number) in trees.openings().iter().zip(0..) {
         for ray in (0..N).filter(|&ray| way.active[ray]) {
-            let Some(Entered { w, sure }) = outline.entered(&way.bundle, ray) else {
+            let Some(Entered { w, sure, slips }) = outline.entered(&way.bundle, ray) else {
                 continue;
             };
+            if slips {
+                slipping.push(ray);
+            }
             // An opening has no near limit: it is seen through even where the eye is in it.
-            if w >= way.entry[ray] * (1.0 - EPSILON) {
-                let certain = sure && (way.depth == 0 || w > way.entry[ray] * (1.0 + EPSILON));
+            let [first, last] = way.entry[ray];
+            if w[1] >= first * (1.0 - EPSILON) {
+                let certain = sure && (way.depth == 0 || w[0] > last * (1.0 + EPSILON));
                 let meeting = Meeting {
                     ray,
                     w,

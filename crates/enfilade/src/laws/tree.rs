@@ -21,8 +21,8 @@ use std::time::Duration;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Meeting {
     pub(super) ray: usize,
-    /// The ray's parameter there.
-    pub(super) w: f64,
+    /// The ray's parameter there: the least and the greatest that the rounding of positions to f32 leaves open.
+    pub(super) w: [f64; 2],
     pub(super) item: ItemId,
     pub(super) face: u32,
     pub(super) hides: bool,
@@ -183,8 +183,9 @@ impl Trees {
         let back = &self.item_from_fragment[item.0 as usize];
         let local = back.map_or(*bundle, |back| bundle.moved(&back));
         let mesh = self.content.mesh_of(item);
+        let fragment_from_item = self.content.item(item).transform();
         // A flattened item's faces are met where they stand.
-        let place = back.is_none().then(|| self.content.item(item).transform());
+        let place = back.is_none().then_some(fragment_from_item);
         visit(&faces.tree, &local, found, |triangle, found| {
             let [face, last] = *faces.triangles.get(triangle as usize).unwrap_or(&[triangle, 2]);
             let corners = mesh.face(face);
@@ -202,9 +203,14 @@ impl Trees {
                     .material_of(item, &mesh.clusters()[mesh.cluster_of(face)]);
                 if material.double_sided || !from_behind {
                     let hides = material.alpha == Alpha::Opaque;
+                    let placed = match back {
+                        Some(_) => used.map(|corner| fragment_from_item.0.transform_point3(corner)),
+                        None => used,
+                    };
+                    let off = spread(placed, bundle.directions[ray]);
                     found.add(Meeting {
                         ray,
-                        w,
+                        w: [(w - off).max(0.0), w + off],
                         item,
                         face,
                         hides,
@@ -213,6 +219,15 @@ impl Trees {
             }
         });
     }
+}
+
+/// By how much a ray's parameter changes where a triangle is moved along its normal by half the spacing of f32 at its
+/// greatest coordinate: no closer are its corners to where they were meant.
+fn spread(corners: [DVec3; 3], direction: DVec3) -> f64 {
+    let [a, b, c] = corners;
+    let greatest = corners.iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
+    let cosine = (b - a).cross(c - a).normalize_or_zero().dot(direction).abs();
+    (0.5 * f64::from(f32::EPSILON) * greatest / cosine).min(f64::MAX)
 }
 
 /// Calls `leaf` with what lies in all boxes of a tree that a bundle may enter before the limit, roughly the nearest

@@ -2,6 +2,7 @@
 
 mod convex;
 mod doors;
+mod doorways;
 mod edits;
 mod glass;
 mod mixed;

@@ -16,7 +16,7 @@ mod laid;
 mod resting;
 mod walls;
 
-use super::items::{hand_out_opening, hand_out_openings, may_be_seen, sight};
+use super::items::{hand_out_opening, hand_out_openings, hand_out_openings_at_eye, may_be_seen, sight};
 use super::{FarToNear, Order, Refusal, Visit};
 use crate::content::{Alpha, Content, ItemId, Moved, OpeningId};
 use crate::faces::Faces;
@@ -109,6 +109,8 @@ impl Order for ConvexCell {
         if self.planes.iter().any(|plane| plane.height(eye) < 0.0) {
             self.hand_out_outer_sides(content, passage, eye, visit);
         }
+        // Rounding may have put these among the outer sides, or things that end in their plane over them.
+        hand_out_openings_at_eye(content, passage, visit);
     }
 }
 

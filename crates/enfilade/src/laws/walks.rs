@@ -1,0 +1,61 @@
+//! Walks through portals, frame by frame: before the plane, in it, behind it.
+
+use crate::query::Place;
+use crate::scene::{PortalId, Scene};
+use crate::view::View;
+use glam::DVec3;
+
+/// Frames before the plane of the opening, counted in steps of a fifth of the near distance, and behind it.
+const FRAMES: [i32; 12] = [12, 8, 5, 4, 3, 2, 1, 0, -1, -2, -4, -8];
+
+/// What a camera sees that goes through the middle of a portal: looking ahead, askew, along the plane and back.
+///
+/// The near distance is 0.01, or less where the opening is small, so that the frames are 2 mm apart near the plane of a
+/// door. The camera changes fragments as [`Scene::walk`] says.
+pub fn views_through(scene: &Scene, portal: PortalId, size: [u32; 2]) -> Vec<View> {
+    let here = &scene.portals()[portal.0 as usize];
+    let outline = &scene.fragment(here.from).openings()[usize::from(here.opening.0)].outline;
+    let corners: Vec<DVec3> = outline
+        .corners()
+        .iter()
+        .map(|c| DVec3::from(c.map(f64::from)))
+        .collect();
+    let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+    let normal = DVec3::from(outline.normal().map(f64::from));
+    let along = (corners[1] - corners[0]).normalize();
+    let longest = f64::from(outline.bounds().longest_side());
+    let near = 0.01 * (0.5 * longest).min(1.0);
+    let directions = [
+        -normal,
+        -normal + 2.0 * along + 0.3 * normal.cross(along),
+        along + 0.2 * normal.cross(along),
+        normal,
+    ];
+    let at = |frame: i32| (middle + normal * (f64::from(frame) * 0.2 * near)).as_vec3();
+    let start = at(FRAMES[0]);
+    let mut views = Vec::new();
+    for frame in FRAMES {
+        let place = Place {
+            fragment: here.from,
+            position: start.into(),
+        };
+        let mut walked = scene.walk(place, (at(frame) - start).into());
+        if frame >= 0 && walked.crossed.is_empty() {
+            // Not where rounding puts the end of a step, but in the plane where the frame is.
+            walked.place.position = at(frame).into();
+        }
+        let eye = DVec3::from(walked.place.position.map(f64::from));
+        for direction in directions {
+            let direction = walked
+                .there_from_here
+                .0
+                .transform_vector3(direction.normalize() * longest);
+            let toward = (eye + direction).as_vec3();
+            let mut view = View::new(walked.place.position, toward.into(), size);
+            view.fragment = Some(walked.place.fragment);
+            view.near = near as f32;
+            views.push(view);
+        }
+    }
+    views
+}

@@ -1,0 +1,85 @@
+//! Cameras that go through doors, mirrors and teleports, and stand in them.
+
+use crate::subject::{LIMIT, limits};
+use enfilade::laws::{Contestants, views_through};
+use enfilade::{PortalId, View};
+use enfilade_scenes::{SCENES, built_in, fuzz_scene};
+
+/// Small: what matters here is near the middle of the picture, or all over it.
+const SIZE: [u32; 2] = [32, 18];
+
+/// Every method, in every frame of walks through all open portals of a scene. Returns the number of items that the
+/// reference certainly sees.
+#[track_caller]
+fn nothing_is_lost_on_the_way_through(name: &str) -> usize {
+    let scene = built_in(name).expect("a built-in scene").scene;
+    let mut contestants = Contestants::new(&scene, limits(), LIMIT);
+    let mut visible = 0;
+    for portal in (0..scene.portals().len() as u32).map(PortalId) {
+        for view in views_through(&scene, portal, SIZE) {
+            visible += holds(&mut contestants, &view, &format!("@{name}, {portal:?}"));
+        }
+    }
+    visible
+}
+
+#[track_caller]
+fn holds(contestants: &mut Contestants, view: &View, place: &str) -> usize {
+    let (visible, broken) = contestants.check(view);
+    let broken: Vec<String> = broken.iter().map(ToString::to_string).collect();
+    assert!(broken.is_empty(), "{place}, {view:?}:\n{}", broken.join("\n"));
+    visible
+}
+
+#[test]
+fn no_frame_is_lost_on_the_way_through_a_door_a_mirror_or_a_teleport() {
+    for named in SCENES.iter().filter(|named| named.name != "enfilade") {
+        let visible = nothing_is_lost_on_the_way_through(named.name);
+        let portals = named.build().scene.portals().len();
+        assert!(visible > 0 || portals == 0, "nothing is seen in @{}", named.name);
+    }
+}
+
+#[test]
+fn no_frame_is_lost_on_the_way_through_the_doors_of_the_palace() {
+    assert!(nothing_is_lost_on_the_way_through("enfilade") > 1000);
+}
+
+/// `look --check` of one view, by every method.
+#[track_caller]
+fn sees(name: &str, eye: [f32; 3], toward: [f32; 3], items: usize) {
+    let scene = built_in(name).expect("a built-in scene").scene;
+    let mut contestants = Contestants::new(&scene, limits(), LIMIT);
+    let view = View::new(eye, toward, [48, 27]);
+    assert_eq!(holds(&mut contestants, &view, &format!("@{name}")), items);
+}
+
+#[test]
+fn a_doorway_nearer_than_the_near_plane_is_looked_through() {
+    sees("two-rooms", [-0.002, 1.0, 0.0], [5.0, 1.0, 0.0], 8);
+}
+
+#[test]
+fn an_eye_in_the_plane_of_a_doorway_sees_both_rooms() {
+    sees("two-rooms", [0.0, 1.0, 0.0], [5.0, 1.0, 0.0], 8);
+    sees("two-rooms", [0.0, 1.0, 0.0], [0.0, 1.0, 5.0], 6);
+}
+
+#[test]
+fn an_eye_in_the_plane_of_a_mirror_sees_what_is_before_it_twice() {
+    sees("mirrors", [-1.99, 1.0, 2.0], [-1.99, 1.5, 3.0], 4);
+    sees("mirrors", [-1.99, 1.0, 2.0], [-3.0, 1.5, 3.0], 2);
+}
+
+#[test]
+fn every_method_keeps_its_contract_in_random_scenes_that_are_hard_to_get_right() {
+    let mut visible = 0;
+    for seed in 0..400 {
+        let fuzz = fuzz_scene(seed);
+        let mut contestants = Contestants::new(&fuzz.scene, limits(), LIMIT);
+        for view in &fuzz.views {
+            visible += holds(&mut contestants, view, &format!("seed {seed}"));
+        }
+    }
+    assert!(visible > 1000, "{visible}");
+}

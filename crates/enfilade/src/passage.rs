@@ -193,6 +193,13 @@ impl Passage {
         self.eye_from_fragment.matrix3.x_axis.length()
     }
 
+    /// How far rounding may move a corner in the space of (X, Y, W): more the farther the eye is from the fragment's
+    /// origin, for its coordinates there cancel.
+    pub(crate) fn corner_rounding(&self) -> f64 {
+        const ROUNDING: f64 = 1.0 / (1_u64 << 50) as f64;
+        ROUNDING * self.screen_from_fragment.translation.length()
+    }
+
     /// The eye's place in the space of the fragment; behind a portal, where it would stand there.
     pub fn eye(&self) -> [f64; 3] {
         eye_in(&self.screen_from_fragment).into()
@@ -256,6 +263,18 @@ impl Passage {
     /// An opening of a content as the eye meets it; `None` where it faces away or is seen edge-on.
     pub(crate) fn view_of<'a>(&self, content: &'a Content, opening: OpeningId) -> Option<OpeningView<'a>> {
         OpeningView::new(self, &content.openings()[usize::from(opening.0)].outline)
+    }
+
+    /// What of the aperture is left behind an opening of the fragment.
+    #[cfg(test)]
+    pub(crate) fn aperture_behind(
+        &self,
+        outline: &ConvexPolygon,
+        rows: Option<Rows>,
+        any_place: bool,
+    ) -> Option<Aperture> {
+        let view = OpeningView::new(self, outline)?;
+        self.aperture.behind(view.corners(), rows, any_place)
     }
 
     /// What is seen of a box around openings, which have no near limit.

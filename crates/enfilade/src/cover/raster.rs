@@ -110,9 +110,7 @@ fn run_batch<S: Simd>(
         rounding: if matches!(faces.of, Of::Opening(_)) {
             0.0
         } else {
-            ROUNDING
-                * (passage.screen_from_fragment.translation.length()
-                    + faces.screen_from_local.translation.length())
+            passage.corner_rounding() + ROUNDING * faces.screen_from_local.translation.length()
         },
     };
     if !faces.is_lone() {
@@ -179,8 +177,7 @@ fn fetch(faces: &Faces) {
 /// Rounding of a corner on the screen, relative to the terms that it is the sum of.
 const ROUNDING: f64 = 1.0 / (1_u64 << 50) as f64;
 
-/// The sine of the angle between a face and the line of sight to a corner, above which rounding cannot decide whether the
-/// eye is in the face's plane.
+/// A determinant above this part of the product of two edges and the line of sight to a corner is certainly not zero.
 const THIN: f64 = 1e-6;
 
 /// What holds for all triangles of a batch.
@@ -255,8 +252,8 @@ impl Batch<'_> {
         let normal = (b - a).cross(c - a);
         let determinant = normal.dot(a);
         // Edge-on it owns nothing; seen from behind, a face with one side is not there.
-        let is_thin =
-            determinant * determinant <= THIN * THIN * normal.length_squared() * a.length_squared();
+        let sides = (b - a).length_squared() * (c - a).length_squared();
+        let is_thin = determinant * determinant <= THIN * THIN * sides * a.length_squared();
         if (is_thin && self.is_edge_on(&[a, b, c])) || self.front * determinant < 0.0 {
             return;
         }

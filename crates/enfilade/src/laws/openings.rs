@@ -53,7 +53,9 @@ impl Outline {
         let off = (self.bend + magnitude * 0.5 * f64::from(f32::EPSILON))
             / self.normal.dot(bundle.directions[ray]).abs();
         let before = |sure| {
-            let w = (distance > 0.5 * in_plane).then(|| self.hit(bundle, ray)).flatten()?;
+            let w = (distance > 0.5 * in_plane)
+                .then(|| self.hit(bundle, ray))
+                .flatten()?;
             Some(Entered {
                 w: [(w - off).max(0.0), w + off],
                 sure,

@@ -126,6 +126,8 @@ pub(super) struct RaySees {
     pub(super) possible: Vec<Possible>,
     /// Glass and cut-outs in front.
     pub(super) glass: Vec<Pane>,
+    /// Whether it goes along the plane of an opening that holds the eye: then it may meet anything that ends there.
+    pub(super) slips: bool,
 }
 
 /// Follows one bundle after the other.
@@ -177,6 +179,7 @@ impl<const N: usize> Look<'_, N> {
         for ray in &mut self.rays {
             ray.possible.clear();
             ray.glass.clear();
+            ray.slips = false;
         }
         self.waiting.push(Way {
             chain: Chain {
@@ -213,8 +216,7 @@ impl<const N: usize> Look<'_, N> {
         // Into how many openings each ray goes, and whether it sees anything in this fragment but openings.
         let (mut ways, mut ends) = ([0; N], [false; N]);
         for ray in slipping {
-            ends[ray] = true;
-            self.rays[ray].possible.push(Possible { chain, owner: None });
+            self.rays[ray].slips = true;
         }
         for &(Meeting { ray, w, hides, .. }, owner) in hits.meetings() {
             match owner {

@@ -225,7 +225,10 @@ impl Trees {
 /// greatest coordinate: no closer are its corners to where they were meant.
 fn spread(corners: [DVec3; 3], direction: DVec3) -> f64 {
     let [a, b, c] = corners;
-    let greatest = corners.iter().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
+    let greatest = corners
+        .iter()
+        .map(|corner| corner.abs().max_element())
+        .fold(0.0, f64::max);
     let cosine = (b - a).cross(c - a).normalize_or_zero().dot(direction).abs();
     (0.5 * f64::from(f32::EPSILON) * greatest / cosine).min(f64::MAX)
 }

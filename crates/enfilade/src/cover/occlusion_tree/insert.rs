@@ -29,11 +29,13 @@ pub(super) type Entry = (DVec3, f64);
 
 impl<A> OcclusionTree<A> {
     /// Lets what of an occluder is beyond `near` and the entry plane hide what is behind it.
-    pub(super) fn insert(&mut self, occluder: &Occluder, near: f64, entry: Option<Entry>) {
+    ///
+    /// `rounding` is how far corners may be from where they were meant.
+    pub(super) fn insert(&mut self, occluder: &Occluder, near: f64, entry: Option<Entry>, rounding: f64) {
         self.pieces.clear();
         self.edges.clear();
         self.tree.firsts.push(self.tree.nodes.len() as u32);
-        let Some(back) = Back::new(occluder.plane, self.tree.far) else {
+        let Some(back) = Back::new(occluder.plane, self.tree.far, rounding) else {
             return;
         };
         let Some(piece) = self.outline(occluder, near, entry) else {

@@ -68,12 +68,15 @@ pub(super) struct Back {
 
 impl Back {
     /// Whatever has a positive height above this is beyond the plane n · p = d, wherever on the screen it is: `far` are
-    /// the greatest |x|, |y| there, in pixels.
-    pub(super) fn new((normal, distance): (DVec3, f64), far: [f64; 2]) -> Option<Back> {
+    /// the greatest |x|, |y| there, in pixels. `rounding` is how far a corner may be from where it was meant: far from the
+    /// fragment's origin it is more than the coordinates tell, which are relative to the eye.
+    pub(super) fn new((normal, distance): (DVec3, f64), far: [f64; 2], rounding: f64) -> Option<Back> {
         let sum = normal.x.abs() * far[0] + normal.y.abs() * far[1] + normal.z.abs();
+        let moved = rounding * (normal.x.abs() + normal.y.abs() + normal.z.abs());
         let back = Back {
             normal: normal - DVec3::Z * (PUSH * sum),
-            distance: distance * (1.0 + PUSH),
+            // By that of the occluder's corners, and of those of what is tested.
+            distance: distance * (1.0 + PUSH) + 2.0 * moved,
         };
         (distance > 0.0 && back.normal.is_finite() && back.distance.is_finite()).then_some(back)
     }
@@ -119,8 +122,8 @@ mod tests {
     #[test]
     fn what_is_in_the_plane_of_an_occluder_is_not_behind_it() {
         let [n, at] = [DVec3::new(0.3, -0.2, 0.7), DVec3::new(100.0, 70.0, 10.0)];
-        let back = Back::new((n, n.dot(at)), [2000.0; 2]).expect("the eye is before it");
+        let back = Back::new((n, n.dot(at)), [2000.0; 2], 0.0).expect("the eye is before it");
         assert!(back.height(at) < 0.0 && back.height(at * (1.0 + 1e-9)) > 0.0);
-        assert_eq!(Back::new((n, 0.0), [1.0; 2]), None);
+        assert_eq!(Back::new((n, 0.0), [1.0; 2], 0.0), None);
     }
 }

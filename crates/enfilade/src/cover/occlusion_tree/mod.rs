@@ -226,7 +226,12 @@ impl<A: Asks> Hides for OcclusionTree<A> {
     }
 
     fn hide(&mut self, occluder: &Occluder, passage: &Passage, _stats: &mut Stats) {
-        self.insert(occluder, f64::from(passage.near), passage.entry);
+        self.insert(
+            occluder,
+            f64::from(passage.near),
+            passage.entry,
+            passage.corner_rounding(),
+        );
     }
 
     fn copy(&mut self, from: &OcclusionTree<A>) {

@@ -37,6 +37,10 @@ pub(super) fn clip(
     let Some((near, entry)) = frame.clips else {
         return false;
     };
+    // What ends at the near distance is not drawn, so it must not hide either.
+    if corners.iter().all(|corner| corner.z <= near) {
+        return true;
+    }
     let reach = corners.iter().fold(0.0_f64, |reach, corner| {
         reach.max(corner.x.abs() + corner.y.abs() + corner.z.abs())
     });

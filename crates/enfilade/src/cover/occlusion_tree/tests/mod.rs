@@ -113,8 +113,8 @@ impl Both {
     }
 
     fn hide(&mut self, occluder: &Occluder, near: f64, entry: Option<(DVec3, f64)>) {
-        self.faces.insert(occluder, near, entry);
-        self.boxes.insert(occluder, near, entry);
+        self.faces.insert(occluder, near, entry, 0.0);
+        self.boxes.insert(occluder, near, entry, 0.0);
     }
 
     fn see(&mut self, volume: &Volume) -> [Sight; 2] {

@@ -17,9 +17,6 @@ use build::{Boxed, Built, build};
 use smallvec::SmallVec;
 use std::ops::Range;
 
-/// How often a tree just built is improved by rotations; more gain little.
-const ROTATIONS: usize = 2;
-
 /// A tree over numbered boxes, stored as flat arrays.
 #[derive(Clone, Debug)]
 pub struct Bvh {
@@ -107,30 +104,8 @@ impl Bvh {
         }
         tree.nodes.shrink_to_fit();
         tree.parents.shrink_to_fit();
-        for _ in 0..ROTATIONS {
-            tree.rotate();
-        }
         tree.cost = tree.cost_now();
         tree
-    }
-
-    /// Swaps each node's children and grandchildren where that makes boxes smaller, from the leaves up. What is large
-    /// among many small things comes nearer to the root.
-    fn rotate(&mut self) {
-        let mut nodes: Vec<u32> = self.root().into_iter().collect();
-        let mut next = 0;
-        while next < nodes.len() {
-            nodes.extend(self.children(nodes[next]));
-            next += 1;
-        }
-        for node in nodes.into_iter().rev() {
-            let children = self.children(node);
-            if !children.is_empty() {
-                let bounds = self.bounds(children.start).union(self.bounds(children.end - 1));
-                self.nodes[node as usize].bounds = bounds;
-            }
-            self.swap_places(node, &mut Vec::new());
-        }
     }
 
     /// The number of the root; `None` where the tree holds nothing.

@@ -291,7 +291,7 @@ impl Bvh {
 
     /// Lets a child and a grandchild change places where that makes the other child's box smaller. Without this, things
     /// that come one after the other along a row would make a list of nodes.
-    pub(super) fn swap_places(&mut self, node: u32, touched: &mut Vec<u32>) {
+    fn swap_places(&mut self, node: u32, touched: &mut Vec<u32>) {
         let children = self.children(node);
         let mut most = 0.0;
         let mut best = None;

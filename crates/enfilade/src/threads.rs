@@ -28,3 +28,17 @@ pub(crate) fn for_each<T: Send>(list: &mut [T], work: impl Fn(usize, &mut T) + S
         work(place, item);
     }
 }
+
+/// Does two pieces of work, on two threads if `shared` and there are some.
+pub(crate) fn join<A: Send, B: Send>(
+    shared: bool,
+    a: impl FnOnce() -> A + Send,
+    b: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    #[cfg(feature = "rayon")]
+    if shared && count() > 1 {
+        return rayon::join(a, b);
+    }
+    let _ = shared;
+    (a(), b())
+}

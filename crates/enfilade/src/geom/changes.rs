@@ -22,6 +22,29 @@ pub(super) trait Changes: Sized {
     fn check(&self, bounds: &[Aabb]);
 }
 
+/// Boxes that are hard to separate, named by what they are.
+pub(super) fn hard_boxes(count: u32) -> Vec<(&'static str, Vec<Aabb>)> {
+    let around = |side: f32| placed([-0.5 * side; 3], [side; 3]);
+    let all = |side: fn(f32) -> f32| (0..count).map(|i| around(side(i as f32))).collect();
+    let row = |at: fn(f32) -> f32| -> Vec<Aabb> {
+        let boxes = (0..count).map(|i| placed([at(i as f32), 0.0, 0.0], [0.5; 3]));
+        boxes.collect()
+    };
+    let mut giant = row(|i| i);
+    giant[7] = around(1e9);
+    vec![
+        ("coincident", all(|_| 1.0)),
+        ("points at one position", all(|_| 0.0)),
+        ("concentric", all(|i| i)),
+        ("concentric, of few sizes", all(|i| i % 3.0)),
+        ("ever farther apart", row(|i| i * i)),
+        ("exponentially spaced", row(|i| (i * 1e-3).exp2().min(1e38))),
+        ("in a row, huge", row(|i| 3e38 - i * 1e33)),
+        ("in a row, tiny", row(|i| i * 1e-43)),
+        ("in a row with one giant", giant),
+    ]
+}
+
 /// Boxes, the tree over them, and what changed last.
 pub(super) struct World<T> {
     pub(super) bounds: Vec<Aabb>,

@@ -1,7 +1,7 @@
 //! The reference, and what methods are held against it.
 //!
 //! Idea: five rays a sample, each followed through portals; whatever any of them may meet first may own the sample.
-//! Source: DESIGN of the contracts; Möller, Trumbore 1997 for triangles; trees are built by the `obvhs` crate.
+//! Source: DESIGN of the contracts; Möller, Trumbore 1997 for triangles.
 //! Cost: about 3 µs a sample and core, half of one for a single ray anywhere; memory of two nodes a triangle.
 //! Independent of the methods: it shares with them only the input arrays of contents, scenes and views.
 

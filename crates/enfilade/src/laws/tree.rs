@@ -1,6 +1,7 @@
-//! Trees over faces and items, built by `obvhs`, walked by rays in f64.
+//! Trees over faces and items, walked by rays in f64.
 //!
-//! Its own walk is in f32, which is too coarse for scenes far from the origin: what it drops would be missed here.
+//! The trees share nothing with those of the methods, so that a fault there shows here. A split leaves at least an
+//! eighth of a node's boxes on either side: building takes O(n log n) time and depth is O(log n) for any boxes.
 
 use super::bundle::Bundle;
 use super::openings::Outline;
@@ -8,14 +9,10 @@ use crate::content::{Alpha, Content, ItemId, Opening};
 use crate::geom::{Aabb, Transform};
 use crate::mesh::Mesh;
 use glam::{DAffine3, DVec3};
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
-use obvhs::{Boundable, BvhBuildParams};
 use rayon::prelude::*;
 use smallvec::SmallVec;
 use std::collections::HashMap;
 use std::sync::Arc;
-use std::time::Duration;
 
 /// A face that a ray meets.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +28,7 @@ pub(super) struct Meeting {
 /// A content, ready for rays.
 pub(super) struct Trees {
     content: Arc<Content>,
-    items: Bvh2,
+    items: Tree,
     /// The items that the tree holds: those that have faces.
     solid: Vec<ItemId>,
     /// The tree of each item's faces; in the item's space, or in the fragment's where the item is flattened.
@@ -44,7 +41,7 @@ pub(super) struct Trees {
 /// A tree over the triangles of a mesh.
 #[derive(Default)]
 struct Faces {
-    tree: Bvh2,
+    tree: Tree,
     /// Face and last corner of each triangle; empty where all faces are triangles.
     triangles: Vec<[u32; 2]>,
 }
@@ -53,28 +50,107 @@ struct Faces {
 /// memory of its own.
 type Waiting = SmallVec<[(f64, u32); 64]>;
 
-struct Boxed(Aabb);
+/// Numbered boxes in nested boxes, one in each leaf: a box is tested once for a whole bundle, a triangle once for
+/// every ray.
+#[derive(Default)]
+struct Tree {
+    /// The root is the first; the children of a node are adjacent.
+    nodes: Vec<Node>,
+}
 
-impl Boundable for Boxed {
-    fn aabb(&self) -> obvhs::aabb::Aabb {
-        obvhs::aabb::Aabb {
-            min: self.0.min.into(),
-            max: self.0.max.into(),
+struct Node {
+    bounds: Aabb,
+    below: Below,
+}
+
+enum Below {
+    /// The first of the two children.
+    Children(u32),
+    /// The number of a box.
+    Leaf(u32),
+}
+
+/// Intervals that the centers of a node's boxes are sorted into.
+const BINS: usize = 8;
+
+impl Tree {
+    fn build(boxes: &[Aabb]) -> Tree {
+        let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
+        let mut nodes = Vec::with_capacity((2 * boxes.len()).saturating_sub(1));
+        let node = |held: &[u32]| Node {
+            bounds: held
+                .iter()
+                .fold(Aabb::EMPTY, |sum, &i| sum.union(&boxes[i as usize])),
+            below: Below::Leaf(held[0]),
+        };
+        if !order.is_empty() {
+            nodes.push(node(&order));
         }
+        let mut waiting = vec![(0, &mut order[..])];
+        while let Some((number, held)) = waiting.pop() {
+            if held.len() < 2 {
+                continue;
+            }
+            let at = cut(held, boxes);
+            let (low, high) = held.split_at_mut(at);
+            let first = nodes.len();
+            nodes[number].below = Below::Children(first as u32);
+            nodes.extend([node(low), node(high)]);
+            waiting.extend([(first, low), (first + 1, high)]);
+        }
+        Tree { nodes }
     }
 }
 
-fn tree(boxes: &[Boxed]) -> Bvh2 {
-    if boxes.is_empty() {
-        return Bvh2::default();
+/// Sorts at least two boxes into two groups, across the longest side of the box around their centers; returns where the
+/// second starts.
+fn cut(held: &mut [u32], boxes: &[Aabb]) -> usize {
+    if held.len() == 2 {
+        return 1;
     }
-    let mut unused = Duration::ZERO;
-    // One triangle a leaf: a box is tested once for a whole bundle, a triangle once for every ray.
-    let params = BvhBuildParams {
-        max_prims_per_leaf: 1,
-        ..BvhBuildParams::fast_build()
+    let center = |&i: &u32| DVec3::from(boxes[i as usize].center().map(f64::from));
+    let [low, high] = (held.iter().map(center))
+        .fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], at| {
+            [low.min(at), high.max(at)]
+        });
+    let axis = (high - low).max_position();
+    let scale = BINS as f64 / (high - low)[axis];
+    let bin_of = |i: &u32| (((center(i) - low)[axis] * scale) as usize).min(BINS - 1);
+    let mut bins = [(Aabb::EMPTY, 0); BINS];
+    for i in &*held {
+        let (bounds, count) = &mut bins[bin_of(i)];
+        *bounds = bounds.union(&boxes[*i as usize]);
+        *count += 1;
+    }
+    // Area times count of what is below each bin, and of what is not.
+    let sums = |bins: &mut dyn Iterator<Item = &(Aabb, usize)>| {
+        let mut sum = (Aabb::EMPTY, 0);
+        let mut add = |bin: &(Aabb, usize)| {
+            sum = (sum.0.union(&bin.0), sum.1 + bin.1);
+            (sum.0.half_area() * sum.1 as f64, sum.1)
+        };
+        bins.map(&mut add).collect::<SmallVec<[(f64, usize); BINS]>>()
     };
-    build_bvh2(boxes, params, &mut unused)
+    let [below, above] = [sums(&mut bins.iter()), sums(&mut bins.iter().rev())];
+    let cuts = (1..BINS).map(|bin| (bin, below[bin - 1], above[BINS - 1 - bin]));
+    let best = cuts
+        .filter(|(_, below, above)| below.1.min(above.1) > held.len() / 8)
+        .min_by(|a, b| (a.1.0 + a.2.0).total_cmp(&(b.1.0 + b.2.0)));
+    let Some((bin, (_, count), _)) = best else {
+        let half = held.len() / 2;
+        held.select_nth_unstable_by(half, |a, b| {
+            center(a)[axis].total_cmp(&center(b)[axis]).then(a.cmp(b))
+        });
+        return half;
+    };
+    let mut next = 0;
+    for i in 0..held.len() {
+        if bin_of(&held[i]) < bin {
+            held.swap(i, next);
+            next += 1;
+        }
+    }
+    count
 }
 
 impl Faces {
@@ -90,13 +166,11 @@ impl Faces {
                 }
                 let used = [corners[0], corners[last - 1], corners[last]];
                 let corner = |index: u32| placed.point_box(mesh.positions()[index as usize]);
-                boxes.push(Boxed(
-                    used.into_iter().fold(Aabb::EMPTY, |sum, i| sum.union(&corner(i))),
-                ));
+                boxes.push(used.into_iter().fold(Aabb::EMPTY, |sum, i| sum.union(&corner(i))));
             }
         }
         Faces {
-            tree: tree(&boxes),
+            tree: Tree::build(&boxes),
             triangles,
         }
     }
@@ -137,10 +211,7 @@ impl Trees {
         let solid: Vec<ItemId> = all
             .filter(|&item| !content.item(item).bounds.is_empty())
             .collect();
-        let boxes: Vec<Boxed> = solid
-            .iter()
-            .map(|&item| Boxed(content.item(item).bounds))
-            .collect();
+        let boxes: Vec<Aabb> = solid.iter().map(|&item| content.item(item).bounds).collect();
         let outline = |opening: &Opening| {
             let corners = opening.outline.corners().iter();
             Outline::new(corners.map(|c| DVec3::from(c.map(f64::from))).collect())
@@ -148,7 +219,7 @@ impl Trees {
         Trees {
             openings: content.openings().iter().map(outline).collect(),
             content: Arc::clone(content),
-            items: tree(&boxes),
+            items: Tree::build(&boxes),
             solid,
             faces,
             item_from_fragment,
@@ -236,7 +307,7 @@ fn spread(corners: [DVec3; 3], direction: DVec3) -> f64 {
 /// Calls `leaf` with what lies in all boxes of a tree that a bundle may enter before the limit, roughly the nearest
 /// first.
 fn visit<const N: usize, F: Found>(
-    tree: &Bvh2,
+    tree: &Tree,
     bundle: &Bundle<N>,
     found: &mut F,
     mut leaf: impl FnMut(u32, &mut F),
@@ -245,28 +316,21 @@ fn visit<const N: usize, F: Found>(
         return;
     }
     let slopes = bundle.slopes();
-    let enters = |node: u32, limit: f64| {
-        let bounds = tree.nodes[node as usize].aabb();
-        let bounds = Aabb {
-            min: bounds.min.into(),
-            max: bounds.max.into(),
-        };
-        bundle.enters(&slopes, &bounds, limit)
-    };
+    let enters = |node: u32, limit: f64| bundle.enters(&slopes, &tree.nodes[node as usize].bounds, limit);
     let mut waiting = Waiting::new();
     waiting.extend(enters(0, found.limit()).map(|w| (w, 0)));
     while let Some((w, index)) = waiting.pop() {
         if w > found.limit() {
             continue;
         }
-        let node = &tree.nodes[index as usize];
-        if node.prim_count > 0 {
-            for place in node.first_index..node.first_index + node.prim_count {
-                leaf(tree.primitive_indices[place as usize], found);
+        let one = match tree.nodes[index as usize].below {
+            Below::Children(first) => first,
+            Below::Leaf(number) => {
+                leaf(number, found);
+                continue;
             }
-            continue;
-        }
-        let (one, other) = (node.first_index, node.first_index + 1);
+        };
+        let other = one + 1;
         match (enters(one, found.limit()), enters(other, found.limit())) {
             (Some(a), Some(b)) if a < b => {
                 waiting.push((b, other));
@@ -288,4 +352,45 @@ pub(super) trait Found {
     /// Beyond this parameter nothing matters any more.
     fn limit(&self) -> f64;
     fn add(&mut self, meeting: Meeting);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn trees_over_boxes_that_are_hard_to_separate_are_shallow() {
+        let cube = |at: f32, side: f32| Aabb {
+            min: [at - side, -side, -side],
+            max: [at + side, side, side],
+        };
+        let all = |each: fn(f32) -> [f32; 2]| -> Vec<Aabb> {
+            let each = (0..100_000_u32).map(|i| each(i as f32));
+            each.map(|[at, side]| cube(at, side)).collect()
+        };
+        for boxes in [
+            all(|_| [0.0, 1.0]),
+            all(|_| [0.0, 0.0]),
+            all(|i| [0.0, i]),
+            all(|i| [i * i, 0.5]),
+            all(|i| [(i * 1e-3).exp2().min(1e38), 0.5]),
+            all(|i| [3e38 - i * 1e33, 0.5]),
+        ] {
+            let tree = Tree::build(&boxes);
+            let mut times = vec![0; boxes.len()];
+            let mut waiting = vec![(0, 1)];
+            while let Some((node, depth)) = waiting.pop() {
+                // log n / log (8 / 7)
+                assert!(depth <= 87, "{depth}");
+                match tree.nodes[node].below {
+                    Below::Leaf(number) => times[number as usize] += 1,
+                    Below::Children(first) => {
+                        waiting.extend([0, 1].map(|i| (first as usize + i, depth + 1)));
+                    }
+                }
+            }
+            assert!(times.iter().all(|&times| times == 1));
+        }
+        assert!(Tree::build(&[]).nodes.is_empty());
+    }
 }

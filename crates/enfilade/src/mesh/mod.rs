@@ -328,4 +328,23 @@ mod tests {
         assert_eq!((mesh.face_count(), mesh.triangle_count()), (0, 0));
         assert!(mesh.bounds().is_empty());
     }
+
+    #[test]
+    fn a_hundred_thousand_faces_at_one_position_make_full_clusters() {
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let apart: Vec<[f32; 3]> = corners.into_iter().cycle().take(300_000).collect();
+        let shared: Vec<u32> = (0..3).cycle().take(300_000).collect();
+        let numbered: Vec<u32> = (0..300_000).collect();
+        let points = vec![[1.0; 3]; 3];
+        for (positions, corners) in [
+            (&apart[..], &numbered),
+            (&corners[..], &shared),
+            (&points[..], &shared),
+        ] {
+            let mesh = Mesh::triangles(positions, corners, STONE).expect("sound faces");
+            assert_eq!(mesh.face_count(), 100_000);
+            assert_eq!(mesh.clusters().len(), 100_000_usize.div_ceil(CLUSTER_FACES));
+            assert!(mesh.tree().node_count() <= 21, "{}", mesh.tree().node_count());
+        }
+    }
 }

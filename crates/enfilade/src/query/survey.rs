@@ -3,13 +3,16 @@
 //! Idea: stand on the free segment between a point of a surface and the next surface, and look level. A place inside
 //!     a solid is told by rays in many directions: nearly all of them end at the backs of faces.
 //! Source: after the random walks of visibility sampling; the rule is stated with [`survey`].
-//! Cost: about thirty rays a candidate.
+//! Cost: about thirty rays a candidate, and at most [`CLUSTERS_PER_TRY`] clusters a candidate on average: many items at
+//!     one position end the survey early, for every ray would meet them all.
 //! No promise: what is inside a solid with wrongly wound faces may pass for open space, and the other way round.
 
+use super::cast::line_of;
 use crate::content::{Content, ItemId};
-use crate::fragment::Ray;
+use crate::fragment::{Hit, Ray};
 use crate::scene::{FragmentId, Scene};
 use glam::DVec3;
+use std::cell::Cell;
 
 /// A place in open space, and where to look from there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,43 +29,43 @@ pub struct Standpoint {
 ///
 /// Pick an item, a point on it and a direction at random; stand at a random fraction of the free segment to the next
 /// surface, at least 1 % of its length from both ends; look level in a random direction, but not straight at a wall.
-/// Places inside solids or hard against a surface are left out. Fewer are returned where no more are found, none
-/// where the scene has no open space.
+/// Places inside solids or hard against a surface are left out. Fewer are returned where no more are found, or where
+/// thousands of items overlap; none where the scene has no open space.
 pub fn survey(scene: &Scene, count: usize) -> Vec<Standpoint> {
-    survey_by(
-        scene,
-        scene.fragments(),
-        TRIES * count,
-        count,
-        0x656E_6669_6C61_6465,
-    )
+    let seed = 0x656E_6669_6C61_6465;
+    survey_by(scene, scene.fragments(), TRIES * count, count, seed).0
 }
 
 /// The same in one fragment alone, at other places than [`survey`] finds there. It looks longer, so that places are found also
 /// where little is open, or little is above the ground.
 pub fn survey_in(scene: &Scene, fragment: FragmentId, count: usize) -> Vec<Standpoint> {
     let seed = u64::from(fragment.0);
-    survey_by(scene, std::iter::once(fragment), 8 * TRIES * count, count, seed)
+    survey_by(scene, std::iter::once(fragment), 8 * TRIES * count, count, seed).0
 }
 
+/// Also returns how many clusters rays met.
 fn survey_by(
     scene: &Scene,
     fragments: impl Iterator<Item = FragmentId>,
     tries: usize,
     count: usize,
     seed: u64,
-) -> Vec<Standpoint> {
+) -> (Vec<Standpoint>, u64) {
     let contents: Vec<(FragmentId, &Content)> = fragments
         .filter_map(|id| scene.content(id).map(|content| (id, &**content)))
         .filter(|(_, content)| content.items().iter().any(|item| !item.bounds.is_empty()))
         .collect();
     let mut found = Vec::new();
     if contents.is_empty() {
-        return found;
+        return (found, 0);
     }
     let mut dice = Dice(seed);
+    let work = Work {
+        met: Cell::new(0),
+        limit: CLUSTERS_PER_TRY * tries as u64,
+    };
     for _ in 0..tries {
-        if found.len() == count {
+        if found.len() == count || work.is_too_much() {
             break;
         }
         let items: usize = contents.iter().map(|(_, content)| content.items().len()).sum();
@@ -75,12 +78,13 @@ fn survey_by(
         let Some(&(fragment, content)) = home else {
             continue;
         };
-        let Some(place) = place_in_the_open(content, ItemId(item as u32), &mut dice) else {
+        let Some(place) = place_in_the_open(content, ItemId(item as u32), &mut dice, &work) else {
             continue;
         };
         let eye = place.as_vec3().to_array();
         // Where fragments overlap the eye belongs to the smallest: it must be open there too.
-        if let Some(toward) = look_level(content, place, &mut dice)
+        if let Some(toward) = look_level(content, place, &mut dice, &work)
+            && !work.is_too_much()
             && scene.locate(eye, toward.as_vec3().to_array()) == Some(fragment)
         {
             found.push(Standpoint {
@@ -90,14 +94,39 @@ fn survey_by(
             });
         }
     }
-    found
+    (found, work.met.get())
 }
 
 /// Candidates for each place wanted, before a scene is said to have no open space.
 const TRIES: usize = 64;
 
+/// Clusters that the rays of a candidate may meet, on average over all that may be tried. Real scenes need a tenth for
+/// those that are.
+const CLUSTERS_PER_TRY: u64 = 4096;
+
+/// How many clusters rays have met, and may meet.
+struct Work {
+    met: Cell<u64>,
+    limit: u64,
+}
+
+impl Work {
+    fn is_too_much(&self) -> bool {
+        self.met.get() > self.limit
+    }
+
+    /// As [`Content::cast`]; meets nothing any more once too much was met.
+    fn cast(&self, content: &Content, ray: &Ray) -> Option<Hit> {
+        let line = line_of(ray).filter(|_| !self.is_too_much())?;
+        content.first_along(&line, f64::INFINITY, |_| {
+            self.met.set(self.met.get() + 1);
+            true
+        })
+    }
+}
+
 /// A point on the free segment from a face of an item to the next surface.
-fn place_in_the_open(content: &Content, item: ItemId, dice: &mut Dice) -> Option<DVec3> {
+fn place_in_the_open(content: &Content, item: ItemId, dice: &mut Dice, work: &Work) -> Option<DVec3> {
     let mesh = content.mesh_of(item);
     if mesh.face_count() == 0 {
         return None;
@@ -119,29 +148,29 @@ fn place_in_the_open(content: &Content, item: ItemId, dice: &mut Dice) -> Option
     let size = f64::from(content.bounds().longest_side());
     // Off the surface by what f32 loses, so that the ray does not end where it begins.
     let start = start + direction * (1e-5 * size);
-    let free = distance(content, start, direction)?;
+    let free = distance(content, start, direction, work)?;
     let place = start + direction * (free * (0.01 + 0.98 * dice.fraction()));
-    is_open(content, place, size).then_some(place)
+    is_open(content, place, size, work).then_some(place)
 }
 
 /// The distance to the next surface; `None` where there is none.
-fn distance(content: &Content, from: DVec3, direction: DVec3) -> Option<f64> {
+fn distance(content: &Content, from: DVec3, direction: DVec3, work: &Work) -> Option<f64> {
     let ray = Ray {
         origin: from.as_vec3().into(),
         direction: direction.as_vec3().into(),
     };
-    content.cast(&ray).map(|hit| hit.distance)
+    work.cast(content, &ray).map(|hit| hit.distance)
 }
 
 /// Is a place neither inside a solid nor hard against a surface?
-fn is_open(content: &Content, place: DVec3, size: f64) -> bool {
+fn is_open(content: &Content, place: DVec3, size: f64, work: &Work) -> bool {
     let (mut hits, mut from_behind, mut nearest) = (0, 0, f64::INFINITY);
     for i in 0..DIRECTIONS {
         let ray = Ray {
             origin: place.as_vec3().into(),
             direction: spread(i).as_vec3().into(),
         };
-        if let Some(hit) = content.cast(&ray) {
+        if let Some(hit) = work.cast(content, &ray) {
             hits += 1;
             from_behind += usize::from(hit.from_behind);
             nearest = nearest.min(hit.distance);
@@ -163,12 +192,12 @@ fn spread(i: usize) -> DVec3 {
 }
 
 /// A level direction with some depth before it: of a few, the first that reaches as far as the median of them.
-fn look_level(content: &Content, place: DVec3, dice: &mut Dice) -> Option<DVec3> {
+fn look_level(content: &Content, place: DVec3, dice: &mut Dice, work: &Work) -> Option<DVec3> {
     let ahead: [DVec3; 5] = std::array::from_fn(|_| {
         let angle = std::f64::consts::TAU * dice.fraction();
         DVec3::new(angle.cos(), 0.0, angle.sin())
     });
-    let depth = ahead.map(|direction| distance(content, place, direction).unwrap_or(f64::INFINITY));
+    let depth = ahead.map(|direction| distance(content, place, direction, work).unwrap_or(f64::INFINITY));
     let mut sorted = depth;
     sorted.sort_by(f64::total_cmp);
     let chosen = depth.iter().position(|&free| free >= sorted[2])?;
@@ -203,5 +232,46 @@ impl Dice {
         let around = std::f64::consts::TAU * self.fraction();
         let radius = (1.0 - height * height).sqrt();
         DVec3::new(radius * around.cos(), height, radius * around.sin())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::content::{ContentBuilder, Material, MaterialId};
+    use crate::geom::Transform;
+    use crate::mesh::Mesh;
+    use crate::method::Method;
+    use crate::scene::SceneBuilder;
+
+    /// A scene of so many pyramids at one position.
+    fn pyramids(count: usize) -> Scene {
+        let corners = [
+            [-1.0, 0.0, -1.0],
+            [1.0, 0.0, -1.0],
+            [0.0, 0.0, 1.0],
+            [0.0, 2.0, 0.0],
+        ];
+        let faces = [0, 1, 2, 0, 3, 1, 1, 3, 2, 2, 3, 0];
+        let mut builder = ContentBuilder::new([Material::opaque([1.0; 3])]);
+        let mesh = Mesh::triangles(&corners, &faces, MaterialId(0)).expect("four triangles");
+        let mesh = builder.mesh(mesh);
+        for _ in 0..count {
+            builder.item("pyramid", mesh, Transform::IDENTITY);
+        }
+        let mut scene = SceneBuilder::new();
+        let content = builder.build().expect("sound items");
+        scene.add("all", content, Method::ZBuffer);
+        scene.build().expect("one sector")
+    }
+
+    #[test]
+    fn a_survey_of_items_at_one_position_meets_a_bounded_number_of_clusters() {
+        for items in [10, 30_000] {
+            let scene = pyramids(items);
+            let (_, met) = survey_by(&scene, scene.fragments(), TRIES * 4, 4, 1);
+            let most = CLUSTERS_PER_TRY * 4 * TRIES as u64 + items as u64;
+            assert!(met > 0 && met <= most, "{items} items: {met} clusters");
+        }
     }
 }

@@ -2,21 +2,19 @@
 //!
 //! Each thing stands in one leaf, however large or small it is, so the tree is as small as what it holds, and boxes may
 //! overlap.
-//! Source: the builder of the `obvhs` crate: Meister, Bittner, Parallel Locally-Ordered Clustering for Bounding Volume
-//!     Hierarchy Construction, TVCG 2018.
-//! Cost: building O(n log n).
+//! Source: see `build.rs` for building, `movable.rs` for changes.
+//! Cost: building O(n log n) for any boxes.
 //! A node's box holds all of what stands in it and below it, so a hidden node hides only hidden things.
 
+mod build;
 mod choose;
 mod movable;
 #[cfg(test)]
 mod tests;
 
 use crate::geom::Aabb;
-use obvhs::Boundable;
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::leaf_collapser::collapse;
-use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use build::{Boxed, Built, build};
+use smallvec::SmallVec;
 use std::ops::Range;
 
 /// A tree over numbered boxes, stored as flat arrays.
@@ -60,9 +58,12 @@ impl Bvh {
 
     /// As [`Bvh::build`], over the things below `count` that have a box.
     fn over(count: usize, boxes: &impl Fn(u32) -> Aabb, few: u32) -> Bvh {
-        let solid: Vec<u32> = (0..count as u32)
-            .filter(|&thing| !boxes(thing).is_empty())
-            .collect();
+        let boxed = |thing| Boxed {
+            bounds: boxes(thing),
+            thing,
+        };
+        let all = (0..count as u32).map(boxed);
+        let mut solid: Vec<Boxed> = all.filter(|one| !one.bounds.is_empty()).collect();
         let mut tree = Bvh {
             nodes: Vec::new(),
             things: Vec::new(),
@@ -78,36 +79,31 @@ impl Bvh {
         if solid.is_empty() {
             return tree;
         }
-        let built = built_over(&solid, boxes, few);
-        tree.nodes.reserve_exact(built.nodes.len());
-        tree.parents.reserve_exact(built.nodes.len() / 2);
+        let Built { root, pairs } = build(&mut solid, few);
+        tree.nodes.reserve_exact(2 * pairs.len() + 1);
         tree.nodes.push(Node::EMPTY);
-        // The builder's nodes and where they go; its own order is not ours.
-        let mut waiting = vec![(0, 0)];
-        while let Some((theirs, ours)) = waiting.pop() {
-            let node = &built.nodes[theirs as usize];
-            let [first, count] = [node.first_index, node.prim_count].map(|index| index as usize);
-            if node.is_leaf() {
-                let held = &built.primitive_indices[first..first + count];
-                let place = tree.place();
-                for (i, &index) in held.iter().enumerate() {
-                    let thing = solid[index as usize];
-                    tree.things[place as usize + i] = thing;
-                    tree.leaves[thing as usize] = ours;
-                }
-                tree.nodes[ours as usize].first = place;
-                tree.nodes[ours as usize].things = count as u32;
-                continue;
+        // Nodes of the builder, and where they go: it leaves gaps.
+        let mut waiting = vec![(root, 0)];
+        while let Some((built, node)) = waiting.pop() {
+            let Node {
+                bounds,
+                first,
+                things,
+            } = built;
+            let first = first as usize;
+            tree.nodes[node as usize].bounds = bounds;
+            if things == 0 {
+                let pair = tree.pair();
+                tree.make_inner(node, pair);
+                waiting.extend([1, 0].map(|child| (pairs[first][child], pair + child as u32)));
+            } else {
+                let held = solid[first..first + things as usize].iter();
+                let held: SmallVec<[u32; 8]> = held.map(|one| one.thing).collect();
+                tree.make_leaf(node, &held, &bounds);
             }
-            let pair = tree.pair();
-            tree.nodes[ours as usize].first = pair;
-            tree.relink(ours);
-            waiting.extend([0, 1].map(|child| (node.first_index + child, pair + child)));
         }
-        // Boxes are made here, from the things' own: those of the builder were scaled, and may have lost something.
-        for node in (0..tree.nodes.len() as u32).rev() {
-            tree.fit(node, boxes);
-        }
+        tree.nodes.shrink_to_fit();
+        tree.parents.shrink_to_fit();
         tree.cost = tree.cost_now();
         tree
     }
@@ -152,9 +148,8 @@ impl Bvh {
 
     /// At most how many bytes building a tree over so many things takes, with leaves of at most `few`.
     pub fn most_bytes(things: usize, few: u32) -> u64 {
-        // While it is built: boxes, the builder's nodes (two a thing), its two rows of nodes at hand, the keys that it
-        // sorts by, twice; and our own nodes with their links and places of leaves.
-        let theirs = 2 * size_of::<Aabb>() + 4 * 32 + 2 * 32 + 8;
+        // While it is built: boxes and the builder's nodes; and our own nodes with their links and places of leaves.
+        let theirs = size_of::<Boxed>() + size_of::<[Node; 2]>();
         let ours = 2 * size_of::<Node>() + (3 + few as usize) * size_of::<u32>();
         (things * (theirs + ours)) as u64
     }
@@ -219,45 +214,4 @@ impl Node {
 /// The place in [`Bvh::parents`] of a node that is not the root.
 fn pair_of(node: u32) -> usize {
     (node as usize - 1) / 2
-}
-
-/// A box as the builder sees it: within the unit cube, so that its areas neither overflow nor vanish.
-struct Tame(obvhs::aabb::Aabb);
-
-impl Boundable for Tame {
-    fn aabb(&self) -> obvhs::aabb::Aabb {
-        self.0
-    }
-}
-
-/// The builder's tree over the boxes of `solid`, numbered by their place there.
-fn built_over(solid: &[u32], boxes: &impl Fn(u32) -> Aabb, few: u32) -> Bvh2 {
-    let whole = solid
-        .iter()
-        .fold(Aabb::EMPTY, |sum, &thing| sum.union(&boxes(thing)));
-    let center = whole.center().map(f64::from);
-    let side = (0..3).map(|axis| f64::from(whole.max[axis]) - f64::from(whole.min[axis]));
-    let side = side.fold(f64::from(f32::MIN_POSITIVE), f64::max);
-    let tame =
-        |corner: [f32; 3]| [0, 1, 2].map(|axis| ((f64::from(corner[axis]) - center[axis]) / side) as f32);
-    let boxes: Vec<Tame> = solid
-        .iter()
-        .map(|&thing| {
-            let Aabb { min, max } = boxes(thing);
-            Tame(obvhs::aabb::Aabb {
-                min: tame(min).into(),
-                max: tame(max).into(),
-            })
-        })
-        .collect();
-    // The steps of the crate's own `build_bvh2` without its clock, which some platforms do not have.
-    let mut built = PlocBuilder::with_capacity(boxes.len()).build(
-        PlocSearchDistance::Medium,
-        &boxes,
-        (0..boxes.len() as u32).collect(),
-        SortPrecision::U64,
-        3,
-    );
-    collapse(&mut built, few, 3.0);
-    built
 }

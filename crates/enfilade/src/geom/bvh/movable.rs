@@ -185,7 +185,7 @@ impl Bvh {
         self.make_inner(leaf, pair);
     }
 
-    fn make_leaf(&mut self, node: u32, things: &[u32], bounds: &Aabb) {
+    pub(super) fn make_leaf(&mut self, node: u32, things: &[u32], bounds: &Aabb) {
         let first = self.place();
         self.things[first as usize..first as usize + things.len()].copy_from_slice(things);
         self.nodes[node as usize] = Node {
@@ -196,7 +196,7 @@ impl Bvh {
         self.relink(node);
     }
 
-    fn make_inner(&mut self, node: u32, pair: u32) {
+    pub(super) fn make_inner(&mut self, node: u32, pair: u32) {
         self.nodes[node as usize].first = pair;
         self.nodes[node as usize].things = 0;
         self.relink(node);

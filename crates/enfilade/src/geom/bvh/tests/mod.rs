@@ -3,8 +3,11 @@
 mod moving;
 
 use super::*;
+use crate::geom::changes::hard_boxes;
 
 const FEW: u32 = 6;
+
+const MOST_LEVELS: usize = build::MOST_LEVELS as usize;
 
 fn cubes(places: impl Iterator<Item = [f32; 3]>, side: f32) -> Vec<Aabb> {
     let cube = |at: [f32; 3]| Aabb {
@@ -63,4 +66,34 @@ fn things_that_coincide_or_are_huge_or_tiny_make_a_tree() {
     check(&cubes((0..300).map(|i| [1e-38 * i as f32; 3]), 1e-39));
     let [low, high] = [[-3e38; 3], [3e38; 3]];
     check(&cubes([low, high, [0.0; 3], low, [1e-20; 3]].into_iter(), 1e37));
+}
+
+/// Each level of a tree costs O(n) to build, so its depth bounds the work too.
+#[test]
+fn trees_over_a_hundred_thousand_boxes_that_are_hard_to_separate_are_shallow() {
+    for (what, boxes) in hard_boxes(100_000) {
+        let depth = check(&boxes);
+        assert!(depth <= MOST_LEVELS, "{what}: {depth} levels");
+    }
+}
+
+#[test]
+fn boxes_that_are_infinite_or_no_numbers_stand_in_a_shallow_tree_too() {
+    let mut boxes = cubes((0..10_000_u16).map(|i| [f32::from(i); 3]), 1.0);
+    for (i, extreme) in boxes.iter_mut().enumerate().step_by(3) {
+        let value = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY][i % 9 / 3];
+        extreme.max = [f32::INFINITY; 3];
+        extreme.min[i % 2] = value;
+    }
+    let solid = boxes.iter().filter(|bounds| !bounds.is_empty()).count();
+    let tree = Bvh::build(&boxes, FEW);
+    let mut held = 0;
+    let mut waiting: Vec<(u32, usize)> = tree.root().map(|root| (root, 1)).into_iter().collect();
+    while let Some((node, depth)) = waiting.pop() {
+        assert!(depth <= MOST_LEVELS);
+        held += tree.things(node).len();
+        waiting.extend(tree.children(node).map(|child| (child, depth + 1)));
+    }
+    assert!(solid > 9000);
+    assert_eq!(held, solid);
 }

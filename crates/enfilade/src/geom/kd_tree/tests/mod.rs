@@ -3,6 +3,7 @@
 mod moving;
 
 use super::*;
+use crate::geom::changes::hard_boxes;
 use std::collections::BTreeSet;
 
 fn cube(at: [f32; 3], side: f32) -> Aabb {
@@ -163,4 +164,25 @@ fn a_hundred_thousand_things_are_parted_in_no_time() {
         largest = largest.max(tree.things(node).len())
     });
     assert!(largest <= 6);
+}
+
+/// Each level of a tree costs O(n log n) to build, so its depth bounds the work too.
+#[test]
+fn kd_trees_over_a_hundred_thousand_boxes_that_are_hard_to_separate_are_shallow_and_small() {
+    for (what, boxes) in hard_boxes(100_000) {
+        let tree = KdTree::build(&boxes, 6);
+        let mut held = 0;
+        let mut waiting: Vec<(u32, u32)> = tree.root().map(|root| (root, 0)).into_iter().collect();
+        while let Some((node, depth)) = waiting.pop() {
+            assert!(depth <= GREATEST_DEPTH, "{what}");
+            held += tree.things(node).len();
+            let halves = tree.near_and_far(node, [0.0; 3]).into_iter().flatten();
+            waiting.extend(halves.map(|half| (half, depth + 1)));
+        }
+        assert!(
+            (boxes.len()..=COPIES * boxes.len()).contains(&held),
+            "{what}: {held}"
+        );
+        assert!(tree.bytes() <= KdTree::most_bytes(boxes.len()), "{what}");
+    }
 }

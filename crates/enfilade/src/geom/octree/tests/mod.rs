@@ -3,6 +3,7 @@
 mod moving;
 
 use super::*;
+use crate::geom::changes::hard_boxes;
 
 fn pebbles() -> Vec<Aabb> {
     (0..1000_u32)
@@ -64,4 +65,25 @@ fn coincident_things_end_in_one_deep_node() {
     ];
     assert_eq!(met(&Octree::build(&bounds, 4), [0.0; 3]).len(), 100);
     assert!(met(&Octree::build(&[Aabb::EMPTY], 4), [0.0; 3]).is_empty());
+}
+
+/// Each level of a tree costs O(n) to build, so its depth bounds the work too.
+#[test]
+fn octrees_over_a_hundred_thousand_boxes_that_are_hard_to_separate_are_shallow_and_small() {
+    for (what, boxes) in hard_boxes(100_000) {
+        let tree = Octree::build(&boxes, 4);
+        let mut held = 0;
+        let mut waiting: Vec<(u32, u32)> = tree.root().map(|root| (root, 0)).into_iter().collect();
+        while let Some((node, depth)) = waiting.pop() {
+            assert!(depth <= GREATEST_DEPTH, "{what}");
+            held += tree.things(node).len();
+            waiting.extend(tree.children(node).map(|child| (child, depth + 1)));
+        }
+        assert_eq!(held, boxes.len(), "{what}");
+        assert!(
+            tree.node_count() <= 2 * boxes.len(),
+            "{what}: {} nodes",
+            tree.node_count()
+        );
+    }
 }

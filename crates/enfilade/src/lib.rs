@@ -83,7 +83,7 @@ pub use detail::{
 };
 pub use faces::{Faces, Of};
 pub use fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
-pub use geom::{Aabb, ConvexPolygon, Transform};
+pub use geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Transform};
 pub use memory::Memory;
 pub use mesh::{Attributes, Cluster, Mesh, MeshError, Part};
 pub use method::{

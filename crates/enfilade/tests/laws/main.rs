@@ -3,6 +3,7 @@
 mod convex;
 mod doors;
 mod edits;
+mod extremes;
 mod glass;
 mod mixed;
 mod samples;

@@ -94,8 +94,8 @@ pub use method::{
 pub use occluders::{Choice, Chosen, Measure, Occluder, OccluderRoom, OccluderSet, OccluderSummary};
 pub use passage::{Passage, PassageId};
 pub use query::{
-    Between, BoxError, Capsule, Cast, Met, Near, Nearest, PairChanges, Pairs, Place, Presence, Reached,
-    SightLine, Slid, Standpoint, Walked, survey, survey_in,
+    Between, BoxError, Capsule, Cast, Met, Near, Nearby, Nearest, PairChanges, Pairs, Place, Presence,
+    Reached, SightLine, Slid, Standpoint, Walked, survey, survey_in,
 };
 pub use region::{Region, Sight};
 pub use scene::{

@@ -317,6 +317,7 @@ fn lines_of_sight_that_compilers_missed_are_seen_through_rebuilt_portals() {
         // The hard one takes half a minute for what its first bound shows as well.
         let options = PairsOptions {
             fast: name.ends_with("lqdm13"),
+            ..PairsOptions::default()
         };
         let pairs = VisiblePairs::compute(&rebuilt.file.cells, &options).expect("little memory");
         let lines = std::fs::read_to_string(folder.join(format!("witness/{witness}.txt"))).expect("text");

@@ -110,7 +110,7 @@ fn a_mesh_or_its_node_that_leads_too_far_out_is_named() {
         (
             3e38,
             10.0,
-            "mesh 0: position 1 of part 0 is farther out than 1e12 units",
+            "meshes[0]: position 1 of part 0 is farther out than 1e12 units",
         ),
         (5e11, 10.0, "node 0 \"Sky\" reaches farther out than 1e12 units"),
         (1.0, 5e12, "node 0 \"Sky\" reaches farther out than 1e12 units"),

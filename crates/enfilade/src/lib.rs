@@ -84,7 +84,7 @@ pub use detail::{
 };
 pub use faces::{Faces, Of};
 pub use fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
-pub use geom::{Aabb, ConvexPolygon, Transform};
+pub use geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Transform};
 pub use memory::Memory;
 pub use mesh::{Attributes, Cluster, Mesh, MeshError, Part};
 pub use method::{
@@ -95,8 +95,8 @@ pub use method::{
 pub use occluders::{Choice, Chosen, Measure, Occluder, OccluderRoom, OccluderSet, OccluderSummary};
 pub use passage::{Passage, PassageId};
 pub use query::{
-    Between, BoxError, Capsule, Cast, Met, Near, Nearest, PairChanges, Pairs, Place, Presence, Reached,
-    SightLine, Slid, Standpoint, Walked, survey, survey_in,
+    Between, BoxError, Capsule, Cast, Met, Near, Nearby, Nearest, PairChanges, Pairs, Place, Presence,
+    Reached, SightLine, Slid, Standpoint, Walked, survey, survey_in,
 };
 pub use region::{Region, Sight};
 pub use scene::{

@@ -3,7 +3,7 @@
 use crate::aperture::Rows;
 use crate::content::ItemId;
 use crate::passage::Passage;
-use crate::seen::GlassSample;
+use crate::seen::{GlassSample, ReportBuffers};
 use crate::stats::Stats;
 use crate::threads;
 use glam::DVec3;
@@ -19,6 +19,7 @@ pub struct Memory {
     pub(crate) spare_rows: Vec<Rows>,
     /// Room for samples of glass.
     pub(crate) spare_glass: Vec<GlassSample>,
+    pub(crate) spare_report: ReportBuffers,
     /// Counts of the look at hand.
     pub stats: Stats,
     /// May what the last look saw be seen first? It changes the cost, never the answer.
@@ -41,6 +42,7 @@ impl Default for Memory {
             recall: Recall::default(),
             spare_rows: Vec::new(),
             spare_glass: Vec::new(),
+            spare_report: ReportBuffers::default(),
             stats: Stats::default(),
             coherence: true,
             occluders: None,

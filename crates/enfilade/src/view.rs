@@ -1,5 +1,6 @@
 //! The eye's place, lens and screen.
 
+use crate::geom::{MAX_COORDINATE, is_in_range};
 use crate::scene::FragmentId;
 use glam::{DAffine3, DMat3, DVec3};
 use thiserror::Error;
@@ -36,6 +37,9 @@ pub enum ViewError {
     /// A number is NaN or infinite.
     #[error("{0} is not finite")]
     NotFinite(&'static str),
+    /// A point is beyond [`MAX_COORDINATE`].
+    #[error("{0} is farther out than {MAX_COORDINATE:e} units")]
+    TooFar(&'static str),
     /// The eye looks at itself.
     #[error("the eye and the point it looks toward are the same")]
     NoDirection,
@@ -94,6 +98,12 @@ impl View {
             .find(|(_, point)| point.iter().any(|value| !value.is_finite()))
         {
             return Err(ViewError::NotFinite(name));
+        }
+        if let Some((name, _)) = named[..2]
+            .iter()
+            .find(|(_, point)| !point.iter().all(|&value| is_in_range(value)))
+        {
+            return Err(ViewError::TooFar(name));
         }
         if self.eye == self.toward {
             return Err(ViewError::NoDirection);
@@ -191,6 +201,7 @@ mod tests {
             view.check().expect_err("the rule is broken")
         };
         assert_eq!(error(|v| v.toward = v.eye), ViewError::NoDirection);
+        assert_eq!(error(|v| v.eye[2] = -1.1e12), ViewError::TooFar("the eye"));
         assert_eq!(error(|v| v.size = [0, 0]), ViewError::Size(0, 0));
         assert_eq!(
             error(|v| v.size = [100_000, 100_000]),

@@ -21,6 +21,8 @@ pub struct Viewer {
     set: VisibleSet,
     /// What painting a set goes through, where that takes a second time.
     painted: VisibleSet,
+    /// Passages whose openings are being followed, each behind an opening of the one before; empty between looks.
+    entered: Vec<(PassageId, Seen)>,
     spare: Vec<Seen>,
     limits: Limits,
     cover_size: Option<[u32; 2]>,
@@ -148,6 +150,7 @@ impl Viewer {
             limits: self.limits,
             memory: &mut self.memory,
             set: &mut self.set,
+            entered: &mut self.entered,
             spare: &mut self.spare,
             canvas: canvas.map(|canvas| canvas as &mut dyn Canvas),
             gathered: None,
@@ -166,6 +169,7 @@ impl Viewer {
             limits: self.limits,
             memory: &mut self.memory,
             set: &mut self.painted,
+            entered: &mut self.entered,
             spare: &mut self.spare,
             canvas: Some(canvas),
             gathered: Some(Gathered {
@@ -200,6 +204,7 @@ struct Look<'a> {
     limits: Limits,
     memory: &'a mut Memory,
     set: &'a mut VisibleSet,
+    entered: &'a mut Vec<(PassageId, Seen)>,
     spare: &'a mut Vec<Seen>,
     canvas: Option<&'a mut dyn Canvas>,
     gathered: Option<Gathered<'a>>,
@@ -223,22 +228,37 @@ impl Look<'_> {
         }
     }
 
-    fn go_through(&mut self, passage: Passage) {
-        let own = match self.scene.method(passage.fragment) {
+    /// Looks through a passage, and through every passage that its openings lead to.
+    ///
+    /// The stack is a `Vec`: limits allow 65,535 portals in a row, too many for the thread's own stack.
+    fn go_through(&mut self, root: Passage) {
+        // A custom fragment may have panicked during the last look.
+        self.entered.clear();
+        self.pass(root);
+        while let Some((id, seen)) = self.entered.last_mut() {
+            let id = *id;
+            match seen.openings.pop() {
+                Some(opening) => {
+                    if let Some(child) = self.follow(id, opening) {
+                        self.pass(child);
+                    }
+                }
+                None => self.leave(),
+            }
+        }
+    }
+
+    /// Gathers what is seen through a passage, and paints its opaque faces. Its openings are followed next.
+    fn pass(&mut self, passage: Passage) {
+        let scene = self.scene;
+        let own = match scene.method(passage.fragment) {
             Some(method) if self.memory.cover_size.is_some() => method.contract_in_cells(),
-            _ => self.scene.fragment(passage.fragment).contract(),
+            _ => scene.fragment(passage.fragment).contract(),
         };
+        let id = PassageId(self.set.passages.len() as u32);
         self.set
             .passages
             .push(passage.held_to(own, self.canvas.is_some()));
-        self.pass(PassageId(self.set.passages.len() as u32 - 1));
-    }
-
-    /// Opaque things going in, then what is behind the openings, then glass coming out.
-    ///
-    /// Recursion goes no deeper than the limit of crossings.
-    fn pass(&mut self, id: PassageId) {
-        let scene = self.scene;
         let fragment = scene.fragment(self.set.passage(id).fragment);
         let mut seen = self.spare.pop().unwrap_or_default();
         self.lend(&mut seen);
@@ -260,9 +280,16 @@ impl Look<'_> {
             seen.panes.fill(&mut seen.glass);
         }
         self.lend(&mut seen);
-        let mut openings = std::mem::take(&mut seen.openings);
-        openings.drain(..).for_each(|opening| self.follow(id, opening));
-        seen.openings = openings;
+        // Openings are followed from the end of the list.
+        seen.openings.reverse();
+        self.entered.push((id, seen));
+    }
+
+    /// Paints the glass of the last passage entered over what was seen through its openings.
+    fn leave(&mut self) {
+        let Some((id, seen)) = self.entered.pop() else {
+            return;
+        };
         if !seen.panes.is_empty() {
             self.enter(id);
             if let Some(canvas) = self.canvas.as_deref_mut() {
@@ -276,6 +303,7 @@ impl Look<'_> {
     fn lend(&mut self, seen: &mut Seen) {
         std::mem::swap(&mut seen.spare_rows, &mut self.memory.spare_rows);
         std::mem::swap(&mut seen.glass, &mut self.memory.spare_glass);
+        std::mem::swap(&mut seen.report, &mut self.memory.spare_report);
     }
 
     /// Tells the canvas which passage comes, by its place in the set that the caller gets.
@@ -331,29 +359,30 @@ impl Look<'_> {
         }));
     }
 
-    /// Looks through an opening that is open; one that is not is a face.
-    fn follow(&mut self, id: PassageId, seen: SeenOpening) {
+    /// The passage behind an opening that is open and may be followed; any other opening is painted as a face.
+    fn follow(&mut self, id: PassageId, seen: SeenOpening) -> Option<Passage> {
         let passage = self.set.passage(id);
         let way = self.scene.portal_of(passage.fragment, seen.opening);
         let Some(portal_id) = way.filter(|&PortalId(index)| self.scene.portals()[index as usize].open) else {
-            return self.paint_closed(id, seen);
+            self.paint_closed(id, seen);
+            return None;
         };
         let full = self.set.passages.len() >= self.limits.max_passages as usize;
         if full || passage.crossings >= self.limits.max_crossings {
             self.set.complete = false;
-            return self.paint_closed(id, seen);
+            self.paint_closed(id, seen);
+            return None;
         }
         let portal = &self.scene.portals()[portal_id.0 as usize];
         let outline = &self.scene.fragment(passage.fragment).openings()[usize::from(seen.opening.0)].outline;
         // Where the look before came to a limit, painting does not go on.
         let gathered = self.gathered.as_ref();
         if gathered.is_some_and(|gathered| gathered.id(passage.chain_through(portal_id)).is_none()) {
-            return self.paint_closed(id, seen);
+            self.paint_closed(id, seen);
+            return None;
         }
         let own_id = self.id_in_answer(id);
-        if let Some(child) = passage.through(own_id, portal_id, portal, outline, seen.rows) {
-            self.go_through(child);
-        }
+        passage.through(own_id, portal_id, portal, outline, seen.rows)
     }
 
     fn paint_closed(&mut self, id: PassageId, seen: SeenOpening) {

@@ -164,7 +164,7 @@ fn what_cannot_be_is_refused_and_the_item_stays_as_it_was() {
     for far in [1e30, -1e30, f32::INFINITY] {
         says(
             edit.place(HALL, item, at(far)),
-            "item `middle` would reach farther out than 1e15",
+            "item `middle` would reach farther out than 1e12 units",
         );
     }
     says(

@@ -191,7 +191,7 @@ fn a_lamp_that_cannot_shine() {
         scene.light(lamp(hall, 1.0));
         scene.light(lamp(hall, 0.0));
     });
-    let rule = "must have finite numbers, a range above 0, and a fragment of this scene";
+    let rule = "must have finite numbers, a position within 1e12 units, a range above 0, and a fragment of this scene";
     says(&error, &format!("light 1 {rule}"));
     let error = refused(|scene, _| {
         scene.light(lamp(FragmentId(1), 1.0));
@@ -224,11 +224,11 @@ fn a_fragment_that_needs_too_much_memory() {
 }
 
 /// A fragment that shows nothing.
-struct Void;
+struct Void(Aabb);
 
 impl Fragment for Void {
     fn bounds(&self) -> Aabb {
-        Aabb::EMPTY
+        self.0
     }
     fn openings(&self) -> &[Opening] {
         &[]
@@ -249,7 +249,7 @@ impl Fragment for Void {
 #[test]
 fn what_is_not_ours_is_not_exchanged() {
     let mut builder = SceneBuilder::new();
-    let void = builder.add_own("void", Arc::new(Void));
+    let void = builder.add_own("void", Arc::new(Void(Aabb::EMPTY)));
     let mut scene = builder.build().expect("a scene of one's own");
     let message = "fragment `void` is one of your own: it has neither content nor method to exchange";
     says(&scene.set_content(void, room()).expect_err("not ours"), message);
@@ -257,6 +257,33 @@ fn what_is_not_ours_is_not_exchanged() {
         &scene.set_method(void, Method::Bsp).expect_err("not ours"),
         message,
     );
+}
+
+#[test]
+fn a_custom_fragment_with_a_box_of_no_numbers() {
+    for (side, is_sound) in [
+        (f32::INFINITY, true),
+        (1e12, true),
+        (2e12, false),
+        (f32::NAN, false),
+    ] {
+        let bounds = Aabb {
+            min: [-1.0; 3],
+            max: [1.0, side, 1.0],
+        };
+        let mut builder = SceneBuilder::new();
+        builder.add_own("sky", Arc::new(Void(bounds)));
+        match builder.build() {
+            Ok(_) => assert!(is_sound, "{side}"),
+            Err(error) => {
+                assert!(!is_sound, "{side}");
+                says(
+                    &error,
+                    "the box of fragment `sky` has a coordinate that is not a number, or is farther out than 1e12 units and not infinite",
+                );
+            }
+        }
+    }
 }
 
 #[test]

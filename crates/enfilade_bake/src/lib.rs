@@ -9,9 +9,9 @@
 //!     cells,
 //! };
 //! let rooms = Cells::new(3, vec![door(10.0, [0, 1]), door(20.0, [1, 2])])?;
-//! let pairs = VisiblePairs::compute(&rooms, &PairsOptions::default());
+//! let pairs = VisiblePairs::compute(&rooms, &PairsOptions::default())?;
 //! assert!(pairs.sees(0, 2));
-//! # Ok::<(), enfilade_bake::CellsError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! [`Cells`] are convex rooms joined by convex portals. [`VisiblePairs`] says which of them see each other from anywhere

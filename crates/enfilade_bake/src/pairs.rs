@@ -2,13 +2,25 @@
 
 use crate::bits::{BitRows, ones};
 use crate::cells::Cells;
-use crate::work::{PairsWork, Stage};
+use crate::work::{PairsWork, Stage, TooLarge};
 
 /// How [`VisiblePairs::compute`] works.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct PairsOptions {
     /// Stops at the bound that passages give: two to eight times as fast, and a tenth more pairs to twice as many.
     pub fast: bool,
+    /// Maximum memory to take, in bytes.
+    pub limit_bytes: u64,
+}
+
+impl Default for PairsOptions {
+    /// All stages, in up to 4 GiB: enough for the largest compiled maps.
+    fn default() -> PairsOptions {
+        PairsOptions {
+            fast: false,
+            limit_bytes: 1 << 32,
+        }
+    }
 }
 
 /// Which cells may see each other, from anywhere in the one to anywhere in the other: never less than do.
@@ -23,9 +35,13 @@ pub struct VisiblePairs {
 impl VisiblePairs {
     /// Computes them on all threads of rayon's pool; the same pairs for any number of threads.
     ///
-    /// Sets aside what it takes: [`PairsWork::begin`] asks first, and can be watched and stopped.
-    pub fn compute(cells: &Cells, options: &PairsOptions) -> VisiblePairs {
-        let mut work = PairsWork::begin(cells, u64::MAX).expect("no limit is set");
+    /// [`PairsWork`] does the same in steps, so that it can be watched and stopped.
+    ///
+    /// # Errors
+    /// [`TooLarge`] where that would take more than [`PairsOptions::limit_bytes`], before any of it is taken: a few cells
+    /// and portals in a file are enough to ask for the square of four billion.
+    pub fn compute(cells: &Cells, options: &PairsOptions) -> Result<VisiblePairs, TooLarge> {
+        let mut work = PairsWork::begin(cells, options.limit_bytes)?;
         let end = if options.fast {
             Stage::Sampling
         } else {
@@ -34,7 +50,7 @@ impl VisiblePairs {
         while work.stage() < end {
             work.step();
         }
-        work.pairs()
+        Ok(work.pairs())
     }
 
     pub(crate) fn new(cells: BitRows, proven: usize) -> VisiblePairs {

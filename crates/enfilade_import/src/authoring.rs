@@ -1,6 +1,7 @@
 //! Why rooms, portals and terrain that a file's author marked do not make a scene. Each names the node and the remedy.
 
 use crate::GridError;
+use enfilade::MAX_COORDINATE;
 use thiserror::Error;
 
 /// Why rooms, portals and terrain that a file's author marked do not make a scene. A `node` is `node 7 "Hall-portal"`.
@@ -79,6 +80,15 @@ pub enum AuthoringError {
     /// A portal or mirror whose faces have no area.
     #[error("{node} is an opening without area; give its mesh some, and look for a scale of 0")]
     NoArea {
+        /// The portal or mirror.
+        node: String,
+    },
+    /// A portal or mirror that reaches beyond [`MAX_COORDINATE`].
+    #[error(
+        "{node} is an opening that reaches farther out than {MAX_COORDINATE:e} units; scale the scene down or move it to \
+         the origin"
+    )]
+    TooFar {
         /// The portal or mirror.
         node: String,
     },

@@ -1,7 +1,7 @@
 //! Why a file is not read.
 
 use crate::{AuthoringError, BspError, ObjError, PrtError, TerrainError};
-use enfilade::{BakedCellsError, ContentError, MeshError};
+use enfilade::{BakedCellsError, ContentError, MAX_COORDINATE, MeshError};
 use std::io;
 use thiserror::Error;
 
@@ -378,6 +378,12 @@ pub enum BrokenRule {
     /// A place beyond what 32-bit numbers hold.
     #[error("{0} stands at a place, or has a size, that is not finite")]
     NodeNotFinite(String),
+    /// A node whose transform or mesh reaches beyond [`MAX_COORDINATE`].
+    #[error(
+        "{0} reaches farther out than {MAX_COORDINATE:e} units; scale the scene down or move it to the origin, and export \
+         it again"
+    )]
+    NodeTooFar(String),
     /// What is left to the mesh to check.
     #[error("{place}: {why}")]
     Mesh {

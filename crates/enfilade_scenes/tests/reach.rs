@@ -173,7 +173,7 @@ fn what_is_behind_a_door_is_near_by_the_way_through_it_and_not_when_it_is_closed
         (item, content.item(item).bounds)
     };
     let (left_box, bounds) = named(&scene, there, "left box");
-    let all = scene.near(place, 20.0);
+    let all = scene.near(place, 20.0).items;
     assert!(all.windows(2).all(|pair| pair[0].distance <= pair[1].distance));
     let found = all
         .iter()
@@ -199,13 +199,13 @@ fn what_is_behind_a_door_is_near_by_the_way_through_it_and_not_when_it_is_closed
         found.distance
     );
     let within = |radius: f64| {
-        let near = scene.near(place, radius as f32);
+        let near = scene.near(place, radius as f32).items;
         near.iter()
             .any(|near| near.fragment == there && near.item == left_box)
     };
     assert!(within(found.distance + 1e-3) && !within(found.distance - 1e-3));
     ids.iter().for_each(|&id| scene.set_open(id, false));
-    let near = scene.near(place, 20.0);
+    let near = scene.near(place, 20.0).items;
     assert!(
         !near.is_empty()
             && near

@@ -2,7 +2,7 @@
 
 use super::names::Names;
 use super::{BakedCells, Content, Item, ItemId, Material, MeshId, Opening, OpeningId, Texture};
-use crate::geom::{Aabb, ConvexPolygon, Octree, Transform};
+use crate::geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Octree, Transform, is_in_range};
 use crate::mesh::Mesh;
 use crate::terrain::Terrain;
 use std::sync::{Arc, Mutex, OnceLock, Weak};
@@ -134,6 +134,9 @@ impl ContentBuilder {
             {
                 return Err(ContentError::NotFinite(name()));
             }
+            if !(fragment_from_item.iter().flatten().all(|&v| is_in_range(v)) && held.is_in_range()) {
+                return Err(ContentError::TooFar(name()));
+            }
             bounds = bounds.union(&held);
             items.push(Item {
                 mesh,
@@ -233,6 +236,11 @@ pub enum ContentError {
     /// A place is NaN or infinite.
     #[error("the transform of item {0} is not finite")]
     NotFinite(String),
+    /// An item, or its transform, reaches beyond [`MAX_COORDINATE`].
+    #[error(
+        "item {0} reaches farther out than {MAX_COORDINATE:e} units; scale the scene down or move it to the origin"
+    )]
+    TooFar(String),
     /// Faces are numbered with 32 bits.
     #[error("{0} faces in one fragment; cut it into fragments of fewer than 4 billion")]
     TooManyFaces(u64),

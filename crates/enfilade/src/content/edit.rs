@@ -8,7 +8,7 @@
 use super::builder::{MOST_OPENINGS, placed_bounds};
 use super::slots::Slots;
 use super::{Content, Item, ItemId, MeshId};
-use crate::geom::{Aabb, Transform};
+use crate::geom::{Aabb, Transform, is_in_range};
 use crate::mesh::Mesh;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, Weak};
@@ -71,9 +71,6 @@ pub(crate) enum Unfit {
     TooManyFaces,
 }
 
-/// How far out an item may reach, in scene units: squares of such lengths are still far from overflowing f32.
-pub(crate) const FARTHEST: f32 = 1e15;
-
 impl Placing {
     /// As an item is now.
     fn at(content: &Content, item: ItemId) -> Placing {
@@ -106,7 +103,7 @@ impl Placing {
         if values().any(|value| value.is_nan()) {
             return Err(Unfit::NotFinite);
         }
-        if values().any(|value| value.abs() > FARTHEST) {
+        if values().any(|value| !is_in_range(*value)) {
             return Err(Unfit::TooFar);
         }
         Ok(bounds)

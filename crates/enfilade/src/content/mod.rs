@@ -14,7 +14,7 @@ pub(crate) use baked_cells::{Leaf, Room};
 pub(crate) use builder::MOST_OPENINGS;
 pub use builder::{ContentBuilder, ContentError};
 pub use edit::Moved;
-pub(crate) use edit::{Changes, Exchanged, FARTHEST, Placing, Unfit};
+pub(crate) use edit::{Changes, Exchanged, Placing, Unfit};
 pub use material::{Alpha, Material, MaterialId};
 pub use owners::Owners;
 pub use texture::{Filter, Minify, Texture, TextureError, TextureId, Wrap};

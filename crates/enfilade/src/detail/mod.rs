@@ -17,7 +17,7 @@ pub use bezier::{BezierError, BezierPatch, BezierSurface};
 pub use source::DetailSource;
 
 use crate::content::ItemId;
-use crate::geom::Transform;
+use crate::geom::{MAX_COORDINATE, Transform};
 use crate::mesh::Mesh;
 use crate::scene::{EditError, FragmentId, Scene, SceneError};
 use crate::visible::VisibleSet;
@@ -343,8 +343,10 @@ pub enum DetailError {
     /// The scene cannot be changed so.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The box of the source holds nothing, or is not finite.
-    #[error("the source's bounds hold nothing, or are not finite")]
+    /// The box of the source holds nothing, or is not finite and within [`MAX_COORDINATE`].
+    #[error(
+        "the source's bounds hold nothing, are not finite, or reach farther out than {MAX_COORDINATE:e} units"
+    )]
     NoBounds,
     /// The source panicked when it was asked how large it is.
     #[error("the source panicked: {0}")]

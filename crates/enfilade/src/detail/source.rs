@@ -59,12 +59,7 @@ impl Levels {
         };
         let (bounds, material, mut errors) = catch_unwind(AssertUnwindSafe(ask))
             .map_err(|panic| DetailError::Panicked(words(&*panic).to_owned()))?;
-        let finite = bounds
-            .min
-            .iter()
-            .chain(&bounds.max)
-            .all(|value| value.is_finite());
-        if !finite || bounds.is_empty() {
+        if bounds.is_empty() || !bounds.is_in_range() {
             return Err(DetailError::NoBounds);
         }
         // A level is believed to be no better than any finer one, and what is no number to be no good.

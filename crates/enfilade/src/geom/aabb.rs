@@ -2,6 +2,20 @@
 
 use glam::Vec3;
 
+/// Maximum absolute value of a coordinate, in scene units: of what is built, placed, edited or looked from.
+///
+/// Methods compare products of up to four lengths, in f32 and f64. From 10¹³ units on, such products overflow or are
+/// rounded away, and sets would be wrong without a sign, so anything farther out is refused where it comes in.
+///
+/// There is no lower bound, but scenes are tested only down to 5·10⁻⁵ units across: scale smaller ones up. Coordinates
+/// have 24 bits: at 10⁶ units from the origin positions are multiples of 1/16 unit.
+pub const MAX_COORDINATE: f32 = 1e12;
+
+/// Whether a coordinate is a number within [`MAX_COORDINATE`].
+pub(crate) fn is_in_range(coordinate: f32) -> bool {
+    coordinate.abs() <= MAX_COORDINATE
+}
+
 /// An axis-aligned box, in the units and axes of the space it stands in.
 ///
 /// Empty where `min` exceeds `max` on any axis; [`Aabb::EMPTY`] is the empty box that grows.
@@ -52,6 +66,11 @@ impl Aabb {
             min: Vec3::from(self.min).max(Vec3::from(other.min)).into(),
             max: Vec3::from(self.max).min(Vec3::from(other.max)).into(),
         }
+    }
+
+    /// Whether every point of the box is within [`MAX_COORDINATE`].
+    pub(crate) fn is_in_range(&self) -> bool {
+        self.is_empty() || self.min.into_iter().chain(self.max).all(is_in_range)
     }
 
     /// Does the box hold no point at all?

@@ -15,7 +15,8 @@ mod runs;
 mod slabs;
 mod transform;
 
-pub use aabb::Aabb;
+pub(crate) use aabb::is_in_range;
+pub use aabb::{Aabb, MAX_COORDINATE};
 pub(crate) use apart::nearest_points;
 pub use bsp::{BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
 pub use bvh::Bvh;

@@ -1,6 +1,6 @@
 //! Flat convex polygons.
 
-use crate::geom::Aabb;
+use crate::geom::{Aabb, MAX_COORDINATE, is_in_range};
 use glam::DVec3;
 use thiserror::Error;
 
@@ -21,6 +21,11 @@ pub enum PolygonError {
     /// A corner is NaN or infinite.
     #[error("corner {0} is not finite")]
     NotFinite(usize),
+    /// A corner is beyond [`MAX_COORDINATE`].
+    #[error(
+        "corner {0} is farther out than {MAX_COORDINATE:e} units; scale the scene down or move it to the origin"
+    )]
+    TooFar(usize),
     /// All corners lie on one line or in one point.
     #[error("the corners bound no area")]
     NoArea,
@@ -55,6 +60,12 @@ impl ConvexPolygon {
             .position(|c| c.iter().any(|value| !value.is_finite()))
         {
             return Err(PolygonError::NotFinite(corner));
+        }
+        if let Some(corner) = corners
+            .iter()
+            .position(|c| !c.iter().all(|&value| is_in_range(value)))
+        {
+            return Err(PolygonError::TooFar(corner));
         }
         let points: Vec<DVec3> = corners.iter().map(|&c| DVec3::from(c.map(f64::from))).collect();
         // Newell's sum: twice the area times the normal, also where three corners in a row lie on a line.
@@ -92,7 +103,7 @@ impl ConvexPolygon {
     /// from which these run counter-clockwise.
     ///
     /// # Errors
-    /// [`PolygonError::NoArea`] or [`PolygonError::NotFinite`].
+    /// [`PolygonError::NoArea`], [`PolygonError::NotFinite`] or [`PolygonError::TooFar`].
     pub fn rectangle(corner: [f32; 3], along: [f32; 3], up: [f32; 3]) -> Result<ConvexPolygon, PolygonError> {
         let sum = |a: [f32; 3], b: [f32; 3]| -> [f32; 3] { std::array::from_fn(|axis| a[axis] + b[axis]) };
         ConvexPolygon::new(&[
@@ -158,6 +169,10 @@ mod tests {
         assert_eq!(
             polygon(&[[f32::NAN; 3], [1.0; 3], [2.0; 3]]),
             Err(PolygonError::NotFinite(0))
+        );
+        assert_eq!(
+            polygon(&[[0.0; 3], [1.0; 3], [0.0, 1.1e12, 0.0]]),
+            Err(PolygonError::TooFar(2))
         );
         let bent = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.5], [0.0, 1.0, 0.0]];
         assert!(matches!(polygon(&bent), Err(PolygonError::NotFlat { .. })));

@@ -4,7 +4,7 @@ use super::attributes::Carried;
 use super::below::Below;
 use super::neighbours::{NONE, SmallMap, neighbours, neighbours_together};
 use super::{Cluster, Mesh, Part};
-use crate::geom::{Aabb, ConvexPolygon, Octree, PolygonError};
+use crate::geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Octree, PolygonError, is_in_range};
 use thiserror::Error;
 
 /// Why faces do not make a mesh.
@@ -14,6 +14,16 @@ pub enum MeshError {
     /// A position is NaN or infinite.
     #[error("position {position} of part {part} is not finite")]
     NotFinite {
+        /// Which part.
+        part: usize,
+        /// Which of its positions.
+        position: usize,
+    },
+    /// A position is beyond [`MAX_COORDINATE`].
+    #[error(
+        "position {position} of part {part} is farther out than {MAX_COORDINATE:e} units; scale the mesh down or move it to its origin"
+    )]
+    TooFar {
         /// Which part.
         part: usize,
         /// Which of its positions.
@@ -88,6 +98,13 @@ pub(super) fn check(number: usize, part: &Part, faces: &mut Vec<Source>) -> Resu
         .position(|p| p.iter().any(|value| !value.is_finite()))
     {
         return Err(MeshError::NotFinite {
+            part: number,
+            position,
+        });
+    }
+    let is_far = |p: &[f32; 3]| !p.iter().all(|&value| is_in_range(value));
+    if let Some(position) = part.positions.iter().position(is_far) {
+        return Err(MeshError::TooFar {
             part: number,
             position,
         });

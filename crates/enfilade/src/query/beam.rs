@@ -56,7 +56,9 @@ impl Scene {
     /// The fragments that a point reaches into in straight lines through open portals, its own first, each after its
     /// parent: the light of a lamp, say. What is farther than `range`, in the point's own units, is not reached.
     ///
-    /// A fragment that is reached in several ways is there several times. Where `limits` bite, the rest is left out.
+    /// A fragment that is reached in several ways is there several times. Where `limits` bite, the rest is left out, and so
+    /// is what is behind portals that enlarge or shrink again and again until 64-bit numbers end. A position that is not
+    /// finite reaches its own fragment only.
     pub fn reach(&self, from: Place, range: f32, limits: &Limits) -> Vec<Reached> {
         let mut all = vec![Reached {
             parent: None,
@@ -69,7 +71,7 @@ impl Scene {
             planes: SmallVec::new(),
         }];
         let mut next = 0;
-        while next < all.len() {
+        while next < all.len() && from.position.iter().all(|value| value.is_finite()) {
             if all[next].crossings < limits.max_crossings {
                 for (portal, _) in self.ways_out(all[next].fragment) {
                     if all.len() >= limits.max_passages as usize {
@@ -119,12 +121,16 @@ impl Scene {
         let there = portal.there_from_here;
         let moved = |point: DVec3| there.0.transform_point3(point);
         let here_from_there = there.inverse()?.0;
+        let there_from_start = there * beam.there_from_here;
+        if !(moved(origin).is_finite() && there_from_start.inverse().is_some()) {
+            return None;
+        }
         let mut child = Reached {
             parent: Some(number),
             portal: Some(portal_id),
             fragment: portal.to,
             crossings: beam.crossings + 1,
-            there_from_here: there * beam.there_from_here,
+            there_from_here: there_from_start,
             origin: moved(origin).into(),
             window: window.iter().map(|&corner| moved(corner).into()).collect(),
             planes: SmallVec::new(),

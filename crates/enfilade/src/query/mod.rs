@@ -17,7 +17,7 @@ mod survey;
 pub use beam::Reached;
 pub use between::Between;
 pub use capsule::{Capsule, Slid};
-pub use near::Near;
+pub use near::{Near, Nearby};
 pub use nearest::Nearest;
 pub use pairs::{BoxError, PairChanges, Pairs};
 pub use place::{Place, Presence, Walked};

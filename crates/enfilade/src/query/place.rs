@@ -2,7 +2,7 @@
 //!
 //! Source: RenderWare, Portal culling: bodies and cameras that cross a portal change section and coordinates.
 
-use crate::geom::{ConvexPolygon, Pierced, Transform, nearest_in, pierced};
+use crate::geom::{ConvexPolygon, Pierced, Transform, is_in_range, nearest_in, pierced};
 use crate::scene::{FragmentId, Portal, PortalId, Scene};
 use glam::DVec3;
 
@@ -25,8 +25,9 @@ pub struct Walked {
     pub there_from_here: Transform,
     /// The portals that it went through, in order.
     pub crossed: Vec<PortalId>,
-    /// Was every portal on the way gone through? If not, it ends in the space behind the last of
-    /// [`Walked::MOST_CROSSED`].
+    /// Whether it went through every portal on the way. If not, it ends behind the opening of the first one that it did not
+    /// go through, in the space before it: that was one more than [`Walked::MOST_CROSSED`], or led beyond
+    /// [`MAX_COORDINATE`](crate::MAX_COORDINATE), as portals that enlarge again and again do.
     pub complete: bool,
 }
 
@@ -51,8 +52,8 @@ pub struct Presence {
 
 impl Scene {
     /// Moves a point, or the middle of a sphere, by a step, through every open portal that it crosses from the front to
-    /// the back; nothing else stops it. What ends in the plane of an opening has not crossed it. A step that is not finite
-    /// is none.
+    /// the back; nothing else stops it. What ends in the plane of an opening has not crossed it. A step that is not finite, or
+    /// ends beyond [`MAX_COORDINATE`](crate::MAX_COORDINATE), is none.
     ///
     /// Cost: O(openings) for each fragment on the way.
     pub fn walk(&self, from: Place, step: [f32; 3]) -> Walked {
@@ -63,7 +64,7 @@ impl Scene {
             complete: true,
         };
         let end: [f32; 3] = std::array::from_fn(|axis| from.position[axis] + step[axis]);
-        if end.iter().any(|value| !value.is_finite()) {
+        if !from.position.iter().chain(&end).all(|&value| is_in_range(value)) {
             return walked;
         }
         walked.place.position = end;
@@ -80,6 +81,10 @@ impl Scene {
             let there = ends.map(|point| portal.there_from_here.0.transform_point3(point));
             // The far end is what will be asked of later: it is rounded before, not after, sides are told.
             let rounded = there[1].as_vec3();
+            if !rounded.to_array().into_iter().all(is_in_range) {
+                walked.complete = false;
+                break;
+            }
             ends = [there[0], rounded.as_dvec3()];
             walked.place = Place {
                 fragment: portal.to,
@@ -148,7 +153,8 @@ impl Scene {
     /// The fragments that a sphere stands in, its own first: those that it reaches into through open portals, however
     /// many in a row. A body is seen whole if it is an item of each, at the place that is given here.
     ///
-    /// It may say one too many: where the sphere reaches an opening, but not through the one before it.
+    /// A position beyond [`MAX_COORDINATE`](crate::MAX_COORDINATE) is in its own fragment only, and the sphere is in at most
+    /// 64 fragments. It may say one too many: where the sphere reaches an opening, but not through the one before it.
     pub fn stands_in(&self, place: Place, radius: f32) -> Vec<Presence> {
         let mut all = vec![Presence {
             place,
@@ -169,12 +175,16 @@ impl Scene {
                     continue;
                 }
                 let there = portal.there_from_here;
+                let position = there.point(here.place.position);
+                if !position.into_iter().all(is_in_range) {
+                    continue;
+                }
                 let mut crossed = here.crossed.clone();
                 crossed.push(portal_id);
                 all.push(Presence {
                     place: Place {
                         fragment: portal.to,
-                        position: there.point(here.place.position),
+                        position,
                     },
                     radius: (f64::from(here.radius) * there.scale()) as f32,
                     there_from_here: there * here.there_from_here,

@@ -2,7 +2,7 @@
 
 use crate::content::OpeningId;
 use crate::fragment::{Hit, Ray};
-use crate::geom::{Transform, pierced};
+use crate::geom::{Transform, is_in_range, pierced};
 use crate::scene::{FragmentId, PortalId, Scene};
 use glam::DVec3;
 
@@ -30,7 +30,9 @@ pub enum Met {
     Face(Hit),
     /// An opening, from its front, that is closed or leads nowhere.
     Closed(OpeningId),
-    /// An opening that is not followed: it would be one more than [`Cast::MOST_CROSSED`].
+    /// An opening that is not followed: it would be one more than [`Cast::MOST_CROSSED`], or leads beyond
+    /// [`MAX_COORDINATE`](crate::MAX_COORDINATE), or to where the ray's direction is too short or too long for 32-bit
+    /// numbers, as portals that enlarge or shrink again and again do.
     Limit(OpeningId),
     /// Nothing, however far.
     Nothing,
@@ -81,10 +83,15 @@ impl Scene {
             let portal = &self.portals()[portal_id.0 as usize];
             let there = portal.there_from_here;
             let [origin, direction] = [ray.origin, ray.direction].map(|v| DVec3::from(v.map(f64::from)));
-            ray = Ray {
+            let beyond = Ray {
                 origin: there.0.transform_point3(origin + direction * at).as_vec3().into(),
                 direction: there.direction(ray.direction),
             };
+            if !is_followed(&beyond) {
+                cast.met = Met::Limit(opening);
+                return cast;
+            }
+            ray = beyond;
             cast.fragment = portal.to;
             cast.there_from_here = there * cast.there_from_here;
             cast.crossed.push(portal_id);
@@ -107,13 +114,25 @@ impl Scene {
             (came_through.zip(portal)).is_some_and(|(came, portal)| self.leads_back(came, portal))
         };
         let openings = (0..).map(OpeningId).zip(self.fragment(fragment).openings());
+        // Added to a far origin, a direction that portals have shrunk would be lost in rounding.
+        let length = direction.abs().max_element();
         openings
             .filter_map(|(id, opening)| {
-                let pierced = pierced(&opening.outline, [origin, origin + direction])?;
+                let mut pierced = pierced(&opening.outline, [origin, origin + direction / length])?;
+                pierced.at /= length;
                 // From the front, and ahead: the second point may lie before the plane or behind it.
                 let inwards = pierced.at >= 0.0 && pierced.from_front;
                 (inwards && pierced.at.is_finite() && !is_way_back(id)).then_some((id, pierced.at))
             })
             .min_by(|a, b| a.1.total_cmp(&b.1))
     }
+}
+
+/// Whether 32-bit numbers can hold a ray that has come through a portal.
+fn is_followed(ray: &Ray) -> bool {
+    let length = ray
+        .direction
+        .into_iter()
+        .fold(0.0, |most: f32, value| most.max(value.abs()));
+    ray.origin.into_iter().all(is_in_range) && (1e-30..=1e30).contains(&length)
 }

@@ -19,10 +19,18 @@ pub struct SightLine {
 
 impl Scene {
     /// Does one place see another, straight or through open portals? Gives the first line that is found, by the fewest
-    /// portals; `None` where no line is, or none within the default [`Limits`]. Faces of glass stop it as others do.
+    /// portals; `None` where no line is, or none within the default [`Limits`], or a position is not finite. Faces of glass stop it as others do.
     ///
     /// Cost: O(beams that reach the other's fragment) rays.
     pub fn sees(&self, from: Place, to: Place) -> Option<SightLine> {
+        if !from
+            .position
+            .iter()
+            .chain(&to.position)
+            .all(|value| value.is_finite())
+        {
+            return None;
+        }
         let reached = self.reach(from, f32::INFINITY, &Limits::default());
         let reaches =
             |beam: &&Reached| beam.fragment == to.fragment && beam.holds(to.position.map(f64::from));

@@ -4,7 +4,7 @@ use super::locate::Boxes;
 use super::{Body, Exit, FragmentId, Light, LightId, Placed, Portal, PortalId, Scene, SceneError, Way};
 use crate::content::{Content, Opening, OpeningId};
 use crate::fragment::Fragment;
-use crate::geom::{Aabb, Transform};
+use crate::geom::{Aabb, Transform, is_in_range};
 use crate::method::Method;
 use std::sync::Arc;
 
@@ -169,13 +169,17 @@ impl SceneBuilder {
             let way = Way::Portal(number);
             let (from, opening) = joined.resolve_opening(&way, &from)?;
             let (to, _) = joined.resolve(&way, &to)?;
-            joined.portals.push(Portal {
+            let portal = Portal {
                 from,
                 opening,
                 to,
                 there_from_here,
                 open: true,
-            });
+            };
+            if !portal.leads_in_range(&joined.fragments[from.0 as usize].openings()[usize::from(opening.0)]) {
+                return Err(SceneError::TooFar(number));
+            }
+            joined.portals.push(portal);
         }
         let mut exits = Vec::new();
         for (name, from) in self.exits {
@@ -196,11 +200,19 @@ impl SceneBuilder {
 
 fn place(waiting: Waiting, limit: u64) -> Result<Placed, SceneError> {
     Ok(match waiting {
-        Waiting::Own(name, fragment) => Placed {
-            name,
-            body: Body::Own(fragment),
-            builds: 0,
-        },
+        Waiting::Own(name, fragment) => {
+            let bounds = fragment.bounds();
+            // A sky may reach to infinity.
+            let is_sound = |side: f32| side.is_infinite() || is_in_range(side);
+            if !bounds.min.into_iter().chain(bounds.max).all(is_sound) {
+                return Err(SceneError::BadBounds(name));
+            }
+            Placed {
+                name,
+                body: Body::Own(fragment),
+                builds: 0,
+            }
+        }
         Waiting::Ours(name, content, method) => {
             let built = method.build_ours(content, limit);
             let fragment = built.map_err(|why| SceneError::unsuited(&name, why))?;

@@ -4,8 +4,8 @@
 //! others are built anew. A viewer's memory stays right: what it saw last and is no more is not asked for again.
 
 use super::{Body, FragmentId, Scene, SceneError};
-use crate::content::{Changes, FARTHEST, ItemId, Placing, Unfit};
-use crate::geom::Transform;
+use crate::content::{Changes, ItemId, Placing, Unfit};
+use crate::geom::{MAX_COORDINATE, Transform};
 use crate::mesh::Mesh;
 use crate::method::{Edited, Unsuited};
 use std::collections::BTreeMap;
@@ -47,8 +47,8 @@ pub enum EditError {
     /// A place is NaN.
     #[error("item `{0}` would stand at a place that is no number")]
     NotFinite(String),
-    /// A place is too far out for its squares to be computed with.
-    #[error("item `{0}` would reach farther out than {FARTHEST:e}")]
+    /// The item, or its transform, would reach beyond [`MAX_COORDINATE`].
+    #[error("item `{0}` would reach farther out than {MAX_COORDINATE:e} units")]
     TooFar(String),
     /// A mesh has no faces.
     #[error("item `{0}` would have no faces; remove it instead")]

@@ -1,5 +1,6 @@
 //! Why fragments and portals do not make a scene.
 
+use crate::geom::MAX_COORDINATE;
 use crate::method::{NoTerrain, NotBaked, NotConvex, TooLarge, Unsuited};
 use std::fmt;
 use thiserror::Error;
@@ -59,7 +60,9 @@ pub enum SceneError {
         has: usize,
     },
     /// A light has a number that is not finite, a range of nothing, or a fragment that is not there.
-    #[error("light {0} must have finite numbers, a range above 0, and a fragment of this scene")]
+    #[error(
+        "light {0} must have finite numbers, a position within {MAX_COORDINATE:e} units, a range above 0, and a fragment of this scene"
+    )]
     BadLight(usize),
     /// Two exits have one name.
     #[error("two exits are called `{0}`: what joins one could mean either")]
@@ -79,6 +82,16 @@ pub enum SceneError {
     /// A portal's transform flattens, shears or stretches.
     #[error("the transform of portal {0} is not rigid, uniformly scaling or reflecting")]
     NotSimilar(usize),
+    /// A portal leads to where no coordinate may be: the image of its opening reaches beyond [`MAX_COORDINATE`].
+    #[error(
+        "the transform of portal {0} leads farther out than {MAX_COORDINATE:e} units; move what it leads to nearer to the origin"
+    )]
+    TooFar(usize),
+    /// The box of a custom fragment has a coordinate that is NaN, or finite and beyond [`MAX_COORDINATE`].
+    #[error(
+        "the box of fragment `{0}` has a coordinate that is not a number, or is farther out than {MAX_COORDINATE:e} units and not infinite"
+    )]
+    BadBounds(String),
     /// A fragment needs more memory than allowed.
     #[error("fragment `{fragment}`: {why}")]
     TooLarge {

@@ -1,7 +1,7 @@
 //! Lamps and suns: where they shine, and how far.
 
 use super::{FragmentId, Scene, SceneError};
-use crate::geom::Aabb;
+use crate::geom::{Aabb, is_in_range};
 use crate::query::{Place, Reached};
 use crate::viewer::Limits;
 use glam::DVec3;
@@ -112,7 +112,11 @@ impl Light {
             }
             _ => true,
         };
-        numbers.into_iter().all(|value| value.is_finite()) && self.range > 0.0 && directed && cone
+        numbers.into_iter().all(|value| value.is_finite())
+            && self.position.into_iter().all(is_in_range)
+            && self.range > 0.0
+            && directed
+            && cone
     }
 
     /// Where its light comes from: of a sun a place far outside.

@@ -183,12 +183,18 @@ impl Scene {
     /// Moves where a portal leads, in O(1): the fragment behind it moves as a whole.
     ///
     /// # Errors
-    /// [`SceneError::NotSimilar`], and then it stays as it was.
+    /// [`SceneError::NotSimilar`] or [`SceneError::TooFar`], and then it stays as it was.
     pub fn set_portal(&mut self, portal: PortalId, there_from_here: Transform) -> Result<(), SceneError> {
         if !there_from_here.is_similarity() {
             return Err(SceneError::NotSimilar(portal.0 as usize));
         }
-        self.portals[portal.0 as usize].there_from_here = there_from_here;
+        let mut moved = self.portals[portal.0 as usize].clone();
+        moved.there_from_here = there_from_here;
+        let openings = self.fragment(moved.from).openings();
+        if !moved.leads_in_range(&openings[usize::from(moved.opening.0)]) {
+            return Err(SceneError::TooFar(portal.0 as usize));
+        }
+        self.portals[portal.0 as usize] = moved;
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 //! Where openings lead.
 
-use crate::content::OpeningId;
-use crate::geom::Transform;
+use crate::content::{Opening, OpeningId};
+use crate::geom::{Transform, is_in_range};
 
 /// A fragment of a scene, by its place in [`Scene::fragments`](crate::Scene::fragments).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -24,4 +24,15 @@ pub struct Portal {
     pub there_from_here: Transform,
     /// A closed portal is an opaque face.
     pub open: bool,
+}
+
+impl Portal {
+    /// Whether what is seen through `opening`, the portal's own, is at coordinates that are allowed, and can be mapped back.
+    pub(super) fn leads_in_range(&self, opening: &Opening) -> bool {
+        let corners = opening.outline.corners().iter();
+        self.there_from_here.inverse().is_some()
+            && corners
+                .flat_map(|&corner| self.there_from_here.point(corner))
+                .all(is_in_range)
+    }
 }

@@ -16,7 +16,7 @@ pub(crate) use large::Workplace;
 pub use large::{HeightBytes, HeightFormat, Heights, LargeTerrain};
 
 use crate::content::{Content, ContentBuilder, ContentError, ItemId, MaterialId, MeshId};
-use crate::geom::Transform;
+use crate::geom::{MAX_COORDINATE, Transform, is_in_range};
 use crate::mesh::{Mesh, Part};
 use carried::Carried;
 use glam::DVec3;
@@ -49,12 +49,13 @@ pub enum HeightFieldError {
     /// There is no cell, or there are more than are numbered.
     #[error("a height field has 2 to {MOST_SAMPLES} samples along each side, but this one has {} x {}", .0[0], .0[1])]
     Size([u32; 2]),
-    /// A cell has no length, or it ends where 32-bit numbers do.
-    #[error("cells are {} long from west to east and {} from north to south; that must be above 0, and all of them within 3e38", .0[0], .0[1])]
+    /// A cell has no length, or all together are longer than [`MAX_COORDINATE`].
+    #[error("cells are {} long from west to east and {} from north to south; that must be above 0, and all of them within {MAX_COORDINATE:e}", .0[0], .0[1])]
     Cell([f64; 2]),
-    /// A column that is not east of the one before it, or a row that is not south of it; or NaN, or infinite.
+    /// A column that is not east of the one before it, or a row that is not south of it; or NaN, or beyond
+    /// [`MAX_COORDINATE`].
     #[error(
-        "{what} {number} of a height field stands at {place}, which is not beyond the one before it, or is not finite"
+        "{what} {number} of a height field stands at {place}, which is not beyond the one before it, or is not within {MAX_COORDINATE:e}"
     )]
     Line {
         /// Columns or rows.
@@ -88,6 +89,16 @@ pub enum HeightFieldError {
         "the height at column {column}, row {row} is {height}: terrain has no holes. Fill it, or cut the field in parts around it"
     )]
     Hole {
+        /// Counted from the west.
+        column: u32,
+        /// Counted from the north.
+        row: u32,
+        /// What stands there.
+        height: f32,
+    },
+    /// A height beyond [`MAX_COORDINATE`].
+    #[error("the height at column {column}, row {row} is {height}, which is not within {MAX_COORDINATE:e}")]
+    TooFar {
         /// Counted from the west.
         column: u32,
         /// Counted from the north.
@@ -147,7 +158,7 @@ impl HeightField {
         let size = [0, 1].map(|axis: usize| u32::try_from(lines[axis].len()).unwrap_or(u32::MAX));
         check_size(size)?;
         for (what, lines) in ["column", "row"].into_iter().zip(&lines) {
-            let is_sound = |at: usize| lines[at].is_finite() && (at == 0 || lines[at - 1] < lines[at]);
+            let is_sound = |at: usize| is_in_range(lines[at]) && (at == 0 || lines[at - 1] < lines[at]);
             if let Some(at) = (0..lines.len()).find(|&at| !is_sound(at)) {
                 let (number, place) = (at as u32, lines[at]);
                 return Err(HeightFieldError::Line { what, number, place });
@@ -163,13 +174,10 @@ impl HeightField {
             let has = heights.len() as u64;
             return Err(HeightFieldError::Count { needs, has });
         }
-        if let Some(at) = heights.iter().position(|height| !height.is_finite()) {
+        if let Some(at) = heights.iter().position(|&height| !is_in_range(height)) {
             let columns = size[0] as usize;
-            return Err(HeightFieldError::Hole {
-                column: (at % columns) as u32,
-                row: (at / columns) as u32,
-                height: heights[at],
-            });
+            let [column, row] = [at % columns, at / columns].map(|number| number as u32);
+            return Err(bad_height(column, row, heights[at]));
         }
         Ok(HeightField {
             size,
@@ -287,10 +295,19 @@ fn check_size(size: [u32; 2]) -> Result<(), HeightFieldError> {
     Ok(())
 }
 
+/// Why a height that is not in range is refused.
+fn bad_height(column: u32, row: u32, height: f32) -> HeightFieldError {
+    if height.is_finite() {
+        HeightFieldError::TooFar { column, row, height }
+    } else {
+        HeightFieldError::Hole { column, row, height }
+    }
+}
+
 fn check_cell(size: [u32; 2], cell: [f64; 2]) -> Result<(), HeightFieldError> {
     let is_sound = |axis: usize| {
         let end = cell[axis] * f64::from(size[axis]);
-        cell[axis] as f32 > 0.0 && end < f64::from(f32::MAX)
+        cell[axis] as f32 > 0.0 && end <= f64::from(MAX_COORDINATE)
     };
     if !(is_sound(0) && is_sound(1)) {
         return Err(HeightFieldError::Cell(cell));

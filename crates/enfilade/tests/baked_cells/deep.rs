@@ -2,8 +2,8 @@
 
 use crate::{HOUSE, SIZE, names};
 use enfilade::{
-    BakedCells, CellId, CellNode, CellSide, CellTree, ContentBuilder, Material, MaterialId, Mesh, Method,
-    Scene, SceneBuilder, Transform, View,
+    BakedCells, CellId, CellNode, CellSide, CellTree, ContentBuilder, MAX_COORDINATE, Material, MaterialId,
+    Mesh, Method, Scene, SceneBuilder, Transform, View,
 };
 
 /// Planes across x, one below the other; behind each lies a cell, and in front the next.
@@ -87,14 +87,15 @@ fn a_hundred_thousand_times_the_same_plane_ends_too() {
 }
 
 #[test]
-fn numbers_as_large_as_there_are_do_no_harm() {
+fn planes_as_far_out_as_there_are_numbers_do_no_harm() {
     for far in [1e6_f32, 1e12, 1e30, 3e38] {
+        let reach = far.min(MAX_COORDINATE);
         let scene = scene(
             chain(2000, |number| f64::from(number) * f64::from(far), 0.0),
-            [-far, far],
+            [-reach, reach],
         );
         assert_eq!(seen(&scene, 500.5), ["0 long", "2 at 500.5"], "{far}");
-        let scene = self::scene(chain(2000, f64::from, 0.0), [-far, far]);
+        let scene = self::scene(chain(2000, f64::from, 0.0), [-reach, reach]);
         assert_eq!(seen(&scene, 500.5), ["0 long", "2 at 500.5"], "{far}");
     }
     let content_of = |scene: &Scene| {

@@ -145,7 +145,7 @@ fn sources_that_do_not_know_their_size_are_refused() {
         let odd = Arc::new(Odd { bounds, ..SOUND });
         details.add(&mut scene, fragment, "odd", odd, Transform::IDENTITY)
     };
-    for bounds in [[f32::NAN, 1.0], [0.0, f32::INFINITY], [1.0, 0.0]] {
+    for bounds in [[f32::NAN, 1.0], [0.0, f32::INFINITY], [0.0, 1e20], [1.0, 0.0]] {
         assert_eq!(add(bounds, HALL), Err(DetailError::NoBounds), "{bounds:?}");
     }
     let panicked = add([8.0, 9.0], HALL).expect_err("it panics").to_string();
@@ -153,7 +153,6 @@ fn sources_that_do_not_know_their_size_are_refused() {
         panicked,
         "the source panicked: a source that does not know its size"
     );
-    assert!(matches!(add([0.0, 1e20], HALL), Err(DetailError::Edit(_))));
     assert!(matches!(
         add([0.0, 1.0], FragmentId(9)),
         Err(DetailError::Edit(_))

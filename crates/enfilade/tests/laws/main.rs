@@ -4,6 +4,7 @@ mod convex;
 mod doors;
 mod doorways;
 mod edits;
+mod extremes;
 mod glass;
 mod mixed;
 mod samples;

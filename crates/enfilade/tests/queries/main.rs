@@ -4,6 +4,7 @@ mod between;
 mod capsule;
 mod chance;
 mod items;
+mod near;
 mod pairs;
 mod rays;
 

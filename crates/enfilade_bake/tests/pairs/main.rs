@@ -9,7 +9,7 @@ mod worlds;
 use enfilade_bake::{Cells, PairsOptions, PairsWork, Stage, VisiblePairs, find_missing};
 
 fn pairs_of(cells: &Cells) -> VisiblePairs {
-    VisiblePairs::compute(cells, &PairsOptions::default())
+    VisiblePairs::compute(cells, &PairsOptions::default()).expect("little memory")
 }
 
 #[test]
@@ -71,7 +71,14 @@ fn sight_has_no_direction() {
     for seed in 300..310 {
         let cells = worlds::random(seed, 40);
         for fast in [false, true] {
-            let pairs = VisiblePairs::compute(&cells, &PairsOptions { fast });
+            let pairs = VisiblePairs::compute(
+                &cells,
+                &PairsOptions {
+                    fast,
+                    ..PairsOptions::default()
+                },
+            )
+            .expect("little memory");
             for from in 0..cells.count() {
                 assert!(pairs.sees(from, from));
                 for to in pairs.seen_from(from) {
@@ -87,7 +94,16 @@ fn the_fast_bound_keeps_all_that_the_full_one_keeps() {
     let mut more = 0;
     for seed in 400..410 {
         let cells = worlds::random(seed, 40);
-        let [full, fast] = [false, true].map(|fast| VisiblePairs::compute(&cells, &PairsOptions { fast }));
+        let [full, fast] = [false, true].map(|fast| {
+            VisiblePairs::compute(
+                &cells,
+                &PairsOptions {
+                    fast,
+                    ..PairsOptions::default()
+                },
+            )
+            .expect("little memory")
+        });
         for from in 0..cells.count() {
             assert!(full.seen_from(from).all(|to| fast.sees(from, to)));
         }

@@ -42,8 +42,12 @@ fn doors_that_only_touch_the_line_of_sight_hide() {
     assert!(!pairs.sees(0, 3));
     let fast = VisiblePairs::compute(
         &row(&[[0.0, 1.0], [1.0, 2.0], [0.0, 1.0]]),
-        &PairsOptions { fast: true },
-    );
+        &PairsOptions {
+            fast: true,
+            ..PairsOptions::default()
+        },
+    )
+    .expect("little memory");
     assert!(!fast.sees(0, 3));
 }
 

@@ -1,7 +1,7 @@
 //! Work that is watched, stopped, saved and gone on with.
 
 use crate::{pairs_of, worlds};
-use enfilade_bake::{Cells, PairsWork, ResumeError, Stage};
+use enfilade_bake::{Cells, PairsOptions, PairsWork, ResumeError, Stage, VisiblePairs};
 
 const LIMIT: u64 = 1 << 30;
 
@@ -108,6 +108,8 @@ fn saved_work_of_other_cells_or_with_any_byte_changed_is_refused() {
 fn work_that_would_take_too_much_is_refused_before_it_begins() {
     let many = Cells::new(u32::MAX, Vec::new()).expect("no portal is wrong");
     let refused = PairsWork::begin(&many, LIMIT).expect_err("a square of four billion");
+    assert!(refused.needs_bytes > 1 << 60, "{refused}");
+    let refused = VisiblePairs::compute(&many, &PairsOptions::default()).expect_err("as much");
     assert!(refused.needs_bytes > 1 << 60, "{refused}");
     let cells = worlds::random(2, 60);
     let needs = PairsWork::begin(&cells, 0).expect_err("something").needs_bytes;

@@ -229,11 +229,14 @@ fn warn_of_surfaces(surfaces: &[Surface], used: &BTreeSet<u32>, warnings: &mut W
 
 /// Says which node is meant where the content knows only the item.
 fn name_the_node(why: BrokenRule, document: &Document, placed: &[Placed], names: &Names) -> BrokenRule {
-    if let BrokenRule::Content(ContentError::NotFinite(name)) = &why {
-        let is_meant = |number: u32| names.name(number, &document.nodes[number as usize]) == *name;
-        if let Some(placed) = placed.iter().find(|placed| is_meant(placed.node)) {
-            return BrokenRule::NodeNotFinite(document.node_name(placed.node));
-        }
+    let (name, rule): (_, fn(String) -> BrokenRule) = match &why {
+        BrokenRule::Content(ContentError::NotFinite(name)) => (name, BrokenRule::NodeNotFinite),
+        BrokenRule::Content(ContentError::TooFar(name)) => (name, BrokenRule::NodeTooFar),
+        _ => return why,
+    };
+    let is_meant = |placed: &&Placed| names.name(placed.node, &document.nodes[placed.node as usize]) == *name;
+    match placed.iter().find(is_meant) {
+        Some(placed) => rule(document.node_name(placed.node)),
+        None => why,
     }
-    why
 }

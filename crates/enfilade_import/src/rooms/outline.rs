@@ -4,6 +4,7 @@
 //! Source of the hull: Andrew, Another Efficient Algorithm for Convex Hulls in Two Dimensions, 1979.
 
 use crate::AuthoringError;
+use enfilade::geom::PolygonError;
 use enfilade::{ConvexPolygon, Mesh, Transform};
 use glam::{DVec2, DVec3};
 
@@ -102,8 +103,11 @@ fn of_triangles(triangles: &[[DVec3; 3]], spoken: &str) -> Result<ConvexPolygon,
         .iter()
         .map(|corner| (middle + x * corner.x + y * corner.y).as_vec3().into())
         .collect();
-    // Far from the origin 32 bits may bend it again.
-    ConvexPolygon::new(&corners).map_err(|_| AuthoringError::NotFlat { node: node(), off })
+    ConvexPolygon::new(&corners).map_err(|why| match why {
+        PolygonError::TooFar(_) => AuthoringError::TooFar { node: node() },
+        // Far from the origin 32 bits may bend it again.
+        _ => AuthoringError::NotFlat { node: node(), off },
+    })
 }
 
 /// The area of all triangles; one that is there twice, as exporters make both sides of a sheet, counts once.
@@ -191,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_bent_notched_or_nothing_is_refused() {
+    fn what_is_bent_notched_too_far_or_nothing_is_refused() {
         let bent = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.5], [0.0, 1.0, 0.0]];
         assert!(matches!(
             of_triangles(&fan(&bent), "a"),
@@ -210,6 +214,11 @@ mod tests {
         assert!(matches!(
             of_triangles(&fan(&[[1.0; 3]; 3]), "a"),
             Err(AuthoringError::NoArea { .. })
+        ));
+        let far = [[0.0; 3], [2e12, 0.0, 0.0], [0.0, 2e12, 0.0]];
+        assert!(matches!(
+            of_triangles(&fan(&far), "a"),
+            Err(AuthoringError::TooFar { .. })
         ));
         assert!(matches!(
             of_triangles(&[], "a"),

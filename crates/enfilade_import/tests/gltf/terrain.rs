@@ -111,7 +111,7 @@ fn far_from_the_origin_and_with_uneven_steps_nothing_moves() {
     // Added up, so that errors of rounding add up too.
     let added = |line: u16| (0..line).fold(123_456.78_f32, |place, _| place + 0.1);
     is_the_same_as_terrain(&Grid::at([40, 5], added, |row| 1e-3 * f32::from(row * row + row) - 0.5).file());
-    is_the_same_as_terrain(&Grid::at([4, 4], |column| 1e30 * f32::from(column), f32::from).file());
+    is_the_same_as_terrain(&Grid::at([4, 4], |column| 1e11 * f32::from(column), f32::from).file());
 }
 
 #[test]

@@ -98,16 +98,26 @@ fn places_that_are_none() {
 }
 
 #[test]
-fn a_mesh_that_its_node_makes_too_large() {
-    let mut file = File::empty();
-    let primitive = file.primitive(&[[0.0; 3], [3e38, 0.0, 0.0], [0.0, 3e38, 0.0]], &[0, 1, 2]);
-    let mesh = file.mesh(json!([primitive]));
-    file.node(json!({ "name": "Sky", "mesh": mesh, "scale": [10, 10, 10] }));
-    let said = refusal(&file.glb()).expect("an error");
-    assert!(
-        said.contains("node 0 \"Sky\" stands at a place, or has a size, that is not finite"),
-        "{said}"
-    );
+fn a_mesh_or_its_node_that_leads_too_far_out_is_named() {
+    let said = |far: f32, scale: f32| {
+        let mut file = File::empty();
+        let primitive = file.primitive(&[[0.0; 3], [far, 0.0, 0.0], [0.0, far, 0.0]], &[0, 1, 2]);
+        let mesh = file.mesh(json!([primitive]));
+        file.node(json!({ "name": "Sky", "mesh": mesh, "scale": [scale, scale, scale] }));
+        refusal(&file.glb()).expect("an error")
+    };
+    for (far, scale, named) in [
+        (
+            3e38,
+            10.0,
+            "meshes[0]: position 1 of part 0 is farther out than 1e12 units",
+        ),
+        (5e11, 10.0, "node 0 \"Sky\" reaches farther out than 1e12 units"),
+        (1.0, 5e12, "node 0 \"Sky\" reaches farther out than 1e12 units"),
+    ] {
+        let said = said(far, scale);
+        assert!(said.contains(named), "{said}");
+    }
 }
 
 #[test]

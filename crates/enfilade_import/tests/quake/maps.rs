@@ -23,7 +23,7 @@ pub(crate) fn read(folder: &std::path::Path, name: &str) -> PortalFile {
 }
 
 pub(crate) fn pairs_of(file: &PortalFile) -> VisiblePairs {
-    VisiblePairs::compute(&file.cells, &PairsOptions::default())
+    VisiblePairs::compute(&file.cells, &PairsOptions::default()).expect("little memory")
 }
 
 #[test]

@@ -155,7 +155,7 @@ fn leafs_that_share_a_row_are_a_cluster_again_where_they_stand_side_by_side() {
             cells: Cells::new(count, Vec::new()).expect("cells"),
             cluster_of_leaf: Some(of_leaf),
         };
-        let pairs = VisiblePairs::compute(&seen.cells, &PairsOptions::default());
+        let pairs = VisiblePairs::compute(&seen.cells, &PairsOptions::default()).expect("little memory");
         let again = rebuilt(&with_visibility(&map, &seen, &pairs).expect("written"));
         assert_eq!(again.clusters_from, ClustersFrom::Rows);
         assert_eq!(
@@ -328,7 +328,8 @@ fn odd_planes_make_no_odd_portals() {
             raw.planes.push(plane);
             raw.world_leafs = raw.leafs.len() as i32 - 1;
             let rebuilt = rebuilt(&raw.bytes(format));
-            let pairs = VisiblePairs::compute(&rebuilt.file.cells, &PairsOptions::default());
+            let pairs =
+                VisiblePairs::compute(&rebuilt.file.cells, &PairsOptions::default()).expect("little memory");
             assert_eq!(rebuilt.file.cells.count(), 6);
             // Of each room some part sees some part of the other.
             let sees = [1, 4]

@@ -65,7 +65,14 @@ fn rebuilt(map: &[u8]) -> RebuiltPortals {
 /// A map of Quake with its clusters in it.
 fn with_clusters(map: &[u8], given: &PortalFile) -> Vec<u8> {
     let alone = Cells::new(given.cells.count(), Vec::new()).expect("cells");
-    let pairs = VisiblePairs::compute(&alone, &PairsOptions { fast: true });
+    let pairs = VisiblePairs::compute(
+        &alone,
+        &PairsOptions {
+            fast: true,
+            ..PairsOptions::default()
+        },
+    )
+    .expect("little memory");
     with_visibility(map, given, &pairs).expect("written")
 }
 
@@ -310,8 +317,9 @@ fn lines_of_sight_that_compilers_missed_are_seen_through_rebuilt_portals() {
         // The hard one takes half a minute for what its first bound shows as well.
         let options = PairsOptions {
             fast: name.ends_with("lqdm13"),
+            ..PairsOptions::default()
         };
-        let pairs = VisiblePairs::compute(&rebuilt.file.cells, &options);
+        let pairs = VisiblePairs::compute(&rebuilt.file.cells, &options).expect("little memory");
         let lines = std::fs::read_to_string(folder.join(format!("witness/{witness}.txt"))).expect("text");
         for line in lines.lines() {
             let (_, chain) = line.rsplit_once("clusters: ").expect("a chain");

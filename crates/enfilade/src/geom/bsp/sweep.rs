@@ -97,7 +97,7 @@ impl Sweep {
             // Neither side gets all. Not asked of the tally: for what is as thin as the band, that is only about right.
             if begun < all && ended > 0 {
                 // Behind or cut: all that have begun before the plane; behind or in it: all that have ended.
-                let cut = (begun + on).saturating_sub(ended);
+                let cut = (begun + on).saturating_sub(ended).min(begun);
                 let tally = Tally {
                     front: (all - begun).saturating_sub(on) as u32,
                     back: (begun - cut) as u32,
@@ -133,6 +133,16 @@ mod tests {
         });
         let expected = [(1.0, [0, 1, 1, 2]), (2.0, [2, 0, 0, 2]), (2.5, [2, 1, 0, 1])];
         assert_eq!(tallies, expected);
+    }
+
+    #[test]
+    fn polygons_thinner_than_the_band_that_reach_beyond_it_are_tallied_without_going_below_nothing() {
+        // At 0 two begin within the band and end beyond it: more lie in the plane than have ended.
+        let spans = [[-5.0, 0.0], [0.008, 0.016], [0.008, 0.016], [1.0, 2.0]];
+        sweep(&spans).each_plane(0.01, |at, tally| {
+            let parts = [tally.back, tally.cut, tally.on, tally.front];
+            assert!(parts.iter().all(|&part| part <= 4), "at {at}: {parts:?}");
+        });
     }
 
     #[test]

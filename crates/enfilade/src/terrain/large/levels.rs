@@ -1,7 +1,8 @@
 //! The least and the greatest heights of squares, in squares of squares.
 
 use super::Heights;
-use crate::terrain::{BLOCK, HeightFieldError};
+use crate::geom::is_in_range;
+use crate::terrain::{BLOCK, HeightFieldError, bad_height};
 use crate::threads;
 
 /// Squares of one size, row after row.
@@ -48,12 +49,8 @@ impl Level {
             let first = number as u32 * BLOCK;
             for at in first..(first + BLOCK + 1).min(samples[1]) {
                 heights.read(0, at, &mut line);
-                if let Some(column) = line.iter().position(|height| !height.is_finite()) {
-                    row.hole = Some(HeightFieldError::Hole {
-                        column: column as u32,
-                        row: at,
-                        height: line[column],
-                    });
+                if let Some(column) = line.iter().position(|&height| !is_in_range(height)) {
+                    row.hole = Some(bad_height(column as u32, at, line[column]));
                     return;
                 }
                 for (block, span) in row.spans.iter_mut().enumerate() {

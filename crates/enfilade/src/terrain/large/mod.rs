@@ -87,8 +87,8 @@ impl LargeTerrain {
     /// to south. Reads all heights once.
     ///
     /// # Errors
-    /// [`HeightFieldError::Size`], [`HeightFieldError::Faces`], [`HeightFieldError::Cell`], and [`HeightFieldError::Hole`] for the
-    /// first hole.
+    /// [`HeightFieldError::Size`], [`HeightFieldError::Faces`], [`HeightFieldError::Cell`], and [`HeightFieldError::Hole`]
+    /// or [`HeightFieldError::TooFar`] for the first height that is none.
     pub fn new(
         heights: impl Heights + 'static,
         cell: [f64; 2],

@@ -163,7 +163,7 @@ impl Plan {
     /// The cells: one for each room and each doorway, in order, and what is seen between them.
     pub(crate) fn bake(&self) -> BakedCells {
         let cells = Cells::new(self.open.len() as u32, self.portals()).expect("doorways are flat and convex");
-        let pairs = VisiblePairs::compute(&cells, &PairsOptions::default());
+        let pairs = VisiblePairs::compute(&cells, &PairsOptions::default()).expect("little memory");
         let mut tree = CellTree {
             root: CellSide::Solid,
             nodes: Vec::new(),

@@ -1,0 +1,127 @@
+//! The contracts hold at every size and everywhere that coordinates may be.
+
+use crate::every_method_keeps_its_contract;
+use crate::subject::{Subject, subject};
+use enfilade::{
+    Aabb, Attributes, ContentBuilder, ConvexPolygon, FragmentId, ItemId, MAX_COORDINATE, Mesh, Part,
+    SceneBuilder, Transform,
+};
+use enfilade_scenes::{BuiltIn, Camera};
+
+/// Doors, mirrors, portals that scale, faces that cross or share a plane, slivers, glass, openings in openings.
+const SCENES: [&str; 9] = [
+    "two-rooms",
+    "mirror",
+    "teleport",
+    "crossing",
+    "coplanar",
+    "degenerate",
+    "glass",
+    "slits",
+    "eye-in-things",
+];
+
+const SIZE: [u32; 2] = [64, 36];
+
+/// The mesh, scaled.
+fn scaled(mesh: &Mesh, scale: f32) -> Mesh {
+    let positions: Vec<[f32; 3]> = (mesh.positions().iter())
+        .map(|position| position.map(|value| value * scale))
+        .collect();
+    let mut corners = Vec::new();
+    let mut sides = Vec::new();
+    for cluster in mesh.clusters() {
+        let faces = cluster.faces.clone().map(|face| mesh.face(face));
+        corners.push(faces.clone().flatten().copied().collect::<Vec<u32>>());
+        sides.push(faces.map(|face| face.len() as u32).collect::<Vec<u32>>());
+    }
+    let parts: Vec<Part> = (mesh.clusters().iter().zip(corners.iter().zip(&sides)))
+        .map(|(cluster, (corners, sides))| Part {
+            positions: &positions,
+            corners,
+            sides: Some(sides),
+            material: cluster.material,
+            attributes: Attributes::default(),
+        })
+        .collect();
+    Mesh::new(&parts).expect("the faces stay flat and convex")
+}
+
+/// The scene scaled, then shifted: its meshes, items, openings, portals and cameras.
+fn moved(built: &BuiltIn, scale: f32, shift: [f32; 3]) -> BuiltIn {
+    let scene = &built.scene;
+    let there_from_here = Transform::translation(shift) * Transform::scaling([scale; 3]);
+    let back_to_size = Transform::scaling([1.0 / scale; 3]);
+    let here_from_there = there_from_here.inverse().expect("it scales and shifts");
+    let conjugate = |map: Transform| there_from_here * map * here_from_there;
+    let mut moved = SceneBuilder::new();
+    for id in scene.fragments() {
+        let content = scene.content(id).expect("no custom fragments");
+        let mut builder = ContentBuilder::new(content.materials());
+        builder.textures(content.textures());
+        for (number, item) in (0..).zip(content.items()) {
+            let mesh = builder.mesh(scaled(content.mesh_of(ItemId(number)), scale));
+            let there_from_item = there_from_here * item.transform() * back_to_size;
+            builder.item(content.name(ItemId(number)), mesh, there_from_item);
+        }
+        for opening in content.openings() {
+            let corners = opening.outline.corners().iter();
+            let corners: Vec<[f32; 3]> = corners.map(|&corner| there_from_here.point(corner)).collect();
+            builder.opening(&opening.name, ConvexPolygon::new(&corners).expect("still flat"));
+        }
+        let method = scene.method(id).expect("no custom fragments");
+        moved.add(
+            scene.fragment_name(id),
+            builder.build().expect("in range"),
+            method,
+        );
+    }
+    for portal in scene.portals() {
+        moved.portal(
+            (portal.from, portal.opening),
+            portal.to,
+            conjugate(portal.there_from_here),
+        );
+    }
+    let cameras = built.cameras.iter().take(2).map(|camera| Camera {
+        eye: there_from_here.point(camera.eye),
+        toward: there_from_here.point(camera.toward),
+        ..camera.clone()
+    });
+    BuiltIn {
+        scene: moved.build().expect("in range"),
+        cameras: cameras.collect(),
+    }
+}
+
+/// The farthest coordinate of a scene.
+fn reach(built: &BuiltIn) -> f32 {
+    let whole = built.scene.fragments().fold(Aabb::EMPTY, |sum, id: FragmentId| {
+        sum.union(&built.scene.bounds(id))
+    });
+    (whole.min.into_iter().chain(whole.max)).fold(0.0, |most, side| most.max(side.abs()))
+}
+
+fn holds_on(name: &'static str, scale: f32, shift: [f32; 3]) {
+    let built = moved(&subject(name).built, scale, shift);
+    every_method_keeps_its_contract(&Subject::new(name, built), SIZE);
+}
+
+#[test]
+fn scenes_of_all_sizes_are_seen_as_they_are() {
+    for name in SCENES {
+        let largest = 0.99 * MAX_COORDINATE / reach(&subject(name).built);
+        for scale in [1e-5, 1e-2, 1e3, 1e6, 1e8, largest] {
+            holds_on(name, scale, [0.0; 3]);
+        }
+    }
+}
+
+#[test]
+fn scenes_far_from_the_origin_are_seen_as_they_are() {
+    for name in SCENES {
+        for (scale, far) in [(1.0, 1e3), (1e5, 1e8), (1e9, 0.8 * MAX_COORDINATE)] {
+            holds_on(name, scale, [far, -0.9 * far, 0.8 * far]);
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! Limits of what one look or one query does: as large as the docs say, and reported where they are reached.
 
-use enfilade::laws::OwnerPicture;
+use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
     Capsule, Cast, ContentBuilder, ContentError, ConvexPolygon, FragmentId, HeightField, HeightFieldError,
     Light, Limits, MAX_COORDINATE, Material, MaterialId, Mesh, MeshError, Met, Method, Place, PortalId, Ray,
@@ -37,6 +37,7 @@ fn as_many_portals_in_a_row_are_followed_as_the_limits_allow() {
     view.fragment = Some(FragmentId(0));
     view.near = 1e-6;
     let scene = endless();
+    let truth = Reference::new(&scene).see(&scene, &view, &limits);
     for method in [Method::HierarchicalZ, Method::Masked] {
         let scene = scene.with_method(method, Method::DEFAULT_LIMIT).expect("small");
         let mut viewer = Viewer::new();
@@ -47,6 +48,8 @@ fn as_many_portals_in_a_row_are_followed_as_the_limits_allow() {
         let deepest = set.passages().last().map(|passage| passage.crossings);
         assert_eq!(deepest, Some(u16::MAX), "{method}");
         assert!(!set.complete());
+        let verdict = truth.check(set, Some(&picture));
+        assert_eq!((verdict.missed.len(), verdict.pixels_different), (0, 0), "{method}");
     }
 }
 

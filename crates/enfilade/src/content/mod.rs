@@ -60,6 +60,10 @@ impl Item {
 }
 
 /// A hole to look through: a face like any other to a method, entered from its front.
+///
+/// It has no near limit: it is looked through however near it is. An eye exactly in its plane counts as in front: inside
+/// the outline it looks through the opening in every direction that leads to the back, outside it sees the opening
+/// edge-on. So a camera that crosses a doorway, or touches a mirror, loses nothing in any frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opening {
     /// How people call it.

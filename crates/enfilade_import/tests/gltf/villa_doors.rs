@@ -1,6 +1,6 @@
 //! The doors, windows, teleport and mirror of an authored villa, each opened and closed.
 
-use enfilade::laws::{OwnerPicture, Reference};
+use enfilade::laws::{Contestants, OwnerPicture, Reference, views_through};
 use enfilade::{Limits, Method, PortalId, Scene, View, Viewer};
 use enfilade_import::{ReadOptions, read};
 use std::path::Path;
@@ -35,18 +35,38 @@ fn is_seen_through(scene: &Scene, reference: &Reference, view: &View, portal: Po
     passages.any(|passage| passage.portal == Some(portal))
 }
 
-#[test]
+/// The villa, if there is a folder of scenes.
 #[allow(clippy::print_stderr, reason = "a skipped test must say so")]
-fn every_portal_of_a_villa_shows_what_is_behind_it_until_it_is_closed() {
+fn villa() -> Option<Scene> {
     let Some(folder) = std::env::var_os("ENFILADE_SCENES") else {
         eprintln!("skipped: ENFILADE_SCENES names no folder of .glb files");
-        return;
+        return None;
     };
     let file = Path::new(&folder).join("blender_villa.glb");
     let import = read(&file, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
-    let mut scene = import
-        .scene(Method::HierarchicalZ, Method::DEFAULT_LIMIT)
-        .expect("it fits");
+    let scene = import.scene(Method::HierarchicalZ, Method::DEFAULT_LIMIT);
+    Some(scene.expect("it fits"))
+}
+
+#[test]
+fn no_frame_is_lost_on_the_way_through_the_portals_of_a_villa() {
+    let Some(scene) = villa() else { return };
+    let mut contestants = Contestants::new(&scene, Limits::default(), Method::DEFAULT_LIMIT);
+    let mut visible = 0;
+    for portal in (0..scene.portals().len() as u32).map(PortalId) {
+        for view in views_through(&scene, portal, [16, 12]) {
+            let (items, broken) = contestants.check(&view);
+            let broken: Vec<String> = broken.iter().map(ToString::to_string).collect();
+            assert!(broken.is_empty(), "{portal:?}, {view:?}:\n{}", broken.join("\n"));
+            visible += items;
+        }
+    }
+    assert!(visible > 10_000, "{visible}");
+}
+
+#[test]
+fn every_portal_of_a_villa_shows_what_is_behind_it_until_it_is_closed() {
+    let Some(mut scene) = villa() else { return };
     let reference = Reference::new(&scene);
     let portals: Vec<PortalId> = (0..scene.portals().len() as u32).map(PortalId).collect();
     assert_eq!(

@@ -335,7 +335,7 @@ mod tests {
         let apart: Vec<[f32; 3]> = corners.into_iter().cycle().take(300_000).collect();
         let shared: Vec<u32> = (0..3).cycle().take(300_000).collect();
         let numbered: Vec<u32> = (0..300_000).collect();
-        let points = vec![[1.0; 3]; 3];
+        let points = [[1.0; 3]; 3];
         for (positions, corners) in [
             (&apart[..], &numbered),
             (&corners[..], &shared),

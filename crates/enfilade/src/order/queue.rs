@@ -381,7 +381,15 @@ mod tests {
             for farthest in [0.0, 0.05] {
                 let octree = met::<OctreeOrder>(&content, &passage, farthest);
                 let bvh = met::<BvhOrder>(&content, &passage, farthest);
-                assert_eq!(octree.batches, bvh.batches);
+                // The box of a mesh at its place reaches beyond the item's box, so an item whose own box is out may still
+                // be handed out where a node holds others too.
+                let own = |item: u32| {
+                    let bounds = content.item(ItemId(item)).bounds;
+                    Region::of(&passage, &passage.screen_from_fragment, &bounds)
+                };
+                let is_in = |(item, _): &&(u32, u32)| own(*item).is_some_and(|own| own.nearest >= farthest);
+                let [a, b] = [&octree, &bvh].map(|met| met.batches.iter().filter(is_in).collect::<Vec<_>>());
+                assert_eq!(a, b);
                 assert!(octree.batches.len() > 20 && octree.boxes > 40 && bvh.boxes > 40);
             }
         }

@@ -49,7 +49,11 @@ fn as_many_portals_in_a_row_are_followed_as_the_limits_allow() {
         assert_eq!(deepest, Some(u16::MAX), "{method}");
         assert!(!set.complete());
         let verdict = truth.check(set, Some(&picture));
-        assert_eq!((verdict.missed.len(), verdict.pixels_different), (0, 0), "{method}");
+        assert_eq!(
+            (verdict.missed.len(), verdict.pixels_different),
+            (0, 0),
+            "{method}"
+        );
     }
 }
 

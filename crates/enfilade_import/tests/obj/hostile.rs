@@ -152,7 +152,8 @@ fn random_faces_over_few_positions_are_cut_or_refused() {
             text += "\n";
         }
         if let Some(said) = refusal(text.as_bytes()) {
-            assert!(said.contains("not finite"), "{said}\n{text}");
+            let is_meant = said.contains("not finite") || said.contains("farther out");
+            assert!(is_meant, "{said}\n{text}");
         }
     }
 }

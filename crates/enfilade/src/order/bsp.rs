@@ -162,9 +162,6 @@ fn add(polygons: &mut Polygons, corners: impl Iterator<Item = [f64; 3]>) {
         .push((greatest * 0.5 * f64::from(f32::EPSILON)) as f32);
 }
 
-/// Rounding of the distance between the eye and a plane, relative to the distances of both from the origin.
-const THROUGH_EYE: f64 = 1.0 / (1_u64 << 46) as f64;
-
 /// What holds for all of a walk.
 #[derive(Clone, Copy)]
 struct Walk<'a> {
@@ -179,12 +176,9 @@ impl Walk<'_> {
     /// A plane n · p ≥ d of the fragment as one of (X, Y, W).
     fn on_screen(&self, [x, y, z, distance]: [f64; 4]) -> Cut {
         let normal = self.normals * DVec3::new(x, y, z);
-        let eye = -normal.dot(self.passage.screen_from_fragment.translation);
-        // Where the eye is in the plane, so may rays be: then all faces must be cut alike, whatever their distance.
-        let is_through_eye = (distance - eye).abs() <= THROUGH_EYE * (distance.abs() + eye.abs());
         Cut {
             normal,
-            distance: if is_through_eye { 0.0 } else { distance - eye },
+            distance: distance + normal.dot(self.passage.screen_from_fragment.translation),
         }
     }
 }

@@ -159,13 +159,15 @@ fn geometry_knows_nothing_else_of_ours_but_the_simd_level_and_the_threads() {
 
 #[test]
 fn the_reference_knows_nothing_of_methods() {
-    for (path, text) in sources(&format!("{CORE}/laws")) {
+    // But for the file that tests methods against it.
+    let sources = sources(&format!("{CORE}/laws"));
+    for (path, text) in sources.iter().filter(|(path, _)| path != "contracts.rs") {
         let shared = |of: &&str| {
             ["method", "faces", "region", "memory"]
                 .iter()
                 .any(|word| of.starts_with(word))
         };
-        assert_eq!(mentions(&text).find(shared), None, "laws/{path}");
+        assert_eq!(mentions(text).find(shared), None, "laws/{path}");
     }
 }
 

@@ -56,7 +56,8 @@ fn sees(name: &str, eye: [f32; 3], toward: [f32; 3], items: usize) {
 
 #[test]
 fn a_doorway_nearer_than_the_near_plane_is_looked_through() {
-    sees("two-rooms", [-0.002, 1.0, 0.0], [5.0, 1.0, 0.0], 8);
+    // Not at the height of the ball's middle: there its edges run exactly through samples.
+    sees("two-rooms", [-0.002, 1.05, 0.02], [5.0, 1.05, 0.02], 8);
 }
 
 #[test]

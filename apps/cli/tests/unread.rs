@@ -195,7 +195,7 @@ fn scenes_have_names_that_are_not_utf_8() {
     fs::write(path(OsStr::from_bytes(b"c\xFF.prt")), Grid::row(3).prt()).expect("written");
     let run = with("vis", OsStr::from_bytes(b"c\xFF.bsp"), "--json -");
     assert_eq!(run.code, Some(0), "{}", run.stderr);
-    // Mistakes are told as of any other name.
+    // Errors read as for any other name.
     let run = with("look", OsStr::from_bytes(b"n\xFFne.glb"), "");
     assert!(
         run.code == Some(2) && run.stderr.contains("n\u{FFFD}ne.glb"),

@@ -1,4 +1,4 @@
-//! Every method held to its contract, view by view.
+//! Tests every method against its contract, view by view.
 
 use super::owners::OwnerPicture;
 use super::reference::Reference;

@@ -43,7 +43,7 @@ fn sampled(scene: &Scene, place: Place) -> BTreeMap<(FragmentId, ItemId), f64> {
         let Some(content) = scene.content(to) else {
             continue;
         };
-        // Points of the space at hand, and the lengths of the ways to them.
+        // Points in the current space, and the path lengths to them.
         let mut reached = vec![(point(place.position), 0.0)];
         let mut scale = 1.0;
         for id in chain {

@@ -115,7 +115,7 @@ fn along(ray: &RaySees) -> Option<Vec<Layer>> {
         .possible
         .iter()
         .all(|possible| possible.chain == ray.possible[0].chain);
-    if !one_way || ray.slips || ray.glass.iter().any(|pane| !pane.sure) {
+    if !one_way || ray.glass.iter().any(|pane| !pane.sure) {
         return None;
     }
     let mut panes = ray.glass.clone();

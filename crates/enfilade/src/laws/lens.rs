@@ -3,7 +3,7 @@
 use super::DELTA_PX;
 use super::bundle::Bundle;
 use crate::view::View;
-use glam::{DMat4, DVec3, DVec4};
+use glam::{DMat4, DVec2, DVec3, DVec4};
 
 /// Rays through a sample: through its centre, and through the four places about it.
 pub(super) const RAYS: usize = 5;
@@ -66,7 +66,7 @@ impl Lens {
             fragment_from_clip: (clip_from_eye * eye_from_fragment).inverse(),
             forward,
             size: [width, height],
-            sample: view.sample.map(f64::from),
+            sample: (DVec2::from(view.sample.map(f64::from)) + DVec2::from(View::GENERIC_OFFSET)).into(),
         }
     }
 

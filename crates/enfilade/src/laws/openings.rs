@@ -18,13 +18,7 @@ pub(super) struct Entered {
     pub(super) w: [f64; 2],
     /// Whether the ray certainly goes into it.
     pub(super) sure: bool,
-    /// Whether the ray goes along the plane of an opening that holds its origin: it may pass between the opening and
-    /// what ends in that plane.
-    pub(super) slips: bool,
 }
-
-/// Directions this near to an opening's plane may be said to lead to its front or to its back.
-const ALONG: f64 = 1e-8;
 
 impl Outline {
     pub(super) fn new(corners: Vec<DVec3>) -> Outline {
@@ -59,7 +53,6 @@ impl Outline {
             Some(Entered {
                 w: [(w - off).max(0.0), w + off],
                 sure,
-                slips: false,
             })
         };
         if distance.abs() > 2.0 * in_plane {
@@ -77,14 +70,12 @@ impl Outline {
             })
             .fold(f64::INFINITY, f64::min);
         let back = -self.normal.dot(bundle.directions[ray].normalize_or_zero());
-        if inside < -2.0 * in_plane || back < -ALONG {
+        if inside < -2.0 * in_plane || back <= 0.0 {
             return before(false);
         }
-        let slips = back <= ALONG;
         Some(Entered {
-            w: [0.0, if slips { 0.0 } else { off }],
-            sure: distance.abs() <= 0.5 * in_plane && inside >= -0.5 * in_plane && !slips,
-            slips,
+            w: [0.0, off],
+            sure: distance.abs() <= 0.5 * in_plane && inside >= -0.5 * in_plane,
         })
     }
 

@@ -126,8 +126,6 @@ pub(super) struct RaySees {
     pub(super) possible: Vec<Possible>,
     /// Glass and cut-outs in front.
     pub(super) glass: Vec<Pane>,
-    /// Whether it goes along the plane of an opening that holds the eye: then it may meet anything that ends there.
-    pub(super) slips: bool,
 }
 
 /// Follows one bundle after the other.
@@ -179,7 +177,6 @@ impl<const N: usize> Look<'_, N> {
         for ray in &mut self.rays {
             ray.possible.clear();
             ray.glass.clear();
-            ray.slips = false;
         }
         self.waiting.push(Way {
             chain: Chain {
@@ -206,18 +203,14 @@ impl<const N: usize> Look<'_, N> {
         };
         let from = way.entry.map(|entry| entry.map(|w| w.max(self.near)));
         let mut hits = Hits::new(way.active, from);
-        let mut slipping = Vec::new();
         if !self.scene.is_flat() {
-            meet_openings(way, trees, &mut hits, &mut slipping);
+            meet_openings(way, trees, &mut hits);
         }
         trees.walk(&way.bundle, &way.active, &mut hits);
 
         let mut ahead: Vec<Ahead<N>> = Vec::new();
         // Into how many openings each ray goes, and whether it sees anything in this fragment but openings.
         let (mut ways, mut ends) = ([0; N], [false; N]);
-        for ray in slipping {
-            self.rays[ray].slips = true;
-        }
         for &(Meeting { ray, w, hides, .. }, owner) in hits.meetings() {
             match owner {
                 Owner::Opening(opening) if self.leads_on(way, opening) => {
@@ -285,16 +278,13 @@ impl<const N: usize> Look<'_, N> {
     }
 }
 
-/// Adds the openings that rays go into, and to `slipping` the rays that may pass by one that holds the eye.
-fn meet_openings<const N: usize>(way: &Way<N>, trees: &Trees, hits: &mut Hits<N>, slipping: &mut Vec<usize>) {
+/// Adds the openings that rays go into.
+fn meet_openings<const N: usize>(way: &Way<N>, trees: &Trees, hits: &mut Hits<N>) {
     for (outline, number) in trees.openings().iter().zip(0..) {
         for ray in (0..N).filter(|&ray| way.active[ray]) {
-            let Some(Entered { w, sure, slips }) = outline.entered(&way.bundle, ray) else {
+            let Some(Entered { w, sure }) = outline.entered(&way.bundle, ray) else {
                 continue;
             };
-            if slips {
-                slipping.push(ray);
-            }
             // An opening has no near limit: it is seen through even where the eye is in it.
             let [first, last] = way.entry[ray];
             if w[1] >= first * (1.0 - EPSILON) {

@@ -20,13 +20,10 @@ pub(super) struct Possible {
 pub struct Truth {
     size: [u32; 2],
     chains: Chains,
-    /// Possible owners, sample after sample, and where each sample's end; none where anything may be seen, and nothing
-    /// where it is not about a picture.
+    /// Possible owners, sample after sample, and where each sample's end; nothing where it is not about a picture.
     possible: Vec<Possible>,
     ends: Vec<u32>,
     contested: u64,
-    /// Whether anything may be seen at a sample: one that is seen along the plane of an opening that holds the eye.
-    unknown: bool,
     /// Items that certainly own a sample, or certainly are in front at one.
     certain: BTreeSet<(Chain, ItemId)>,
     /// Items that may own a sample, or be in front at one.
@@ -39,7 +36,6 @@ pub(super) struct Told {
     possible: Vec<Possible>,
     ends: Vec<u32>,
     contested: u64,
-    unknown: bool,
     certain: Vec<(Chain, ItemId)>,
     imaginable: Vec<(Chain, ItemId)>,
     /// Of the sample at hand alone; kept for their memory.
@@ -58,12 +54,6 @@ impl Told {
     /// Takes a place that is in no picture, seen by such rays: only what items may be seen there is kept.
     pub(super) fn place(&mut self, rays: &[RaySees]) {
         self.here.clear();
-        if rays.iter().any(|ray| ray.slips) {
-            // No owner is possible, which stands for all.
-            self.contested += 1;
-            self.unknown = true;
-            return;
-        }
         self.here
             .extend(rays.iter().flat_map(|ray| ray.possible.iter().copied()));
         self.here.sort_unstable();
@@ -121,8 +111,7 @@ pub struct Verdict {
     pub reference_visible: usize,
     /// Those of them that are not in the set, or not in the set of the passage they are seen through.
     pub missed: Vec<(FragmentId, ItemId)>,
-    /// Items in the set that cannot be seen at any sample; over all passages, each counted once. 0 where anything may be
-    /// seen at some sample.
+    /// Items in the set that cannot be seen at any sample; over all passages, each counted once.
     pub extra: usize,
     /// Samples painted with what cannot own them; glass is left aside.
     pub pixels_different: u64,
@@ -138,7 +127,6 @@ impl Truth {
             possible: Vec::new(),
             ends: Vec::new(),
             contested: 0,
-            unknown: false,
             certain: BTreeSet::new(),
             imaginable: HashSet::new(),
         };
@@ -147,7 +135,6 @@ impl Truth {
             let seen = |(chain, item): (Chain, ItemId)| (chain.renumbered(&numbers), item);
             let before = truth.possible.len() as u32;
             truth.contested += row.contested;
-            truth.unknown |= row.unknown;
             truth.certain.extend(row.certain.into_iter().map(seen));
             truth.imaginable.extend(row.imaginable.into_iter().map(seen));
             truth
@@ -200,7 +187,7 @@ impl Truth {
         Verdict {
             reference_visible: self.visible().len(),
             missed: missed.into_iter().collect(),
-            extra: if self.unknown { 0 } else { extra.len() },
+            extra: extra.len(),
             pixels_different: picture.map_or(0, |picture| self.different(picture).count() as u64),
             pixels_contested: self.contested,
         }
@@ -214,15 +201,14 @@ impl Truth {
                 .checked_sub(1)
                 .map_or(0, |before| self.ends[before] as usize);
             let allowed = &self.possible[start..self.ends[sample] as usize];
-            !allowed.is_empty()
-                && !match picture.at(sample) {
-                    Some((chain, owner)) => {
-                        let chain = chain.found(&numbers);
-                        let mut all = allowed.iter();
-                        all.any(|p| Some(p.chain) == chain && p.owner == Some(owner))
-                    }
-                    None => allowed.iter().any(|p| p.owner.is_none()),
+            !match picture.at(sample) {
+                Some((chain, owner)) => {
+                    let chain = chain.found(&numbers);
+                    let mut all = allowed.iter();
+                    all.any(|p| Some(p.chain) == chain && p.owner == Some(owner))
                 }
+                None => allowed.iter().any(|p| p.owner.is_none()),
+            }
         };
         (0..self.ends.len())
             .filter(is_wrong)

@@ -57,17 +57,9 @@ fn sees(name: &str, eye: [f32; 3], toward: [f32; 3], items: usize) {
 #[test]
 fn a_doorway_nearer_than_the_near_plane_is_looked_through() {
     sees("two-rooms", [-0.002, 1.05, 0.02], [5.0, 1.05, 0.02], 8);
-    // At the height of the ball's middle its edges run exactly through samples, of which the BSP orders paint five wrong.
-    // Nothing may be missed there either.
-    let scene = built_in("two-rooms").expect("a built-in scene").scene;
-    let mut contestants = Contestants::new(&scene, limits(), LIMIT);
-    let (visible, broken) = contestants.check(&View::new([-0.002, 1.0, 0.0], [5.0, 1.0, 0.0], [48, 27]));
-    assert_eq!(visible, 8);
-    let missed: Vec<_> = broken
-        .iter()
-        .filter(|broken| !broken.verdict.missed.is_empty())
-        .collect();
-    assert!(missed.is_empty(), "{missed:?}");
+    // At the height of the ball's middle the eye is in a plane of the BSP tree, and the ball's edges in that plane are
+    // seen through the middles of a row of pixels.
+    sees("two-rooms", [-0.002, 1.0, 0.0], [5.0, 1.0, 0.0], 8);
 }
 
 #[test]
@@ -84,8 +76,10 @@ fn an_eye_in_the_plane_of_a_mirror_sees_what_is_before_it_twice() {
 
 #[test]
 fn every_method_keeps_its_contract_in_random_scenes_that_are_hard_to_get_right() {
+    // The last nine broke a contract once, when 400 did not.
+    let hard = [3566, 5626, 7690, 7893, 11_438, 25_510, 28_782, 35_971, 62_188];
     let mut visible = 0;
-    for seed in 0..400 {
+    for seed in (0..400).chain(hard) {
         let fuzz = fuzz_scene(seed);
         let mut contestants = Contestants::new(&fuzz.scene, limits(), LIMIT);
         for view in &fuzz.views {

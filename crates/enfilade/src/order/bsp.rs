@@ -147,19 +147,9 @@ impl Sorted {
     }
 }
 
-/// Adds a polygon. Its corners came as f32, so half the spacing of f32 is how far they may be from where they were
-/// meant.
 fn add(polygons: &mut Polygons, corners: impl Iterator<Item = [f64; 3]>) {
-    let first = polygons.corners.len();
-    polygons.starts.push(first as u32);
+    polygons.starts.push(polygons.corners.len() as u32);
     polygons.corners.extend(corners);
-    let greatest = polygons.corners[first..]
-        .iter()
-        .flatten()
-        .fold(0.0_f64, |sum, value| sum.max(value.abs()));
-    polygons
-        .slack
-        .push((greatest * 0.5 * f64::from(f32::EPSILON)) as f32);
 }
 
 /// What holds for all of a walk.

@@ -89,18 +89,15 @@ impl Born {
         let largest = corners.fold(0.0_f64, |largest, value| largest.max(value.abs()));
         let mut born = Born {
             splitters: Vec::new(),
-            slack: Vec::new(),
             band: ROUNDING * largest,
         };
         let mut corners: Vec<DVec3> = Vec::new();
         for (polygon, ends) in polygons.starts.windows(2).enumerate() {
-            let slack = polygons.slack.get(polygon).copied().unwrap_or(0.0);
             let own = &polygons.corners[ends[0] as usize..ends[1] as usize];
             corners.clear();
             corners.extend(own.iter().map(|&corner| DVec3::from(corner)));
             born.splitters
-                .push(Splitter::of(polygon as u32, &corners, born.band, slack));
-            born.slack.push(slack);
+                .push(Splitter::of(polygon as u32, &corners, born.band));
         }
         born
     }
@@ -236,7 +233,9 @@ impl<'a> Builder<'a> {
     fn sort(&mut self, first: usize, splitter: &Splitter, node: u32, sorted: &mut Sorted) {
         for working in self.stack.drain(first..) {
             let polygon = working.polygon as usize;
-            let band = splitter.band_for(self.born.slack[polygon]);
+            // One that is bent is drawn as triangles: a plane within its bend does not cut those as it cuts the outline.
+            let own = self.born.splitters[polygon].map_or(0.0, |own| own.band);
+            let band = splitter.band.max(own);
             let side = if splitter.polygon == Some(working.polygon) {
                 Side::On
             } else {

@@ -21,12 +21,10 @@ const SAMPLE: usize = 256;
 /// Smaller nodes are not split across axes: there, a polygon's plane that cuts nothing is found nearly always.
 const FEWEST_FOR_AXES: usize = 8;
 
-/// The planes of polygons as they were born, and how exact their corners are.
+/// The planes of polygons as they were born.
 pub(super) struct Born {
     /// By polygon; `None` for those without area.
     pub(super) splitters: Vec<Option<Splitter>>,
-    /// By polygon.
-    pub(super) slack: Vec<f32>,
     /// What no farther off counts as on a plane.
     pub(super) band: f64,
 }
@@ -66,7 +64,7 @@ impl Chooser {
                 continue;
             };
             let corners = arena.corners(member);
-            self.sample.push(corners, splitter.slack);
+            self.sample.push(corners, splitter.band);
             if axes {
                 self.sweep.push(corners);
             }

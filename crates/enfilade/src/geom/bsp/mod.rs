@@ -69,10 +69,6 @@ pub struct Polygons {
     pub corners: Vec<[f64; 3]>,
     /// Where each polygon's corners begin, and the end of the last.
     pub starts: Vec<u32>,
-    /// How far each polygon's corners may be from where they were meant, in scene units: half the spacing of f32
-    /// where they come from. Two polygons that would be in one plane if they were moved by less than either's slack
-    /// are taken to be, which saves cuts that part nothing. Empty: zero for all.
-    pub slack: Vec<f32>,
 }
 
 /// Nodes with a plane, what is in front of it and behind; leaves hold pieces of one plane.

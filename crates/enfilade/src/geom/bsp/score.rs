@@ -71,7 +71,8 @@ struct Block {
     /// Where its corners begin, and how many each polygon has.
     first: usize,
     corners: usize,
-    slack: [f64; 8],
+    /// How far off a plane each polygon counts as on it, at the least.
+    bands: [f64; 8],
 }
 
 impl Sample {
@@ -81,20 +82,20 @@ impl Sample {
         self.len = 0;
     }
 
-    pub(super) fn push(&mut self, corners: &[DVec3], slack: f32) {
+    pub(super) fn push(&mut self, corners: &[DVec3], band: f64) {
         let lane = self.len % 8;
         if lane == 0 {
             self.blocks.push(Block {
                 first: self.corners.len(),
                 corners: 0,
-                slack: [0.0; 8],
+                bands: [0.0; 8],
             });
         }
         self.len += 1;
         let Some(block) = self.blocks.last_mut() else {
             return;
         };
-        block.slack[lane] = f64::from(slack);
+        block.bands[lane] = band;
         while block.corners < corners.len() {
             let last = self.corners.len().saturating_sub(3);
             let repeated = if block.corners == 0 {
@@ -125,7 +126,6 @@ impl Sample {
         let splat = |value: f64| f64x8::splat(simd, value);
         let [a, b, c] = splitter.plane.normal.to_array().map(splat);
         let offset = splat(splitter.plane.offset);
-        let slack = splat(f64::from(splitter.slack));
         let mut tally = Tally::default();
         for (number, block) in self.blocks.iter().enumerate() {
             let [mut low, mut high] = [splat(0.0); 2];
@@ -136,7 +136,7 @@ impl Sample {
                 low = low.min(height);
                 high = high.max(height);
             }
-            let band = f64x8::simd_from(simd, block.slack).min(slack) + splitter.band;
+            let band = f64x8::simd_from(simd, block.bands).max(splat(splitter.band));
             let more = (self.len - 8 * number).saturating_sub(8) as u32;
             let there = 0xFF_u64 >> (8 * number + 8).saturating_sub(self.len);
             let [above, below] = [high.simd_gt(band), low.simd_lt(-band)].map(|m| m.to_bitmask() & there);
@@ -174,7 +174,7 @@ mod tests {
         let polygons: Vec<Vec<DVec3>> = (0..29).map(&mut polygon).collect();
         let mut sample = Sample::default();
         for (i, corners) in polygons.iter().enumerate() {
-            sample.push(corners, (i % 2) as f32);
+            sample.push(corners, (i % 2) as f64);
         }
         let mut seen = Tally::default();
         for round in 0..50 {
@@ -188,12 +188,11 @@ mod tests {
             let splitter = Splitter {
                 plane,
                 band: 0.125,
-                slack: 0.5,
                 polygon: None,
             };
             let mut expected = Tally::default();
             for (i, corners) in polygons.iter().enumerate() {
-                *match splitter.side(corners, splitter.band_for((i % 2) as f32)) {
+                *match splitter.side(corners, splitter.band.max((i % 2) as f64)) {
                     Side::Front => &mut expected.front,
                     Side::Back => &mut expected.back,
                     Side::On => &mut expected.on,

@@ -25,11 +25,8 @@ pub(super) struct Plane {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Splitter {
     pub(super) plane: Plane,
-    /// What is no farther off counts as on it.
+    /// What is no farther off counts as on it: rounding, or how far the polygon's own corners are off.
     pub(super) band: f64,
-    /// How far the polygon's corners may be from where they were meant; as much is added to the band, but no more
-    /// than the other polygon's.
-    pub(super) slack: f32,
     /// The polygon it is the plane of; none if it is across an axis.
     pub(super) polygon: Option<u32>,
 }
@@ -62,7 +59,7 @@ impl Plane {
 
 impl Splitter {
     /// The plane of a polygon; none if that is so thin that rounding (`band`) may have turned it anyhow.
-    pub(super) fn of(polygon: u32, corners: &[DVec3], band: f64, slack: f32) -> Option<Splitter> {
+    pub(super) fn of(polygon: u32, corners: &[DVec3], band: f64) -> Option<Splitter> {
         let first = corners[0];
         let [mut area, mut sum] = [DVec3::ZERO; 2];
         let mut longest = 0.0_f64;
@@ -87,19 +84,12 @@ impl Splitter {
             Splitter {
                 plane,
                 band: off.fold(band, f64::max),
-                slack,
                 polygon: Some(polygon),
             }
         })
     }
 
-    /// How far off a polygon with this slack may be and counts as on it.
-    #[inline(always)]
-    pub(super) fn band_for(&self, slack: f32) -> f64 {
-        self.band + f64::from(self.slack.min(slack))
-    }
-
-    /// Where a polygon lies, given the band for it.
+    /// Where a polygon lies; `band` is what counts as on the plane, here and where the polygon is cut.
     #[inline(always)]
     pub(super) fn side(&self, corners: &[DVec3], band: f64) -> Side {
         let [mut low, mut high] = [0.0_f64; 2];
@@ -124,7 +114,7 @@ mod tests {
     fn of(corners: [[f64; 3]; 3]) -> Option<Splitter> {
         let corners = corners.map(DVec3::from);
         let largest = corners.iter().fold(0.0, |m: f64, c| m.max(c.abs().max_element()));
-        Splitter::of(0, &corners, ROUNDING * largest, 0.0)
+        Splitter::of(0, &corners, ROUNDING * largest)
     }
 
     #[test]
@@ -164,14 +154,5 @@ mod tests {
             let corners = heights.map(|y| DVec3::new(y, y, 3.0));
             assert_eq!(floor.side(&corners, floor.band), side, "{heights:?}");
         }
-    }
-
-    #[test]
-    fn the_lesser_slack_of_two_polygons_counts() {
-        let mut wall = of([[0.0; 3], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]).expect("a wall");
-        wall.slack = 0.5;
-        let poster = [[0.25, 0.0, 0.0], [0.25, 1.0, 0.0], [0.25, 0.0, 1.0]].map(DVec3::from);
-        assert_eq!(wall.side(&poster, wall.band_for(0.5)), Side::On);
-        assert_eq!(wall.side(&poster, wall.band_for(0.0)), Side::Front);
     }
 }

@@ -46,7 +46,6 @@ impl Sweep {
                     let splitter = Splitter {
                         plane: Plane::across(axis, at),
                         band,
-                        slack: 0.0,
                         polygon: None,
                     };
                     best = Some(Scored {

@@ -30,7 +30,6 @@ pub(super) fn on_edges(
                     offset: normal.dot(0.5 * (from + to)),
                 },
                 band,
-                slack: 0.0,
                 polygon: None,
             }
         })
@@ -50,7 +49,7 @@ mod tests {
         let mut arena = Arena::default();
         // The second corner is there twice: no plane stands on an edge without length.
         let working = arena.add(0, [0, 1, 1, 2].map(|place| corners[place]));
-        let splitter = Splitter::of(0, arena.corners(&working), band, 0.0).expect("it has an area");
+        let splitter = Splitter::of(0, arena.corners(&working), band).expect("it has an area");
         let planes: Vec<Splitter> = on_edges(&working, &arena, &splitter, band).collect();
         assert_eq!(planes.len(), 3);
         for plane in planes {

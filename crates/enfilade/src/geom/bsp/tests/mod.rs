@@ -221,32 +221,3 @@ fn from_far_is_from_near_turned_round() {
     far.reverse();
     assert_eq!(runs(true), far);
 }
-
-#[test]
-fn slack_saves_the_cuts_that_part_nothing() {
-    // A tiled wall, oblique, its corners rounded to f32.
-    let [u, v] = [DVec3::new(0.31, 0.05, 0.17), DVec3::new(-0.11, 0.37, 0.07)];
-    let at = |i: u32, j: u32| {
-        (DVec3::splat(1.7) + u * f64::from(i) + v * f64::from(j))
-            .as_vec3()
-            .as_dvec3()
-    };
-    let tiles = (0..400_u32).flat_map(|tile| {
-        let [i, j] = [tile % 20, tile / 20];
-        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-        [[a, b, c], [a, c, d]]
-    });
-    let mut wall = polygons(tiles);
-    let exact = BspTree::build(&wall, &BspOptions::default());
-    assert!(exact.splits() > 0, "rounding bent the wall");
-    wall.slack = vec![2_f32.powi(-20); count(&wall)];
-    let tree = BspTree::build(&wall, &BspOptions::default());
-    assert_eq!((tree.splits(), tree.depth()), (0, 1));
-    // A poster that hangs nearer than the wall's slack, but is exact itself, is still before it.
-    let hung = DVec3::new(0.0, 0.0, 1e-9);
-    let [a, b, c] = [at(3, 3), at(9, 3), at(3, 9)].map(|corner| (corner + hung).to_array());
-    wall.corners.extend([a, b, c]);
-    wall.starts.push(wall.corners.len() as u32);
-    let tree = BspTree::build(&wall, &BspOptions::default());
-    assert!(tree.splits() > 0 || tree.depth() > 1);
-}

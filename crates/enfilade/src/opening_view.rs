@@ -19,8 +19,8 @@ pub(crate) struct OpeningView<'a> {
     pub(crate) screen_from_local: DAffine3,
     /// Whether the eye is in the opening; `positions` then stand for all directions that lead to the back.
     pub(crate) holds_eye: bool,
-    /// Whether the eye is in the opening, or so little before it that the planes of faces, which come from f32 positions,
-    /// do not tell on which side it is. Nothing hides such an opening.
+    /// Whether the eye is in the opening, or so little in front that orders may compute that it is behind. Nothing hides
+    /// such an opening.
     pub(crate) touches_eye: bool,
 }
 
@@ -105,7 +105,7 @@ enum EyeSide {
     Back,
 }
 
-/// Where an eye is relative to an opening, exactly and up to the rounding of f32 positions.
+/// Where an eye is relative to an opening, and whether orders may disagree on that.
 struct EyePlace {
     side: EyeSide,
     touches: bool,
@@ -125,8 +125,9 @@ impl EyePlace {
             .map(|at| normal.dot(corner(at) - corner(0)).abs())
             .fold(0.0, f64::max);
         let tolerance = bend + ROUNDING * magnitude;
-        let f32_tolerance = 2.0 * (bend + f64::from(f32::EPSILON) * magnitude);
-        if distance.abs() > f32_tolerance {
+        // Orders compute the plane from other corners, so they may disagree on the side by as much again.
+        let order_tolerance = 2.0 * tolerance;
+        if distance.abs() > order_tolerance {
             let side = if distance > 0.0 {
                 EyeSide::Front
             } else {
@@ -151,7 +152,7 @@ impl EyePlace {
         };
         EyePlace {
             side,
-            touches: is_inside(f32_tolerance),
+            touches: is_inside(order_tolerance),
         }
     }
 }

@@ -100,9 +100,21 @@ impl<'a> Resting<'a> {
             .all(|&corner| plane.height(corner).abs() <= self.slack)
     }
 
+    /// Is an opening in a plane, and along it? One thinner than the slack may be in a plane that it is perpendicular to:
+    /// then walls do not stay behind it.
+    pub(super) fn opens_in(&self, corners: &[DVec3], area: DVec3, plane: &Plane) -> bool {
+        self.lies_in(corners, plane) && area.dot(plane.normal).abs() > 0.5 * area.length()
+    }
+
     /// The plane that a face lies in with everything on its inner side; else what is farthest behind the face. `outwards`:
-    /// is its back the inner side, most likely?
-    pub(super) fn under(&self, corners: &[DVec3], area: DVec3, outwards: bool) -> Result<Plane, Corner> {
+    /// is its back the inner side, most likely? `fits` says whether a plane that was turned still holds the face.
+    pub(super) fn under(
+        &self,
+        corners: &[DVec3],
+        area: DVec3,
+        outwards: bool,
+        fits: impl Fn(&Plane) -> bool,
+    ) -> Result<Plane, Corner> {
         let own = through(area.normalize(), corners[0]);
         let sides = [own, back_of(&own)];
         for side in [usize::from(outwards), usize::from(!outwards)] {
@@ -110,10 +122,15 @@ impl<'a> Resting<'a> {
                 return Ok(sides[side]);
             }
         }
-        self.turned_until_it_rests(corners, own)
+        self.turned_until_it_rests(corners, own, fits)
     }
 
-    fn turned_until_it_rests(&self, corners: &[DVec3], mut plane: Plane) -> Result<Plane, Corner> {
+    fn turned_until_it_rests(
+        &self,
+        corners: &[DVec3],
+        mut plane: Plane,
+        fits: impl Fn(&Plane) -> bool,
+    ) -> Result<Plane, Corner> {
         let mut first = None;
         let mut rests: Vec<DVec3> = Vec::new();
         for _ in 0..TURNS {
@@ -131,13 +148,19 @@ impl<'a> Resting<'a> {
                 (before, behind)
             };
             rests.push(nearer.point);
-            plane = self.turned(corners, &rests, inside.point).ok_or(first)?;
+            plane = self.turned(corners, &rests, inside.point, &fits).ok_or(first)?;
         }
         first.map_or(Ok(plane), Err)
     }
 
-    /// A plane through the last of `rests` in which the face lies, with the others and `inside` on its inner side.
-    fn turned(&self, corners: &[DVec3], rests: &[DVec3], inside: DVec3) -> Option<Plane> {
+    /// A plane through the last of `rests` that `fits`, with the others and `inside` on its inner side.
+    fn turned(
+        &self,
+        corners: &[DVec3],
+        rests: &[DVec3],
+        inside: DVec3,
+        fits: impl Fn(&Plane) -> bool,
+    ) -> Option<Plane> {
         let (&last, before) = rests.split_last()?;
         let points = || corners.iter().chain(before).copied();
         let mut best: Option<(f64, Plane)> = None;
@@ -158,7 +181,7 @@ impl<'a> Resting<'a> {
                     plane
                 };
                 let holds = |&rest: &DVec3| plane.height(rest) >= -self.slack;
-                if self.lies_in(corners, &plane) && before.iter().all(holds) {
+                if fits(&plane) && before.iter().all(holds) {
                     best = Some((area.length_squared(), plane));
                 }
             }

@@ -144,14 +144,17 @@ impl<'a> Walls<'a> {
         let Some(area) = self.resting.area_of(corners) else {
             return Ok(None);
         };
-        let lies_in = |known: &Known| self.resting.lies_in(corners, &known.plane);
-        if let Some(known) = self.known.iter().rposition(lies_in) {
+        let fits = |plane: &Plane| match owner {
+            Owner::Opening(_) => self.resting.opens_in(corners, area, plane),
+            Owner::Face(..) => self.resting.lies_in(corners, plane),
+        };
+        if let Some(known) = self.known.iter().rposition(|known| fits(&known.plane)) {
             return Ok(Some((known, area)));
         }
         let front = if mirrored { -area } else { area };
         let plane = self
             .resting
-            .under(corners, front, self.outwards)
+            .under(corners, front, self.outwards, fits)
             .map_err(|behind: Corner| {
                 Refusal::NotConvex(Dent {
                     wall: owner,

@@ -134,19 +134,13 @@ impl Face {
             return false;
         }
         let [a, b, c] = self.corners;
-        let sides = [(a, b), (b, c), (c, a)].map(|(from, to)| {
-            let plane = from.cross(to);
-            let side = plane.dot(middle);
+        // Signs that are all opposite to the determinant's mean that the face is met behind the eye.
+        let sign = self.determinant.signum();
+        [(a, b), (b, c), (c, a)].iter().all(|(from, to)| {
+            let plane = from.cross(*to);
             let rounding = ROUNDING * plane.abs().dot(middle.abs());
-            if side > rounding {
-                1
-            } else if side < -rounding {
-                -1
-            } else {
-                0
-            }
-        });
-        sides == [1; 3] || sides == [-1; 3]
+            sign * plane.dot(middle) > rounding
+        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! The convex outline of an aperture: what of an opening is seen through those before it.
 
 use glam::{DVec2, DVec3};
-use smallvec::SmallVec;
+use smallvec::{SmallVec, smallvec};
 
 /// Corners of an outline; of more, a wider one is made.
 const MOST_CORNERS: usize = 16;
@@ -12,35 +12,59 @@ pub(super) type Outline = SmallVec<[[f64; 2]; MOST_CORNERS]>;
 /// Corners as (X, Y, W).
 type Corners = SmallVec<[DVec3; MOST_CORNERS]>;
 
-/// An opening's outline, given by its corners as (X, Y, W), within an aperture's.
+/// An opening's outline, given by its corners as (X, Y, W), within an aperture's: the convex hull of its triangles.
 ///
+/// Corners in f32 are never quite flat: seen along its plane, the outline of an opening need not be convex.
 /// Clipped in eye space by the planes through the eye and this outline's edges, never divided before: what is
 /// behind the eye is gone then, and an opening that the eye stands in is still seen through.
 pub(super) fn within(parent: &Outline, opening: impl Iterator<Item = DVec3>) -> Outline {
-    let mut corners: Corners = opening.collect();
+    let opening: Corners = opening.collect();
     let homogeneous = |point: [f64; 2]| DVec3::new(point[0], point[1], 1.0);
-    for (i, &from) in parent.iter().enumerate() {
-        let to = parent[(i + 1) % parent.len()];
-        // The outline runs counter-clockwise on a screen whose y points down: inside is on the left.
-        let plane = homogeneous(to).cross(homogeneous(from));
-        corners = clip_by(plane, &corners);
+    let mut points = Outline::new();
+    for last in 2..opening.len() {
+        let mut corners: Corners = smallvec![opening[0], opening[last - 1], opening[last]];
+        for (i, &from) in parent.iter().enumerate() {
+            let to = parent[(i + 1) % parent.len()];
+            // The outline runs counter-clockwise on a screen whose y points down: inside is on the left.
+            let plane = homogeneous(to).cross(homogeneous(from));
+            corners = clip_by(plane, &corners);
+        }
+        if corners.iter().any(|corner| corner.z <= 0.0) {
+            // The eye stands on the outline itself: anything of this aperture may be seen through it.
+            return parent.clone();
+        }
+        points.extend(corners.iter().map(|c| [c.x / c.z, c.y / c.z]));
     }
-    if corners.iter().any(|corner| corner.z <= 0.0) {
-        // The eye stands on the outline itself: anything of this aperture may be seen through it.
-        return parent.clone();
-    }
-    let mut outline: Outline = corners.iter().map(|c| [c.x / c.z, c.y / c.z]).collect();
-    let twice_area: f64 = (0..outline.len())
-        .map(|i| {
-            let [a, b] = [outline[i], outline[(i + 1) % outline.len()]];
-            a[0] * b[1] - a[1] * b[0]
-        })
-        .sum();
-    if twice_area > 0.0 {
-        outline.reverse();
-    }
+    let mut outline = convex_hull(points);
     widen(&mut outline, MOST_CORNERS);
     outline
+}
+
+/// The convex hull of points, counter-clockwise on a screen whose y points down.
+///
+/// Source: Andrew, Another Efficient Algorithm for Convex Hulls in Two Dimensions, Information Processing Letters 9, 1979.
+fn convex_hull(mut points: Outline) -> Outline {
+    points.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    points.dedup();
+    let mut hull = Outline::new();
+    // Upper chain, then lower chain; the first point ends the second.
+    let chain = |hull: &mut Outline, points: &mut dyn Iterator<Item = &[f64; 2]>| {
+        let first = hull.len();
+        for &point in points {
+            while let [.., a, b] = hull[first..] {
+                let turn = (DVec2::from(b) - DVec2::from(a)).perp_dot(DVec2::from(point) - DVec2::from(b));
+                if turn < 0.0 {
+                    break;
+                }
+                hull.pop();
+            }
+            hull.push(point);
+        }
+        hull.pop();
+    };
+    chain(&mut hull, &mut points.iter());
+    chain(&mut hull, &mut points.iter().rev());
+    hull
 }
 
 /// Leaves out edges until no more than `most` are left: the neighbours of an edge go on until they meet, so that nothing
@@ -85,6 +109,17 @@ fn clip_by(plane: DVec3, corners: &[DVec3]) -> Corners {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_outline_that_is_not_convex_as_seen_is_widened_until_it_is() {
+        let screen: Outline = smallvec![[0.0, 0.0], [0.0, 100.0], [100.0, 100.0], [100.0, 0.0]];
+        // The third corner is bent inwards, the others are where a square's are.
+        let bent =
+            [[20.0, 20.0], [20.0, 80.0], [30.0, 40.0], [80.0, 20.0]].map(|[x, y]| DVec3::new(x, y, 1.0));
+        let outline = within(&screen, bent.into_iter());
+        assert_eq!(outline[..], [[20.0, 20.0], [20.0, 80.0], [80.0, 20.0]]);
+        assert_eq!(within(&screen, bent.into_iter().rev()), outline);
+    }
 
     #[test]
     fn an_outline_of_many_corners_becomes_a_wider_one_of_few() {

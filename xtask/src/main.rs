@@ -1,8 +1,9 @@
 //! Commands for those who work on Enfilade: `cargo xtask verify`, `cargo xtask fuzz-scenes`,
-//! `cargo xtask charts`.
+//! `cargo xtask ci-long`, `cargo xtask charts`.
 #![forbid(unsafe_code)]
 
 mod charts;
+mod ci_long;
 mod fuzz_scenes;
 mod verify;
 
@@ -16,6 +17,8 @@ enum Task {
     Verify(verify::Args),
     /// Tests every method on small random scenes that are hard to get right, from hard viewpoints
     FuzzScenes(fuzz_scenes::Args),
+    /// Runs what is too long for `.ci/run`: both of the above, and the tests that are ignored elsewhere; takes hours
+    CiLong(ci_long::Args),
     /// Measures every method on every scene, and draws the book's charts of it; takes half an hour
     Charts(charts::Args),
 }
@@ -24,6 +27,7 @@ fn main() -> anyhow::Result<()> {
     match Task::parse() {
         Task::Verify(args) => verify::run(&args),
         Task::FuzzScenes(args) => fuzz_scenes::run(&args),
+        Task::CiLong(args) => ci_long::run(&args),
         Task::Charts(args) => charts::run(&args),
     }
 }

@@ -9,8 +9,11 @@ const MOST_CORNERS: usize = 16;
 /// Corners on the screen, in pixels, y down, counter-clockwise.
 pub(super) type Outline = SmallVec<[[f64; 2]; MOST_CORNERS]>;
 
-/// Corners as (X, Y, W).
-type Corners = SmallVec<[DVec3; MOST_CORNERS]>;
+/// Corners of an opening and of what is left of it, as (X, Y, W).
+type Corners = SmallVec<[DVec3; 2 * MOST_CORNERS]>;
+
+/// Points on the screen whose hull is an outline.
+type Points = SmallVec<[[f64; 2]; 2 * MOST_CORNERS]>;
 
 /// An opening's outline, given by its corners as (X, Y, W), within an aperture's: the convex hull of its triangles.
 ///
@@ -20,7 +23,7 @@ type Corners = SmallVec<[DVec3; MOST_CORNERS]>;
 pub(super) fn within(parent: &Outline, opening: impl Iterator<Item = DVec3>) -> Outline {
     let opening: Corners = opening.collect();
     let homogeneous = |point: [f64; 2]| DVec3::new(point[0], point[1], 1.0);
-    let mut points = Outline::new();
+    let mut hull = Points::new();
     for last in 2..opening.len() {
         let mut corners: Corners = smallvec![opening[0], opening[last - 1], opening[last]];
         for (i, &from) in parent.iter().enumerate() {
@@ -33,22 +36,23 @@ pub(super) fn within(parent: &Outline, opening: impl Iterator<Item = DVec3>) -> 
             // The eye stands on the outline itself: anything of this aperture may be seen through it.
             return parent.clone();
         }
-        points.extend(corners.iter().map(|c| [c.x / c.z, c.y / c.z]));
+        // Triangle by triangle: the points of all of them would be three times as many.
+        hull.extend(corners.iter().map(|c| [c.x / c.z, c.y / c.z]));
+        hull = convex_hull(hull);
     }
-    let mut outline = convex_hull(points);
-    widen(&mut outline, MOST_CORNERS);
-    outline
+    widen(&mut hull, MOST_CORNERS);
+    hull.into_iter().collect()
 }
 
 /// The convex hull of points, counter-clockwise on a screen whose y points down.
 ///
 /// Source: Andrew, Another Efficient Algorithm for Convex Hulls in Two Dimensions, Information Processing Letters 9, 1979.
-fn convex_hull(mut points: Outline) -> Outline {
+fn convex_hull(mut points: Points) -> Points {
     points.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     points.dedup();
-    let mut hull = Outline::new();
+    let mut hull = Points::new();
     // Upper chain, then lower chain; the first point ends the second.
-    let chain = |hull: &mut Outline, points: &mut dyn Iterator<Item = &[f64; 2]>| {
+    let chain = |hull: &mut Points, points: &mut dyn Iterator<Item = &[f64; 2]>| {
         let first = hull.len();
         for &point in points {
             while let [.., a, b] = hull[first..] {
@@ -69,7 +73,7 @@ fn convex_hull(mut points: Outline) -> Outline {
 
 /// Leaves out edges until no more than `most` are left: the neighbours of an edge go on until they meet, so that nothing
 /// is lost; of all edges the one that adds least.
-fn widen(outline: &mut Outline, most: usize) {
+fn widen(outline: &mut Points, most: usize) {
     while outline.len() > most {
         let count = outline.len();
         let corner = |i: usize| DVec2::from(outline[i % count]);
@@ -127,11 +131,11 @@ mod tests {
             let angle = -(i as f64) * std::f64::consts::TAU / 40.0;
             [100.0 + 50.0 * angle.cos(), 80.0 + 30.0 * angle.sin()]
         };
-        let round: Outline = (0..40).map(corner).collect();
+        let round: Points = (0..40).map(corner).collect();
         let mut wider = round.clone();
         widen(&mut wider, MOST_CORNERS);
         assert_eq!(wider.len(), MOST_CORNERS);
-        let area = |outline: &Outline| -> f64 {
+        let area = |outline: &Points| -> f64 {
             let pairs = (0..outline.len()).map(|i| (outline[i], outline[(i + 1) % outline.len()]));
             0.5 * pairs.map(|(a, b)| a[1] * b[0] - a[0] * b[1]).sum::<f64>()
         };

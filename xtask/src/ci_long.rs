@@ -1,0 +1,37 @@
+//! What takes too long for every change: run before a release.
+#![allow(clippy::print_stdout, reason = "a command prints what it runs")]
+
+use anyhow::{Context, Result, ensure};
+use std::process::Command;
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Number of random scenes
+    #[arg(long, default_value_t = 20_000)]
+    scenes: u64,
+    /// Views of each built-in and real scene
+    #[arg(long, default_value_t = 16)]
+    views: usize,
+}
+
+/// The other commands and the tests that `cargo test` ignores, each in a process of its own: one that dies is told apart.
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let [scenes, views] = [args.scenes.to_string(), args.views.to_string()];
+    let steps: [&[&str]; 3] = [
+        &["xtask", "fuzz-scenes", &scenes],
+        &["xtask", "verify", "--views", &views, "--strict-views", &views],
+        &["test", "--release", "--workspace", "--", "--ignored"],
+    ];
+    let mut failed = Vec::new();
+    for step in steps {
+        let line = format!("cargo {}", step.join(" "));
+        println!("\n== {line} ==");
+        let status = Command::new(env!("CARGO")).args(step).status();
+        if !status.with_context(|| line.clone())?.success() {
+            failed.push(line);
+        }
+    }
+    ensure!(failed.is_empty(), "failed: {}", failed.join("; "));
+    println!("\nall is well");
+    Ok(())
+}

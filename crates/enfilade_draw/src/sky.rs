@@ -18,7 +18,7 @@ impl Sky {
         let right = forward.cross(up).normalize_or(forward.any_orthonormal_vector());
         let down = forward.cross(right);
         let [width, height] = view.size.map(f64::from);
-        let [dx, dy] = view.sample.map(f64::from);
+        let [dx, dy] = [0, 1].map(|axis| f64::from(view.sample[axis]) + View::GENERIC_OFFSET[axis]);
         let step = 2.0 * (0.5 * f64::from(view.fov_y)).tan() / height;
         let corner =
             forward + right * (step * (dx + 0.5 - 0.5 * width)) + down * (step * (dy + 0.5 - 0.5 * height));

@@ -98,6 +98,7 @@ fn directions(view: &View, [x, y]: [u32; 2]) -> [DVec3; 5] {
         [0.02, 0.02],
     ]
     .map(|[dx, dy]| {
+        let [dx, dy] = [dx + View::GENERIC_OFFSET[0], dy + View::GENERIC_OFFSET[1]];
         let [right_of, above] = [
             f64::from(x) + 0.5 + dx - 0.5 * f64::from(view.size[0]),
             0.5 * f64::from(view.size[1]) - (f64::from(y) + 0.5 + dy),

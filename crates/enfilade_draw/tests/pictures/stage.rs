@@ -101,9 +101,10 @@ pub(crate) fn direction(view: &View, [x, y]: [f64; 2]) -> DVec3 {
     let forward = (toward - eye).normalize();
     let right = forward.cross(up).normalize();
     let step = 2.0 * (0.5 * f64::from(view.fov_y)).tan() / f64::from(view.size[1]);
+    let [dx, dy] = View::GENERIC_OFFSET;
     let [right_of, below] = [
-        x - 0.5 * f64::from(view.size[0]),
-        y - 0.5 * f64::from(view.size[1]),
+        x + dx - 0.5 * f64::from(view.size[0]),
+        y + dy - 0.5 * f64::from(view.size[1]),
     ];
     forward + right * (right_of * step) - right.cross(forward) * (below * step)
 }

@@ -14,7 +14,15 @@ pub(crate) struct Found {
     pub(crate) extra: usize,
     pub(crate) pixels_different: u64,
     pub(crate) pixels_contested: u64,
+    pub(crate) pixels: u64,
+    pub(crate) contested: Vec<Contested>,
 }
+
+/// Items that may own the same samples, and how many; most often their faces coincide.
+pub(crate) type Contested = (Vec<(FragmentId, ItemId)>, u64);
+
+/// So many groups of contested items are named for a view.
+const MOST_CONTESTED: usize = 8;
 
 /// Checks all views; for each of the prepared, one found for each view.
 ///
@@ -82,10 +90,12 @@ pub(crate) fn hold(
     let mut picture = OwnerPicture::new(view.size);
     viewer.draw(&prepared.scene, view, &mut picture);
     let drawn = truth.check(viewer.visible(), Some(&picture));
-    (both(looked, drawn), picture)
+    let mut contested = truth.contested();
+    contested.truncate(MOST_CONTESTED);
+    (both(looked, drawn, contested), picture)
 }
 
-fn both(looked: Verdict, drawn: Verdict) -> Found {
+fn both(looked: Verdict, drawn: Verdict, contested: Vec<Contested>) -> Found {
     let mut missed = looked.missed;
     missed.extend(drawn.missed);
     missed.sort_unstable();
@@ -96,5 +106,7 @@ fn both(looked: Verdict, drawn: Verdict) -> Found {
         extra: looked.extra.max(drawn.extra),
         pixels_different: drawn.pixels_different,
         pixels_contested: drawn.pixels_contested,
+        pixels: drawn.pixels,
+        contested,
     }
 }

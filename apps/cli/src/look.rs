@@ -12,10 +12,12 @@ use crate::prepare::prepare;
 use crate::progress::Progress;
 use crate::report::{Report, Reports, SceneReport, Sink, Summary, WayReport, left_out};
 use crate::run_files::RunFiles;
-use crate::text::{bytes, count, ms, plural, point, table};
+use crate::text::{bytes, count, ms, percent, plural, point, table};
 use crate::values::Choice;
 use anyhow::Result;
 use enfilade::{Aim, Contract, Viewer};
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Runs `look`.
@@ -54,8 +56,41 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
         out::print(&(for_people(&SceneReport::new(&opened), reports.each()) + &left_out))?;
     }
     sink.write(&reports)?;
+    tell_what_is_contested(reports.each());
     reports.each().iter().for_each(tell_what_is_wrong);
     Ok(Outcome::of(reports.each()))
+}
+
+/// With a smaller share of certain samples a check has tested little.
+const CERTAIN_ENOUGH: f64 = 0.8;
+
+/// Warns where a check could not tell who owns many of the samples, and names items whose faces coincide.
+pub(crate) fn tell_what_is_contested(reports: &[Report]) {
+    const FEW: usize = 3;
+    // The reference is the same for all methods.
+    let Some(report) = reports.first() else { return };
+    let Some(certain) = report.summary.certain.filter(|&certain| certain < CERTAIN_ENOUGH) else {
+        return;
+    };
+    let checks = report.views.iter().filter_map(|view| view.check.as_ref());
+    let mut groups: BTreeMap<&[String], u64> = BTreeMap::new();
+    for contested in checks.flat_map(|check| &check.contested) {
+        *groups.entry(&contested.items).or_default() += contested.pixels;
+    }
+    let mut groups: Vec<_> = groups.into_iter().collect();
+    groups.sort_by_key(|&(_, pixels)| Reverse(pixels));
+    let most: Vec<String> = (groups.iter().take(FEW))
+        .map(|(items, pixels)| format!("{} ({})", items.join(" and "), plural(*pixels as usize, "sample")))
+        .collect();
+    let named = if most.is_empty() {
+        String::new()
+    } else {
+        format!("; faces seem to coincide: {}", most.join(", "))
+    };
+    out::warn(format_args!(
+        "check: only {} of the samples have one possible owner, so little was tested{named}",
+        percent(certain)
+    ));
 }
 
 /// Prints what is missed or painted wrongly on standard error; of a method that may be wrong, only how much that is.
@@ -262,12 +297,13 @@ fn add_summary(text: &mut String, report: &Report) {
             |of: fn(&crate::report::CheckReport) -> u64| count(checks.iter().map(|check| of(check)).sum());
         let _ = writeln!(
             text,
-            "check: {} missed of {} surely visible, {} too many, {} pixels different, {} contested",
+            "check: {} missed of {} surely visible, {} too many, {} pixels different, {} contested: {} of the samples are certain",
             count(summary.missed as u64),
             sum(|check| check.reference_visible as u64),
             sum(|check| check.extra as u64),
             count(summary.pixels_different),
-            sum(|check| check.pixels_contested)
+            sum(|check| check.pixels_contested),
+            percent(summary.certain.unwrap_or(1.0))
         );
     }
 }
@@ -310,6 +346,8 @@ mod tests {
                 extra: 0,
                 pixels_different,
                 pixels_contested: 0,
+                pixels: 144,
+                contested: Vec::new(),
             };
             report.add_checks(&[found], &opened.scene);
             report.contract = contract;

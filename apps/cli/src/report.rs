@@ -102,6 +102,18 @@ pub(crate) struct CheckReport {
     pub(crate) extra: usize,
     pub(crate) pixels_different: u64,
     pub(crate) pixels_contested: u64,
+    /// The share of the samples that one item alone may own, or nothing.
+    pub(crate) certain: f64,
+    /// Groups of items that may own the same samples; those with most samples.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) contested: Vec<ContestedReport>,
+}
+
+/// Items that may own the same samples: most often their faces coincide.
+#[derive(Debug, Serialize)]
+pub(crate) struct ContestedReport {
+    pub(crate) items: Vec<String>,
+    pub(crate) pixels: u64,
 }
 
 /// How a set compares with the one that is expected, and with that of the pass before.
@@ -125,6 +137,9 @@ pub(crate) struct Summary {
     pub(crate) items_in_frustum_mean: f64,
     pub(crate) missed: usize,
     pub(crate) pixels_different: u64,
+    /// Of a check: the share of all samples that one item alone may own, or nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) certain: Option<f64>,
 }
 
 /// A method that does not fit.
@@ -254,6 +269,7 @@ impl Report {
                 items_in_frustum_mean: mean(looks.each.iter().map(|look| look.items_in_frustum).sum()),
                 missed: 0,
                 pixels_different: 0,
+                certain: None,
             },
             views: views
                 .iter()
@@ -278,6 +294,18 @@ impl Report {
         (!times.is_empty()).then(|| median(&times))
     }
 
+    /// Items called visible for each of them that can be seen, over all checked views.
+    pub(crate) fn overestimate(&self) -> Option<f64> {
+        let checked = || {
+            self.views
+                .iter()
+                .filter_map(|view| Some((view, view.check.as_ref()?)))
+        };
+        let called: usize = checked().map(|(view, _)| view.items_visible).sum();
+        let extra: usize = checked().map(|(_, check)| check.extra).sum();
+        (called > extra).then(|| called as f64 / (called - extra) as f64)
+    }
+
     /// Is anything missed, or painted that no possible owner allows? Only a check can tell.
     pub(crate) fn is_wrong(&self) -> bool {
         self.summary.missed > 0 || self.summary.pixels_different > 0
@@ -297,6 +325,9 @@ impl Report {
     /// Adds what the reference says of each view.
     pub(crate) fn add_checks(&mut self, found: &[Found], scene: &Scene) {
         let names = Names::new(scene);
+        let share = |contested: u64, pixels: u64| rounded(1.0 - contested as f64 / pixels.max(1) as f64);
+        let sum = |of: fn(&Found) -> u64| found.iter().map(of).sum();
+        self.summary.certain = Some(share(sum(|f| f.pixels_contested), sum(|f| f.pixels)));
         for (view, found) in self.views.iter_mut().zip(found) {
             self.summary.missed += found.missed.len();
             self.summary.pixels_different += found.pixels_different;
@@ -306,6 +337,13 @@ impl Report {
                 extra: found.extra,
                 pixels_different: found.pixels_different,
                 pixels_contested: found.pixels_contested,
+                certain: share(found.pixels_contested, found.pixels),
+                contested: (found.contested.iter())
+                    .map(|(items, pixels)| ContestedReport {
+                        items: items.iter().map(|&item| names.of(item)).collect(),
+                        pixels: *pixels,
+                    })
+                    .collect(),
             });
         }
     }

@@ -48,6 +48,27 @@ pub(crate) fn ms(milliseconds: f64) -> String {
     }
 }
 
+/// A number with no more than four significant digits.
+pub(crate) fn short(number: f64) -> String {
+    let whole_digits = if number == 0.0 {
+        1
+    } else {
+        number.abs().log10().floor() as i32 + 1
+    };
+    let decimals = (4 - whole_digits).clamp(0, 12) as usize;
+    let text = format!("{number:.decimals$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+/// `97.3 %`, of a share; not rounded up to all.
+pub(crate) fn percent(share: f64) -> String {
+    let tenths = (1000.0 * share).floor() / 10.0;
+    format!("{} %", short(tenths))
+}
+
 /// `1.2, 3.4, 5.6`.
 pub(crate) fn point(point: [f32; 3]) -> String {
     point.map(|value| format!("{value:.2}")).join(", ")

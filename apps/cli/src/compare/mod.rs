@@ -14,7 +14,7 @@ use crate::Outcome;
 use crate::args::CompareArgs;
 use crate::cameras;
 use crate::check::{Found, hold, reference};
-use crate::look::tell_what_is_wrong;
+use crate::look::{tell_what_is_contested, tell_what_is_wrong};
 use crate::measure;
 use crate::open::{For, open, settle};
 use crate::out;
@@ -79,6 +79,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
     if !args.json.takes_stdout() {
         out::print(&(for_people(&comparison) + &left_out(&skipped)))?;
     }
+    tell_what_is_contested(&reports);
     // What is allowed to be wrong is on the page.
     let broken = reports.iter().filter(|report| report.breaks_its_contract());
     broken.for_each(tell_what_is_wrong);

@@ -29,7 +29,7 @@ impl Column {
     }
 }
 
-const COLUMNS: [Column; 11] = [
+const COLUMNS: [Column; 12] = [
     Column {
         name: "build ms",
         hint: "building what the method needs over the scene, once",
@@ -88,6 +88,16 @@ const COLUMNS: [Column; 11] = [
         },
     },
     Column {
+        name: "called ÷ truly visible",
+        hint: "items in the visible set for each of them that can be seen; 1.00: no item too many",
+        short: "÷ true",
+        cell: |_, report| {
+            report
+                .overestimate()
+                .map_or_else(none, |ratio| format!("{ratio:.2}"))
+        },
+    },
+    Column {
         name: "missed",
         hint: "items that certainly are seen and are not in the set, over all views",
         short: "missed",
@@ -119,12 +129,18 @@ pub(super) fn growth(comparison: &Comparison, report: &Report) -> Option<f64> {
     (comparison.faces > 0).then(|| report.faces_built as f64 / comparison.faces as f64)
 }
 
+/// A method that calls so many items visible for each that is misses nothing, but culls little.
+const FAR_TOO_MANY: f64 = 2.0;
+
 /// How a method stands before the reference: a class of the style sheet, and words.
 pub(super) fn standing(report: &Report) -> (&'static str, &'static str) {
     if report.views.is_empty() {
         return ("allowed", "not looked at");
     }
     match (report.is_wrong(), report.contract) {
+        (false, _) if report.overestimate().is_some_and(|ratio| ratio >= FAR_TOO_MANY) => {
+            ("allowed", "misses nothing, culls little")
+        }
         (false, Contract::Conservative) => ("right", "misses nothing"),
         (false, _) => ("right", "right"),
         (true, Contract::Approximate) => ("allowed", "wrong, as allowed"),

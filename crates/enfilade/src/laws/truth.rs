@@ -7,7 +7,7 @@ use crate::content::{ItemId, Owner};
 use crate::passage::PassageId;
 use crate::scene::FragmentId;
 use crate::visible::VisibleSet;
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 /// What may own a sample; `None` where nothing is there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -28,6 +28,8 @@ pub struct Truth {
     certain: BTreeSet<(Chain, ItemId)>,
     /// Items that may own a sample, or be in front at one.
     imaginable: HashSet<(Chain, ItemId)>,
+    /// Items of which one certainly owns a sample, though not which, and at how many samples.
+    contests: BTreeMap<Vec<(Chain, ItemId)>, u64>,
 }
 
 /// What rays tell, sample after sample: a part of a truth.
@@ -38,6 +40,7 @@ pub(super) struct Told {
     contested: u64,
     certain: Vec<(Chain, ItemId)>,
     imaginable: Vec<(Chain, ItemId)>,
+    contests: Vec<(Vec<(Chain, ItemId)>, u64)>,
     /// Of the sample at hand alone; kept for their memory.
     here: Vec<Possible>,
     glass: Vec<(Chain, ItemId)>,
@@ -69,6 +72,9 @@ impl Told {
         for seen in self.here.iter().filter_map(item) {
             push_new(&mut self.imaginable, seen);
         }
+        if !one_item && self.here.iter().all(|p| item(p).is_some()) {
+            self.contest();
+        }
         self.glass.clear();
         let glass = rays.iter().flat_map(|ray| &ray.glass);
         self.glass.extend(glass.map(|pane| (pane.chain, pane.item)));
@@ -87,12 +93,29 @@ impl Told {
         }
     }
 
+    /// Adds the items that may own the sample at hand.
+    fn contest(&mut self) {
+        let item = |p: &Possible| p.owner.and_then(Owner::item).map(|item| (p.chain, item));
+        let mut items: Vec<_> = self.here.iter().filter_map(item).collect();
+        items.dedup();
+        match self.contests.last_mut() {
+            Some((last, samples)) if *last == items => *samples += 1,
+            _ => self.contests.push((items, 1)),
+        }
+    }
+
     /// Keeps every item once. Done where the rays are followed, on many threads, for the sake of speed.
     pub(super) fn settle(&mut self) {
         for items in [&mut self.certain, &mut self.imaginable] {
             items.sort_unstable();
             items.dedup();
         }
+        self.contests.sort_unstable();
+        self.contests.dedup_by(|next, kept| {
+            let is_same = next.0 == kept.0;
+            kept.1 += if is_same { next.1 } else { 0 };
+            is_same
+        });
     }
 }
 
@@ -109,14 +132,17 @@ fn push_new(items: &mut Vec<(Chain, ItemId)>, seen: (Chain, ItemId)) {
 pub struct Verdict {
     /// Items that certainly own a sample, or certainly are in front at one; over all passages, each counted once.
     pub reference_visible: usize,
-    /// Those of them that are not in the set, or not in the set of the passage they are seen through.
+    /// Those of them that are not in the set, or not in the set of the passage they are seen through. Where several items
+    /// may own a sample and none of them is in the set, the first of them.
     pub missed: Vec<(FragmentId, ItemId)>,
     /// Items in the set that cannot be seen at any sample; over all passages, each counted once.
     pub extra: usize,
     /// Samples painted with what cannot own them; glass is left aside.
     pub pixels_different: u64,
-    /// Samples that more than one item may own.
+    /// Samples that more than one item may own, or an item or nothing.
     pub pixels_contested: u64,
+    /// Samples of the reference's picture.
+    pub pixels: u64,
 }
 
 impl Truth {
@@ -129,6 +155,7 @@ impl Truth {
             contested: 0,
             certain: BTreeSet::new(),
             imaginable: HashSet::new(),
+            contests: BTreeMap::new(),
         };
         for (chains, row) in rows {
             let numbers = truth.chains.add_all(&chains);
@@ -137,6 +164,11 @@ impl Truth {
             truth.contested += row.contested;
             truth.certain.extend(row.certain.into_iter().map(seen));
             truth.imaginable.extend(row.imaginable.into_iter().map(seen));
+            for (items, samples) in row.contests {
+                let mut items: Vec<_> = items.into_iter().map(seen).collect();
+                items.sort_unstable();
+                *truth.contests.entry(items).or_default() += samples;
+            }
             truth
                 .possible
                 .extend(row.possible.into_iter().map(|possible| Possible {
@@ -154,6 +186,24 @@ impl Truth {
             .iter()
             .map(|(chain, item)| (chain.fragment, *item))
             .collect()
+    }
+
+    /// Items of which one certainly owns a sample, though not which, and at how many samples; the most first. Most often
+    /// their faces coincide.
+    pub fn contested(&self) -> Vec<(Vec<(FragmentId, ItemId)>, u64)> {
+        let mut all: BTreeMap<Vec<(FragmentId, ItemId)>, u64> = BTreeMap::new();
+        for (items, samples) in &self.contests {
+            let mut items: Vec<_> = items
+                .iter()
+                .map(|(chain, item)| (chain.fragment, *item))
+                .collect();
+            items.sort_unstable();
+            items.dedup();
+            *all.entry(items).or_default() += samples;
+        }
+        let mut all: Vec<_> = all.into_iter().collect();
+        all.sort_by_key(|&(_, samples)| std::cmp::Reverse(samples));
+        all
     }
 
     /// Holds a visible set, and the picture that was drawn with it, against the truth. The viewer must have had the
@@ -176,8 +226,13 @@ impl Truth {
             })
             .collect();
         let answer = |&(chain, item): &(Chain, ItemId)| (chain.fragment, Some(chain), item);
-        let missed: BTreeSet<(FragmentId, ItemId)> = (self.certain.iter())
-            .filter(|seen| !answered.contains(&answer(seen)))
+        let is_missed = |seen: &&(Chain, ItemId)| !answered.contains(&answer(seen));
+        let of_several = self
+            .contests
+            .keys()
+            .filter(|items| items.iter().all(|seen| is_missed(&seen)));
+        let missed: BTreeSet<(FragmentId, ItemId)> = (self.certain.iter().filter(is_missed))
+            .chain(of_several.map(|items| &items[0]))
             .map(|(chain, item)| (chain.fragment, *item))
             .collect();
         let imaginable: HashSet<_> = self.imaginable.iter().map(answer).collect();
@@ -190,6 +245,7 @@ impl Truth {
             extra: extra.len(),
             pixels_different: picture.map_or(0, |picture| self.different(picture).count() as u64),
             pixels_contested: self.contested,
+            pixels: self.ends.len() as u64,
         }
     }
 

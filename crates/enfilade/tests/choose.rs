@@ -18,7 +18,7 @@ fn two_rooms() -> Scene {
 fn views(scene: &Scene) -> Vec<View> {
     let places = scene
         .fragments()
-        .flat_map(|fragment| survey_in(scene, fragment, 4));
+        .flat_map(|fragment| survey_in(scene, fragment, 4).places);
     let views: Vec<View> = places
         .map(|place| View::new(place.eye, place.toward, SIZE))
         .collect();
@@ -102,7 +102,7 @@ fn what_counts_is_the_aim_and_the_share_of_building() {
             let best = costs.iter().map(|cost| cost.frame).min().expect("some");
             let chosen = outcome(&choice, choice.method).expect("it was tried");
             assert!(
-                chosen.frame <= best.mul_f64(1.03),
+                !choice.sure || chosen.frame <= best.mul_f64(1.08),
                 "{chosen:?}, but the best takes {best:?}"
             );
         }
@@ -111,20 +111,43 @@ fn what_counts_is_the_aim_and_the_share_of_building() {
 
 /// By a clock on which everything takes as long.
 #[test]
-fn of_methods_that_are_as_fast_the_one_with_least_memory_is_taken() {
+fn of_methods_that_are_as_fast_a_fragment_keeps_its_own() {
     let scene = two_rooms();
     let ticks = Cell::new(0);
     let clock = || {
         ticks.set(ticks.get() + 1);
         Duration::from_millis(ticks.get())
     };
-    for choice in choose_methods(&scene, &views(&scene), &Terms::default(), &clock) {
-        let bytes = |trial: &enfilade::Trial| trial.outcome.as_ref().ok().map(|cost| cost.bytes);
-        let least = choice.trials.iter().filter_map(bytes).min();
-        assert_eq!(
-            Some(outcome(&choice, choice.method).expect("it was tried").bytes),
-            least
-        );
+    for own in [Method::ZBuffer, Method::SBuffer] {
+        let scene = scene.with_method(own, Method::DEFAULT_LIMIT).expect("small");
+        for choice in choose_methods(&scene, &views(&scene), &Terms::default(), &clock) {
+            assert!(choice.sure);
+            assert_eq!(choice.method, own);
+        }
+    }
+}
+
+/// By a clock on which each method is slow from half of the views, each from the other half than the next.
+#[test]
+fn where_the_halves_of_the_views_disagree_a_fragment_keeps_its_own() {
+    let scene = two_rooms();
+    let views = views(&scene);
+    let (calls, time) = (Cell::new(0_u64), Cell::new(0_u64));
+    let clock = || {
+        // Two readings for each look; looks are slow by turns.
+        let call = calls.get();
+        calls.set(call + 1);
+        let random = (call / 2 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 60;
+        time.set(time.get() + if call % 2 == 1 { 1 + random * random } else { 0 });
+        Duration::from_micros(time.get())
+    };
+    let mut terms = Terms::default();
+    terms.rounds = 1;
+    let choices = choose_methods(&scene, &views, &terms, &clock);
+    let unsure: Vec<_> = choices.iter().filter(|choice| !choice.sure).collect();
+    assert!(!unsure.is_empty());
+    for choice in unsure {
+        assert_eq!(Some(choice.method), scene.method(choice.fragment));
     }
 }
 
@@ -191,7 +214,7 @@ fn a_fragment_that_no_view_sees_keeps_its_method() {
 }
 
 #[test]
-fn a_heap_of_many_faces_is_not_sorted_ahead() {
+fn what_takes_too_long_to_sort_is_not_tried() {
     let mut heap = ContentBuilder::new([Material::opaque([1.0; 3])]);
     let leaf = Mesh::triangles(
         &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
@@ -199,7 +222,7 @@ fn a_heap_of_many_faces_is_not_sorted_ahead() {
         MaterialId(0),
     );
     let leaf = heap.mesh(leaf.expect("a triangle"));
-    for number in 0..20_001_u32 {
+    for number in 0..2_000_u32 {
         let at = [number % 100, number / 100 % 100, number / 10_000].map(|step| step as f32 * 1.5);
         heap.item("leaf", leaf, Transform::translation(at));
     }
@@ -208,12 +231,17 @@ fn a_heap_of_many_faces_is_not_sorted_ahead() {
     let scene = scene.build().expect("a fragment");
     let start = Instant::now();
     let view = View::new([70.0, 70.0, 90.0], [70.0, 70.0, 0.0], [64, 36]);
-    let choices = choose_methods(&scene, &[view], &Terms::default(), &|| start.elapsed());
-    assert_eq!(
-        outcome(&choices[0], Method::BspFront),
-        Err(NotTried::TooManyFaces(20_001))
-    );
-    assert!(outcome(&choices[0], Method::ZBuffer).is_ok());
+    for longest_build in [Duration::from_millis(1), Duration::from_secs(20)] {
+        let mut terms = Terms::default();
+        terms.longest_build = longest_build;
+        let choices = choose_methods(&scene, &[view], &terms, &|| start.elapsed());
+        let is_tried = !matches!(
+            outcome(&choices[0], Method::BspFront),
+            Err(NotTried::BuildsTooLong(_))
+        );
+        assert_eq!(is_tried, longest_build > Duration::from_secs(1));
+        assert!(outcome(&choices[0], Method::ZBuffer).is_ok());
+    }
 }
 
 /// Twelve views see the only fragment; it is tried on as many as are allowed, from all over the twelve.

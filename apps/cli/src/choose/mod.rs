@@ -81,7 +81,7 @@ pub(crate) fn choose(scene: &Scene, size: [u32; 2], terms: &Terms) -> Vec<Method
 /// Views from every other place in each fragment, from the first on (those that methods are chosen by) or the second.
 fn views(scene: &Scene, size: [u32; 2], from: usize) -> Vec<View> {
     let places = scene.fragments().flat_map(|fragment| {
-        let places = survey_in(scene, fragment, 2 * PLACES);
+        let places = survey_in(scene, fragment, 2 * PLACES).places;
         places.into_iter().skip(from).step_by(2)
     });
     places

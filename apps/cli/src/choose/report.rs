@@ -25,6 +25,8 @@ pub(super) struct Chosen {
 pub(crate) struct ChoiceReport {
     fragment: String,
     method: &'static str,
+    /// Whether both halves of the views agree; else it is the fragment's own.
+    sure: bool,
     views: usize,
     trials: Vec<TrialReport>,
 }
@@ -81,6 +83,7 @@ impl ChoiceReport {
         ChoiceReport {
             fragment: scene.fragment_name(choice.fragment).to_owned(),
             method: choice.method.name(),
+            sure: choice.sure,
             views: choice.views,
             trials: choice.trials.iter().map(TrialReport::new).collect(),
         }
@@ -150,7 +153,7 @@ fn word(why: &NotTried) -> &'static str {
     match why {
         NotTried::Promise(Contract::Approximate) => "sets that may lack something",
         NotTried::Promise(_) => "sets that may hold more (--conservative)",
-        NotTried::TooManyFaces(_) => "too many faces to sort ahead",
+        NotTried::BuildsTooLong(_) => "too long to build",
         NotTried::Moves => "what moves",
         NotTried::NotSeen => "not seen",
         NotTried::Unsuited(Unsuited::TooLarge(_)) => "too large (--memory)",
@@ -267,7 +270,7 @@ impl Chosen {
             let first = [
                 choice.fragment.clone(),
                 choice.views.to_string(),
-                choice.method.to_owned(),
+                choice.chosen(),
                 choice.built(),
             ];
             first.into_iter().chain(times).collect()
@@ -280,6 +283,15 @@ impl Chosen {
 }
 
 impl ChoiceReport {
+    /// What is chosen, or kept where nothing is sure.
+    fn chosen(&self) -> String {
+        match (self.sure, self.views) {
+            (true, _) => self.method.to_owned(),
+            (false, 0) => format!("{} (not seen)", self.method),
+            (false, _) => format!("{} (unsure)", self.method),
+        }
+    }
+
     fn built(&self) -> String {
         let mut trials = self.trials.iter();
         let chosen = trials.find(|trial| trial.method == self.method);

@@ -5,7 +5,9 @@
 //! Source: Boreskov, Using portals to create aggregate scenes ("with each fragment its own most suitable method"); that it is
 //!     measured, and not told by rules, is ours.
 //! Cost: for each fragment, and each view of those it is tried on, one look and one drawing by every method that may be taken,
-//!     and some more by those that are not far from the best.
+//!     and some more by those that are not far from the best. Methods take turns at each view, so that what else the machine
+//!     does disturbs all of them alike, and the least time of a view counts. Where the two halves of the views disagree, the
+//!     choice is unsure, and the fragment keeps its method.
 
 mod trial;
 
@@ -37,7 +39,9 @@ pub struct Terms {
     pub frames: u32,
     /// What one fragment's method may build, in bytes.
     pub limit_bytes: u64,
-    /// How often methods that are not far from the best are measured, of which the least counts: 4 unless told.
+    /// Methods that take longer to build, by an estimate, are not tried: 20 s unless told.
+    pub longest_build: Duration,
+    /// How often methods that are not far from the best are measured, of which the least counts: 8 unless told.
     pub rounds: u32,
     /// The views that one fragment is tried on at most, spread evenly over those that see it: 24 unless told.
     pub most_views: u32,
@@ -51,7 +55,8 @@ impl Default for Terms {
             moving: Vec::new(),
             frames: 10_000,
             limit_bytes: Method::DEFAULT_LIMIT,
-            rounds: 4,
+            longest_build: Duration::from_secs(20),
+            rounds: 8,
             most_views: 24,
         }
     }
@@ -73,9 +78,11 @@ pub enum Aim {
 pub struct MethodChoice {
     /// Which fragment.
     pub fragment: FragmentId,
-    /// The cheapest; of those as cheap, by what can be measured, the one that takes least memory. That which the fragment has,
-    /// where nothing could be tried.
+    /// The cheapest. That which the fragment has, where it is as cheap by what can be measured, where nothing could be tried,
+    /// and where the choice is not sure; else, of those as cheap, the one that takes least memory.
     pub method: Method,
+    /// Whether both halves of the views lead to a choice that is near the best in each of them.
+    pub sure: bool,
     /// How many views it was tried on; 0 where none sees it.
     pub views: usize,
     /// Every method, in the order of [`Method::ALL`].
@@ -121,9 +128,9 @@ pub enum NotTried {
     /// What it promises is less than what is wanted.
     #[error("its set is {0}")]
     Promise(Contract),
-    /// Building it splits faces, of which there are too many.
-    #[error("it sorts faces ahead, which for more than {MOST_SORTED_FACES} takes too long; there are {0}")]
-    TooManyFaces(u64),
+    /// Building it sorts and splits faces, of which there are so many that it would take too long, about as long as this.
+    #[error("to sort its faces would take about {:.0} s", .0.as_secs_f64().ceil())]
+    BuildsTooLong(Duration),
     /// It cannot see the content once an item has moved.
     #[error("an item that moves would leave what it cannot see")]
     Moves,
@@ -132,11 +139,34 @@ pub enum NotTried {
     NotSeen,
 }
 
-/// A BSP tree of more faces takes seconds to build, and the cost grows faster than their number.
-const MOST_SORTED_FACES: u64 = 20_000;
+/// To sort n faces takes about n log₂ n times as long, on one thread. Measured on real scenes; they differ by a factor of three.
+const SORTING_A_FACE: Duration = Duration::from_nanos(600);
 
 /// What is so little slower is as fast, by what can be measured.
-const AS_FAST: f64 = 1.03;
+const AS_FAST: f64 = 1.08;
+/// A choice is sure if it takes at most so many times as long as the best, in both halves of the views.
+const NEAR_THE_BEST: f64 = 1.1;
+/// What is so much slower than the best is not measured again: at first, and after [`SETTLED`] rounds.
+const FAR_FROM_BEST: [f64; 2] = [3.0, 1.5];
+const SETTLED: u32 = 4;
+
+/// Some of the views that a method is tried on.
+#[derive(Clone, Copy, Debug)]
+enum Views {
+    All,
+    Even,
+    Odd,
+}
+
+impl Views {
+    fn holds(self, view: usize) -> bool {
+        match self {
+            Views::All => true,
+            Views::Even => view.is_multiple_of(2),
+            Views::Odd => !view.is_multiple_of(2),
+        }
+    }
+}
 
 /// Finds the method that suits each fragment of a scene, but for those of the user's own. The scene stays as it is:
 /// [`Scene::set_method`] takes a choice over.
@@ -192,20 +222,13 @@ fn choose(
         .into_iter()
         .map(|method| (method, begin(scene, fragment, method, through, terms, clock)))
         .collect();
-    for _ in 0..terms.rounds.max(1) {
-        let running = || tried.iter().filter_map(|(_, tried)| tried.as_ref().ok());
-        let best = running()
-            .map(|tried| tried.frame(terms))
-            .min()
-            .unwrap_or_default();
-        for (_, outcome) in &mut tried {
-            if let Ok(tried) = outcome
-                && tried.may_be_best(best, terms)
-            {
-                tried.run(through, terms.aim, clock);
-            }
-        }
-    }
+    measure(&mut tried, through, terms, clock);
+    let cheapest = cheapest(&tried, own, terms);
+    let sure = cheapest.is_some_and(|method| {
+        [Views::Even, Views::Odd]
+            .iter()
+            .all(|&half| through.len() < 2 || is_near_the_best(&tried, method, half, terms))
+    });
     let trials: Vec<Trial> = tried
         .into_iter()
         .map(|(method, outcome)| Trial {
@@ -215,10 +238,68 @@ fn choose(
         .collect();
     MethodChoice {
         fragment,
-        method: cheapest(&trials).unwrap_or(own),
+        method: cheapest.filter(|_| sure).unwrap_or(own),
+        sure,
         views: through.len(),
         trials,
     }
+}
+
+type Outcomes = [(Method, Result<Tried, NotTried>)];
+
+/// Methods that run, and what a frame of each takes by some of the views.
+fn frames(tried: &Outcomes, views: Views, terms: &Terms) -> impl Iterator<Item = (Method, Duration, u64)> {
+    let running = tried
+        .iter()
+        .filter_map(|(method, tried)| Some((*method, tried.as_ref().ok()?)));
+    running.map(move |(method, tried)| (method, tried.frame(views, terms), tried.bytes()))
+}
+
+/// Measures all methods that run; those that are far from the best not to the end.
+fn measure(tried: &mut Outcomes, through: &[Vec<&Passage>], terms: &Terms, clock: &dyn Fn() -> Duration) {
+    let count = tried.len();
+    let mut left = vec![true; count];
+    for round in 0..terms.rounds.max(1) {
+        for (view, passages) in through.iter().enumerate() {
+            for turn in 0..count {
+                // Another one begins each time: what comes first finds caches that are less warm.
+                let place = (turn + view + round as usize) % count;
+                if let Ok(tried) = &mut tried[place].1
+                    && left[place]
+                {
+                    tried.run(view, passages, terms.aim, clock);
+                }
+            }
+        }
+        if round == 0 {
+            continue;
+        }
+        let best = frames(tried, Views::All, terms).map(|(_, frame, _)| frame).min();
+        let far = best
+            .unwrap_or_default()
+            .mul_f64(FAR_FROM_BEST[usize::from(round >= SETTLED)]);
+        for ((_, tried), left) in tried.iter().zip(&mut left) {
+            *left &= tried
+                .as_ref()
+                .is_ok_and(|tried| tried.frame(Views::All, terms) <= far);
+        }
+    }
+}
+
+/// The cheapest method; of those that are as fast the fragment's own, else the one that takes least memory.
+fn cheapest(tried: &Outcomes, own: Method, terms: &Terms) -> Option<Method> {
+    let all = || frames(tried, Views::All, terms);
+    let best = all().map(|(_, frame, _)| frame).min()?;
+    let as_fast = all().filter(|&(_, frame, _)| frame <= best.mul_f64(AS_FAST));
+    as_fast
+        .min_by_key(|&(method, frame, bytes)| (method != own, bytes, frame))
+        .map(|(method, ..)| method)
+}
+
+fn is_near_the_best(tried: &Outcomes, method: Method, views: Views, terms: &Terms) -> bool {
+    let all = || frames(tried, views, terms);
+    let best = all().map(|(_, frame, _)| frame).min().unwrap_or_default();
+    all().any(|(other, frame, _)| other == method && frame <= best.mul_f64(NEAR_THE_BEST))
 }
 
 /// Builds a method over a fragment, if it may be taken there.
@@ -236,8 +317,11 @@ fn begin(
     }
     let content = scene.content(fragment).ok_or(NotTried::NotSeen)?;
     let first = through.first().ok_or(NotTried::NotSeen)?;
-    if method.sorts_faces() && content.face_count() > MOST_SORTED_FACES {
-        return Err(NotTried::TooManyFaces(content.face_count()));
+    if method.sorts_faces() {
+        let estimate = sorting(content.face_count());
+        if estimate > terms.longest_build {
+            return Err(NotTried::BuildsTooLong(estimate));
+        }
     }
     let size = first[0].size;
     let mut tried = Tried::build(method, Arc::clone(content), size, terms.limit_bytes, clock)?;
@@ -289,15 +373,8 @@ fn edit(
     Ok(least.unwrap_or_default())
 }
 
-/// The cheapest of those that were tried; of those that are as fast, the one that takes least memory.
-fn cheapest(trials: &[Trial]) -> Option<Method> {
-    let costs = || {
-        let tried = trials.iter();
-        tried.filter_map(|trial| Some((trial.method, *trial.outcome.as_ref().ok()?)))
-    };
-    let best = costs().map(|(_, cost)| cost.frame).min()?;
-    let as_fast = costs().filter(|(_, cost)| cost.frame <= best.mul_f64(AS_FAST));
-    as_fast
-        .min_by_key(|(_, cost)| (cost.bytes, cost.frame))
-        .map(|(method, _)| method)
+/// About how long it takes to sort so many faces by a BSP tree.
+fn sorting(faces: u64) -> Duration {
+    let faces = faces as f64;
+    SORTING_A_FACE.mul_f64(faces * faces.max(2.0).log2())
 }

@@ -1,6 +1,6 @@
 //! One method tried in one fragment.
 
-use super::{Aim, Cost, Terms};
+use super::{Aim, Cost, Terms, Views};
 use crate::canvas::{Canvas, Span};
 use crate::content::{Content, Owner};
 use crate::fragment::Fragment;
@@ -8,11 +8,15 @@ use crate::memory::Memory;
 use crate::method::{Method, Unsuited};
 use crate::passage::{Passage, PassageId};
 use crate::seen::Seen;
+use crate::stats::Stats;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What is so much slower than the best is not measured again.
-const FAR_FROM_BEST: f64 = 1.5;
+/// A view that takes so many times as long as others with as much work was disturbed whenever it was measured.
+const DISTURBED: f64 = 2.0;
+/// Below this a build is measured again: a single disturbance would count.
+const SHORT_BUILD: Duration = Duration::from_millis(50);
+const SHORT_BUILDS: usize = 3;
 
 /// A method built over a fragment, and what it took so far.
 pub(super) struct Tried {
@@ -23,9 +27,17 @@ pub(super) struct Tried {
     build: Duration,
     bytes: u64,
     pub(super) edit: Duration,
+    look: Measured,
+    draw: Measured,
+}
+
+/// What one view after the other took.
+#[derive(Default)]
+struct Measured {
     /// The least of each view.
-    look: Vec<Duration>,
-    draw: Vec<Duration>,
+    times: Vec<Duration>,
+    /// What each counted, in boxes tested or about as much.
+    work: Vec<u64>,
 }
 
 impl Tried {
@@ -39,31 +51,40 @@ impl Tried {
         // The content's own, whatever sees it.
         content.item_tree();
         let shared = content.bytes();
-        let start = clock();
-        let fragment = method.build(content, limit_bytes)?;
+        let build_once = || -> Result<_, Unsuited> {
+            let start = clock();
+            let fragment = method.build(Arc::clone(&content), limit_bytes)?;
+            Ok((fragment, clock().saturating_sub(start)))
+        };
+        let (fragment, mut build) = build_once()?;
+        for _ in 1..SHORT_BUILDS {
+            if build < SHORT_BUILD {
+                build = build.min(build_once()?.1);
+            }
+        }
         Ok(Tried {
-            build: clock().saturating_sub(start),
+            build,
             bytes: fragment.bytes().saturating_sub(shared) + method.screen_bytes(size, None),
             fragment,
             memory: Memory::default(),
             seen: Seen::default(),
             owners: Owners::new(size),
             edit: Duration::ZERO,
-            look: Vec::new(),
-            draw: Vec::new(),
+            look: Measured::default(),
+            draw: Measured::default(),
         })
     }
 
-    /// Does what is aimed at once from each view; the first time also what is not.
-    pub(super) fn run(&mut self, through: &[Vec<&Passage>], aim: Aim, clock: &dyn Fn() -> Duration) {
-        let is_first = self.look.is_empty();
+    /// Does what is aimed at once from view number `view`; the first time also what is not.
+    pub(super) fn run(&mut self, view: usize, passages: &[&Passage], aim: Aim, clock: &dyn Fn() -> Duration) {
+        let is_first = self.look.times.len() <= view;
         if is_first || aim == Aim::Look {
-            let looks = self.timed(through, clock, Tried::look);
-            keep_least(&mut self.look, looks);
+            let (time, work) = self.timed(passages, clock, Tried::look);
+            self.look.take(view, time, work);
         }
         if is_first || aim == Aim::Draw {
-            let draws = self.timed(through, clock, Tried::draw);
-            keep_least(&mut self.draw, draws);
+            let (time, work) = self.timed(passages, clock, Tried::draw);
+            self.draw.take(view, time, work);
         }
     }
 
@@ -77,17 +98,15 @@ impl Tried {
 
     fn timed(
         &mut self,
-        through: &[Vec<&Passage>],
+        passages: &[&Passage],
         clock: &dyn Fn() -> Duration,
         run: fn(&mut Tried, &Passage),
-    ) -> Vec<Duration> {
-        let view = |passages: &Vec<&Passage>| {
-            let start = clock();
-            self.memory.recall.begin_look();
-            passages.iter().for_each(|passage| run(self, passage));
-            clock().saturating_sub(start)
-        };
-        through.iter().map(view).collect()
+    ) -> (Duration, u64) {
+        self.memory.stats = Stats::default();
+        let start = clock();
+        self.memory.recall.begin_look();
+        passages.iter().for_each(|passage| run(self, passage));
+        (clock().saturating_sub(start), work(&self.memory.stats))
     }
 
     fn look(&mut self, passage: &Passage) {
@@ -110,45 +129,64 @@ impl Tried {
         self.seen.recycle();
     }
 
-    /// Is it worth while to measure it again, where the best takes so long a frame?
-    pub(super) fn may_be_best(&self, best: Duration, terms: &Terms) -> bool {
-        self.look.is_empty() || self.frame(terms) <= best.mul_f64(FAR_FROM_BEST)
-    }
-
-    /// What counts, as far as it is known.
-    pub(super) fn frame(&self, terms: &Terms) -> Duration {
+    /// What counts, as far as it is known, by some of the views.
+    pub(super) fn frame(&self, views: Views, terms: &Terms) -> Duration {
         let aim = match terms.aim {
-            Aim::Look => mean(&self.look),
-            Aim::Draw => mean(&self.draw),
+            Aim::Look => self.look.mean(views),
+            Aim::Draw => self.draw.mean(views),
         };
         aim + self.edit + self.build / terms.frames.max(1)
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        self.bytes
     }
 
     pub(super) fn cost(&self, terms: &Terms) -> Cost {
         Cost {
             build: self.build,
             bytes: self.bytes,
-            look: mean(&self.look),
-            draw: mean(&self.draw),
+            look: self.look.mean(Views::All),
+            draw: self.draw.mean(Views::All),
             edit: self.edit,
-            frame: self.frame(terms),
+            frame: self.frame(Views::All, terms),
         }
     }
 }
 
-fn keep_least(least: &mut Vec<Duration>, times: Vec<Duration>) {
-    if least.is_empty() {
-        *least = times;
-    } else {
-        least
-            .iter_mut()
-            .zip(times)
-            .for_each(|(least, time)| *least = time.min(*least));
-    }
+/// About how much was done, in boxes tested.
+fn work(stats: &Stats) -> u64 {
+    1 + stats.boxes_tested + 2 * stats.triangles + stats.spans.compared + stats.samples / 16
 }
 
-fn mean(times: &[Duration]) -> Duration {
-    times.iter().sum::<Duration>() / times.len().max(1) as u32
+impl Measured {
+    fn take(&mut self, view: usize, time: Duration, work: u64) {
+        if let Some(least) = self.times.get_mut(view) {
+            *least = time.min(*least);
+        } else {
+            self.times.push(time);
+            self.work.push(work);
+        }
+    }
+
+    /// The mean of some views. Of one that was disturbed only as much counts as its work may have taken.
+    fn mean(&self, views: Views) -> Duration {
+        let each = || self.times.iter().zip(&self.work);
+        let mut rates: Vec<f64> = each()
+            .map(|(time, &work)| time.as_secs_f64() / work as f64)
+            .collect();
+        rates.sort_by(f64::total_cmp);
+        let Some(usual) = rates.get(rates.len() / 2) else {
+            return Duration::ZERO;
+        };
+        let undisturbed = |(time, &work): (&Duration, &u64)| {
+            (*time).min(Duration::from_secs_f64(DISTURBED * usual * work as f64))
+        };
+        let chosen: Vec<Duration> = (each().map(undisturbed).enumerate())
+            .filter_map(|(view, time)| views.holds(view).then_some(time))
+            .collect();
+        chosen.iter().sum::<Duration>() / chosen.len().max(1) as u32
+    }
 }
 
 /// A picture of numbers: as little as can be done with what is seen, and not nothing.

@@ -6,7 +6,7 @@
 
 use anyhow::{Context, Result, bail, ensure};
 use enfilade::laws::{LayerPicture, OwnerPicture, Reference, Verdict};
-use enfilade::{Contract, Method, Scene, View, Viewer, survey};
+use enfilade::{Contract, Method, Scene, View, Viewer, survey, survey_hard};
 use enfilade_import::{ReadOptions, read};
 use enfilade_scenes::{Random, random_edits};
 use std::path::{Path, PathBuf};
@@ -19,6 +19,9 @@ pub(crate) struct Args {
     /// Views of each scene
     #[arg(long, default_value_t = 1000)]
     views: usize,
+    /// Views that are hard to decide, instead of from where people may stand: in doorways, at corners and edges, along faces
+    #[arg(long)]
+    hard: bool,
     /// Columns and rows
     #[arg(long, num_args = 2, default_values_t = [320, 180])]
     size: Vec<u32>,
@@ -145,7 +148,12 @@ fn contract(method: Method, args: &Args) -> Contract {
 fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
     let start = Instant::now();
     let mut scene = open(name)?;
-    let places = survey(&scene, args.views.max(args.strict_views));
+    let count = args.views.max(args.strict_views);
+    let places = if args.hard {
+        survey_hard(&scene, count)
+    } else {
+        survey(&scene, count).places
+    };
     if places.is_empty() {
         println!("\n{name}: there is no place to stand");
         return Ok(0);

@@ -5,9 +5,11 @@ use crate::open::Opened;
 use crate::out;
 use crate::progress::Progress;
 use crate::read::read_file;
+use crate::text::{plural, short};
 use crate::values::among;
 use anyhow::{Context, Result, anyhow, bail};
-use enfilade::{FragmentId, Ray, Scene, Standpoint, View};
+use enfilade::{FragmentId, Ray, Scene, Standpoint, Survey, View, Viewer, survey_hard};
+use glam::DVec3;
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -99,6 +101,8 @@ pub(crate) fn views(args: &CameraArgs, opened: &Opened) -> Result<Vec<View>> {
         read_path(path, args)?
     } else if let Some(count) = args.survey {
         return surveyed(args, &opened.scene, count as usize);
+    } else if let Some(count) = args.survey_hard {
+        return hard(args, &opened.scene, count as usize);
     } else if let Some(name) = &args.camera {
         vec![named(name, args, opened)?]
     } else if let Some(camera) = opened.cameras.first() {
@@ -106,25 +110,35 @@ pub(crate) fn views(args: &CameraArgs, opened: &Opened) -> Result<Vec<View>> {
             format!("{}: camera `{}`", opened.file, camera.name)
         })?]
     } else {
-        let found = survey(&opened.scene, 1);
-        return Ok(vec![found.first().map_or_else(
-            || from_outside(args, &opened.scene),
-            |s| plain(args, s.eye, s.toward),
-        )]);
+        return first_picture(args, opened).map(|view| vec![view]);
     };
+    warn_of_solids(opened, &views);
+    Ok(views)
+}
+
+/// Says where an eye seems to be inside something solid.
+fn warn_of_solids(opened: &Opened, views: &[View]) {
     // A long path is not asked about to its end: that would take longer than the looks.
     const ASKED: usize = 100;
-    for view in views
-        .iter()
-        .take(ASKED)
-        .filter(|view| is_inside_a_solid(&opened.scene, view))
-    {
+    let backs_around: Vec<&View> = (views.iter().take(ASKED))
+        .filter(|view| is_among_backs(&opened.scene, view))
+        .collect();
+    if backs_around.is_empty() {
+        return;
+    }
+    if survey(&opened.scene, 0).seems_inverted {
+        out::warn(format_args!(
+            "{}: its winding seems inverted: floors are seen from the backs of their faces, which one-sided materials hide",
+            opened.file
+        ));
+        return;
+    }
+    for view in backs_around {
         let [x, y, z] = view.eye;
         out::warn(format_args!(
-            "the eye at {x},{y},{z} seems to stand inside something solid: around it are backs of faces"
+            "the eye at {x},{y},{z} seems to be inside something solid: around it are backs of faces"
         ));
     }
-    Ok(views)
 }
 
 fn plain(args: &CameraArgs, eye: [f32; 3], toward: [f32; 3]) -> View {
@@ -157,48 +171,147 @@ fn named(name: &str, args: &CameraArgs, opened: &Opened) -> Result<View> {
 
 fn surveyed(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>> {
     let found = survey(scene, count);
-    match found.len() {
+    match found.places.len() {
         0 => out::warn("the survey finds no open space to stand in; use --eye and --toward"),
         fewer if fewer < count => out::warn(format_args!(
             "the survey finds only {fewer} of {count} places to stand"
         )),
         _ => {}
     }
-    Ok(found
-        .iter()
-        .map(|place| plain(args, place.eye, place.toward))
-        .collect())
+    if !found.places.is_empty() {
+        out::note(describe(&found));
+    }
+    Ok(found.places.iter().map(|place| at(args, place)).collect())
 }
 
-fn survey(scene: &Scene, count: usize) -> Vec<Standpoint> {
+/// How the places of a survey were found.
+fn describe(found: &Survey) -> String {
+    let places = plural(found.places.len(), "view");
+    if found.rooms == 0 {
+        return format!("survey: {places} in open space; no floor was found");
+    }
+    let metre = if found.metre == 1.0 {
+        String::new()
+    } else {
+        format!(", taking a metre for {} units", short(found.metre))
+    };
+    let roofs = match found.places.iter().filter(|place| place.on_roof).count() {
+        0 => String::new(),
+        roofs => format!(", {roofs} of them above roofs"),
+    };
+    let inverted = if found.seems_inverted {
+        "; the winding of the file seems inverted"
+    } else {
+        ""
+    };
+    let rooms = plural(found.rooms, "room");
+    format!("survey: {places} 1.6 m above the floors of {rooms} and streets{roofs}{metre}{inverted}")
+}
+
+fn hard(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>> {
+    let found = survey_hard(scene, count);
+    match found.len() {
+        0 => out::warn("the survey finds no faces or openings; use --eye and --toward"),
+        fewer if fewer < count => out::warn(format_args!(
+            "the survey finds only {fewer} of {count} places that are hard"
+        )),
+        _ => {}
+    }
+    Ok(found.iter().map(|place| at(args, place)).collect())
+}
+
+fn at(args: &CameraArgs, place: &Standpoint) -> View {
+    plain(args, place.eye, place.toward)
+}
+
+/// Where no camera is given: outdoors all of the scene from outside, else of some places that from which most can be seen.
+fn first_picture(args: &CameraArgs, opened: &Opened) -> Result<View> {
+    const PLACES: usize = 24;
+    const OTHERS: &str = "others: --survey 8, or --eye and --toward";
+    let (scene, file) = (&opened.scene, &opened.file);
+    let found = survey(scene, PLACES);
+    if found.places.is_empty() {
+        out::warn(
+            "the survey finds no open space to stand in, so the eye is outside; use --eye and --toward",
+        );
+        return Ok(from_outside(args, scene));
+    }
+    let under_sky = found.places.iter().filter(|place| is_under_sky(scene, place));
+    if 4 * under_sky.count() >= 3 * found.places.len() {
+        out::note(format_args!(
+            "{file}: it has no camera and most of it is outdoors; this is all of it from outside ({OTHERS})"
+        ));
+        return Ok(from_outside(args, scene));
+    }
+    out::note(format_args!(
+        "{file}: it has no camera; this is the view of the survey that shows most ({OTHERS})"
+    ));
+    let mut viewer = Viewer::new();
+    let (mut best, mut most) = (&found.places[0], -1.0);
+    for place in &found.places {
+        let mut view = at(args, place);
+        view.size = [160, 90];
+        // Items count by the root of their size: neither one wall nor a hundred specks make a picture.
+        let items = viewer.look(scene, &view).items().iter();
+        let shown: f64 = items.map(|item| f64::from(item.size_px).sqrt()).sum();
+        if shown > most {
+            (best, most) = (place, shown);
+        }
+    }
+    Ok(at(args, best))
+}
+
+/// Is nothing above a place?
+fn is_under_sky(scene: &Scene, place: &Standpoint) -> bool {
+    let up = Ray {
+        origin: place.eye,
+        direction: [0.0, 1.0, 0.0],
+    };
+    scene.fragment(place.fragment).cast(&up).is_none()
+}
+
+fn survey(scene: &Scene, count: usize) -> Survey {
     let _progress = Progress::spinner("looking for places to stand");
     enfilade::survey(scene, count)
 }
 
-/// All of a scene that one cannot stand in, from before it and above.
+/// All of a scene, from before it and above.
 fn from_outside(args: &CameraArgs, scene: &Scene) -> View {
-    out::warn(
-        "the survey finds no open space to stand in, so the eye stands outside; use --eye and --toward",
-    );
     let boxes = scene
         .fragments()
         .map(|id| scene.bounds(id))
         .filter(|bounds| !bounds.is_empty());
+    let nowhere = || plain(args, [0.0; 3], [0.0, 0.0, -1.0]);
     let Some(bounds) = boxes.reduce(|a, b| a.union(&b)) else {
-        return plain(args, [0.0; 3], [0.0, 0.0, -1.0]);
+        return nowhere();
     };
-    let (center, away) = (bounds.center(), 1.5 * bounds.longest_side().max(1e-3));
-    let view = plain(
-        args,
-        [center[0] + 0.4 * away, center[1] + 0.5 * away, center[2] + away],
-        center,
-    );
-    // Coordinates may be so large that the steps above are lost in them.
-    if view.check().is_ok() {
-        view
-    } else {
-        plain(args, [0.0; 3], [0.0, 0.0, -1.0])
-    }
+    let center = DVec3::from(bounds.center().map(f64::from));
+    let away = DVec3::new(0.35, 0.5, 0.8).normalize();
+    let right = DVec3::Y.cross(away).normalize();
+    let [width, height] = args.size.map(f64::from);
+    let lens = plain(args, [0.0; 3], [0.0, 0.0, -1.0]);
+    let tan_y = (0.5 * f64::from(lens.fov_y)).tan();
+    let tan_x = tan_y * width / height;
+    // So far away that each corner of the box is in the picture.
+    let reach = (0..8).map(|corner| {
+        let side = |axis: usize| {
+            let end = if corner >> axis & 1 == 0 {
+                bounds.min
+            } else {
+                bounds.max
+            };
+            f64::from(end[axis])
+        };
+        let corner = DVec3::new(side(0), side(1), side(2)) - center;
+        let beside = corner.dot(right).abs() / tan_x;
+        let above = corner.dot(away.cross(right)).abs() / tan_y;
+        corner.dot(away) + beside.max(above)
+    });
+    let distance = 1.05 * reach.fold(1e-3, f64::max);
+    let eye = center + away * distance;
+    let view = plain(args, eye.as_vec3().to_array(), center.as_vec3().to_array());
+    // Coordinates may be so large that the step away is lost in them.
+    if view.check().is_ok() { view } else { nowhere() }
 }
 
 /// A line of a path.
@@ -255,7 +368,7 @@ fn read_path(path: &Path, args: &CameraArgs) -> Result<Vec<View>> {
 }
 
 /// Do rays in all directions end, most of them at the backs of faces? `false` when unsure.
-fn is_inside_a_solid(scene: &Scene, view: &View) -> bool {
+fn is_among_backs(scene: &Scene, view: &View) -> bool {
     let Some(fragment) = scene.fragment_of(view) else {
         return false;
     };

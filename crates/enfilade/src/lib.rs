@@ -96,7 +96,7 @@ pub use occluders::{Choice, Chosen, Measure, Occluder, OccluderRoom, OccluderSet
 pub use passage::{Passage, PassageId};
 pub use query::{
     Between, BoxError, Capsule, Cast, Met, Near, Nearby, Nearest, PairChanges, Pairs, Place, Presence,
-    Reached, SightLine, Slid, Standpoint, Walked, survey, survey_in,
+    Reached, SightLine, Slid, Standpoint, Survey, Walked, survey, survey_hard, survey_in,
 };
 pub use region::{Region, Sight};
 pub use scene::{

@@ -5,11 +5,12 @@ use crate::values::{self, Choice};
 use std::ffi::OsString;
 
 /// What says nothing to `--micro`.
-const OF_PATHS: [&str; 12] = [
+const OF_PATHS: [&str; 13] = [
     "eye",
     "camera",
     "path",
     "survey",
+    "survey_hard",
     "size",
     "fov",
     "up",

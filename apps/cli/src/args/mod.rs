@@ -245,27 +245,31 @@ impl JsonArg {
 }
 
 /// What most verbs say of [`CameraArgs`].
-const CAMERAS: &str = "Cameras (left out: the file's first camera, else the first view of the survey)";
+const CAMERAS: &str =
+    "Cameras (left out: the file's first camera, else the view of the survey that shows most)";
 
 /// Which views.
 #[derive(Debug, clap::Args)]
 pub(crate) struct CameraArgs {
     /// Where the eye stands
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true, requires = "toward",
-          conflicts_with_all = ["camera", "path", "survey"])]
+          conflicts_with_all = ["camera", "path", "survey", "survey_hard"])]
     pub(crate) eye: Option<[f32; 3]>,
     /// A point in the middle of the picture
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true, requires = "eye")]
     pub(crate) toward: Option<[f32; 3]>,
     /// A camera of the scene
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["path", "survey"])]
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["path", "survey", "survey_hard"])]
     pub(crate) camera: Option<String>,
     /// JSON lines of {"eye":[..],"toward":[..],"up":[..],"fov":60}, the last two optional
-    #[arg(long, value_name = "FILE", conflicts_with = "survey")]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["survey", "survey_hard"])]
     pub(crate) path: Option<PathBuf>,
-    /// N views in the scene's open space, always the same ones
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    /// N views from where people may stand, spread over rooms and streets, always the same ones
+    #[arg(long, value_name = "N", conflicts_with = "survey_hard", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) survey: Option<u32>,
+    /// N views that are hard to decide: in doorways, at corners and edges, in planes of faces
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) survey_hard: Option<u32>,
     /// Columns and rows of the screen
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = values::size)]
     pub(crate) size: [u32; 2],
@@ -280,7 +284,7 @@ pub(crate) struct CameraArgs {
 impl CameraArgs {
     /// Takes so many views of the survey where no camera is told.
     pub(crate) fn survey_unless_told(&mut self, count: u32) {
-        if self.eye.is_none() && self.camera.is_none() && self.path.is_none() {
+        if self.eye.is_none() && self.camera.is_none() && self.path.is_none() && self.survey_hard.is_none() {
             self.survey.get_or_insert(count);
         }
     }

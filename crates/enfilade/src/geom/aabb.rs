@@ -1,6 +1,6 @@
 //! Axis-aligned boxes.
 
-use glam::Vec3;
+use glam::{DAffine3, DVec3, Vec3};
 
 /// Maximum absolute value of a coordinate, in scene units: of what is built, placed, edited or looked from.
 ///
@@ -65,6 +65,21 @@ impl Aabb {
         Aabb {
             min: Vec3::from(self.min).max(Vec3::from(other.min)).into(),
             max: Vec3::from(self.max).min(Vec3::from(other.max)).into(),
+        }
+    }
+
+    /// A box around what a map makes of the box.
+    pub(crate) fn placed(&self, map: &DAffine3) -> Aabb {
+        let [min, max] = [self.min, self.max].map(|corner| DVec3::from(corner.map(f64::from)));
+        let [middle, half] = [0.5 * (min + max), 0.5 * (max - min)];
+        let matrix = map.matrix3;
+        let reach =
+            matrix.x_axis.abs() * half.x + matrix.y_axis.abs() * half.y + matrix.z_axis.abs() * half.z;
+        let at = map.transform_point3(middle);
+        // What f64 rounds is less than a step of f32.
+        Aabb {
+            min: (at - reach).as_vec3().to_array().map(f32::next_down),
+            max: (at + reach).as_vec3().to_array().map(f32::next_up),
         }
     }
 

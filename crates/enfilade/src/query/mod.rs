@@ -23,4 +23,4 @@ pub use pairs::{BoxError, PairChanges, Pairs};
 pub use place::{Place, Presence, Walked};
 pub use ray::{Cast, Met};
 pub use sees::SightLine;
-pub use survey::{Standpoint, survey, survey_in};
+pub use survey::{Standpoint, Survey, survey, survey_hard, survey_in};

@@ -7,6 +7,7 @@ mod items;
 mod near;
 mod pairs;
 mod rays;
+mod survey;
 
 use chance::{about, length};
 use enfilade::{Aabb, Content, ContentBuilder, Material, MaterialId, Mesh, Transform};

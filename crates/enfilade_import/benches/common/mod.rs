@@ -75,6 +75,7 @@ pub(crate) fn open(folder: &Path, file: &str) -> Place {
         .scene(Method::ZBuffer, Method::DEFAULT_LIMIT)
         .expect("one fragment");
     let views = survey(&scene, VIEWS)
+        .places
         .iter()
         .map(|at| View::new(at.eye, at.toward, SIZE))
         .collect();

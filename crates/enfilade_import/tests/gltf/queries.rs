@@ -151,7 +151,7 @@ fn questions_to_real_scenes_find_what_going_through_everything_finds() {
         let fragment = scene.fragments().next().expect("one fragment");
         let content = Arc::clone(scene.content(fragment).expect("ours"));
         boxes_and_nearest(file, &content);
-        let eyes: Vec<[f32; 3]> = survey(&scene, 50).iter().map(|at| at.eye).collect();
+        let eyes: Vec<[f32; 3]> = survey(&scene, 50).places.iter().map(|at| at.eye).collect();
         rays(file, &content, &eyes);
     }
 }

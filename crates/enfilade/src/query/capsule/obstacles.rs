@@ -106,15 +106,15 @@ impl Obstacles {
             min: min.map(f32::next_down),
             max: max.map(f32::next_up),
         };
-        let there = placed(&here, &here_from_there.inverse());
+        let there = here.placed(&here_from_there.inverse());
         content.items_in_box(&there, |item: ItemId| {
             let here_from_item = *here_from_there * content.item(item).transform().0;
             let mesh = content.mesh_of(item);
             mesh.walk([0.0; 3], |step| match step {
-                Step::Node(bounds) => placed(bounds, &here_from_item).meets(&here),
+                Step::Node(bounds) => bounds.placed(&here_from_item).meets(&here),
                 Step::Thing(cluster) => {
                     let cluster = &mesh.clusters()[cluster as usize];
-                    if placed(&cluster.bounds, &here_from_item).meets(&here) {
+                    if cluster.bounds.placed(&here_from_item).meets(&here) {
                         for face in cluster.faces.clone() {
                             let corner = |&index: &u32| {
                                 let position = mesh.positions()[index as usize].map(f64::from);
@@ -272,18 +272,4 @@ fn holes_on_the_way(scene: &Scene, from: FragmentId, crossed: &[crate::scene::Po
 /// Do two boxes share a point, each given by its least and greatest corner?
 fn meet(one: &[DVec3; 2], other: &[DVec3; 2]) -> bool {
     one[0].cmple(other[1]).all() && one[1].cmpge(other[0]).all()
-}
-
-/// A box around what a map makes of a box.
-fn placed(bounds: &Aabb, map: &DAffine3) -> Aabb {
-    let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
-    let [middle, half] = [0.5 * (min + max), 0.5 * (max - min)];
-    let matrix = map.matrix3;
-    let reach = matrix.x_axis.abs() * half.x + matrix.y_axis.abs() * half.y + matrix.z_axis.abs() * half.z;
-    let at = map.transform_point3(middle);
-    // What f64 rounds is less than a step of f32.
-    Aabb {
-        min: (at - reach).as_vec3().to_array().map(f32::next_down),
-        max: (at + reach).as_vec3().to_array().map(f32::next_up),
-    }
 }

@@ -1,0 +1,81 @@
+//! Places in the open space of contents without a floor.
+//!
+//! Idea: stand on the free segment between a point of a surface and the next surface, and look level. A place inside
+//!     a solid is told by rays in many directions: most of them end at the backs of faces.
+//! Source: after the random walks of visibility sampling.
+
+use super::{CLEARANCE, Standpoint, Surveyor, TRIES};
+use crate::content::{Content, ItemId};
+use glam::DVec3;
+
+/// Free space around an eye, relative to the content's size.
+const CLEAR_OF_SIZE: f64 = 1e-3;
+
+pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<Standpoint> {
+    let mut found = Vec::new();
+    let items: usize = (surveyor.contents.iter())
+        .map(|(_, content)| content.items().len())
+        .sum();
+    if items == 0 {
+        return found;
+    }
+    for _ in 0..TRIES * count {
+        if found.len() == count || surveyor.work.is_too_much() {
+            break;
+        }
+        let mut item = surveyor.dice.below(items);
+        let home = surveyor.contents.iter().find(|(_, content)| {
+            let here = item < content.items().len();
+            item -= if here { 0 } else { content.items().len() };
+            here
+        });
+        let Some(&(fragment, content)) = home else {
+            continue;
+        };
+        let Some(place) = place_in_the_open(surveyor, content, ItemId(item as u32)) else {
+            continue;
+        };
+        let eye = place.as_vec3().to_array();
+        // Where fragments overlap the eye belongs to the smallest: it must be open there too.
+        if let Some(toward) = surveyor.look_level(content, place).map(|toward| toward.as_vec3())
+            && !surveyor.work.is_too_much()
+            && surveyor.scene.locate(eye, toward.to_array()) == Some(fragment)
+        {
+            found.push(Standpoint {
+                fragment,
+                eye,
+                toward: toward.to_array(),
+                on_roof: false,
+            });
+        }
+    }
+    found
+}
+
+/// A point on the free segment from a face of an item to the next surface.
+fn place_in_the_open(surveyor: &mut Surveyor, content: &Content, item: ItemId) -> Option<DVec3> {
+    let mesh = content.mesh_of(item);
+    if mesh.face_count() == 0 {
+        return None;
+    }
+    let dice = &mut surveyor.dice;
+    let face = mesh.face(dice.below(mesh.face_count() as usize) as u32);
+    let transform = content.item(item).transform();
+    let corner = |i: usize| DVec3::from(transform.point_f64(mesh.positions()[face[i] as usize]));
+    let last = 2 + dice.below(face.len() - 2);
+    let [mut u, mut v] = [dice.fraction(), dice.fraction()];
+    if u + v > 1.0 {
+        [u, v] = [1.0 - u, 1.0 - v];
+    }
+    let start = corner(0) * (1.0 - u - v) + corner(last - 1) * u + corner(last) * v;
+    let direction = dice.direction();
+    let size = f64::from(content.bounds().longest_side());
+    // Off the surface by what f32 loses, so that the ray does not end where it begins.
+    let start = start + direction * (1e-5 * size);
+    let free = surveyor.work.cast(content, start, direction)?.distance;
+    let place = start + direction * (free * (0.01 + 0.98 * surveyor.dice.fraction()));
+    let [fronts, hits] = surveyor.seen_from(content, place);
+    let clearance = (CLEAR_OF_SIZE * size).min(CLEARANCE * surveyor.metre);
+    let is_open = 2 * fronts >= hits && !super::is_near_a_face(content, place, clearance, &surveyor.work);
+    is_open.then_some(place)
+}

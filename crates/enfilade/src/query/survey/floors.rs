@@ -1,0 +1,310 @@
+//! Where one can stand: the floors of a content, in columns of a grid seen from above.
+//!
+//! Idea: every face is cut into the columns of a horizontal grid; what is between a surface that is level enough and the
+//!     next one above it, if high enough, can be stood in. Floors of neighbouring columns with a step between them that can
+//!     be walked are connected.
+//! Source: Mononen, Recast Navigation, 2009 (height field of spans); Snook, Simplified 3D Movement and Pathfinding Using
+//!     Navigation Meshes, Game Programming Gems, 2000.
+//! Cost: O(faces + columns that they reach), at most [`MOST_COLUMNS`] columns and [`MOST_PARTS`] parts of faces.
+
+use crate::content::{Alpha, Content, ItemId};
+use glam::DVec3;
+use smallvec::SmallVec;
+
+/// Columns of a grid, at most.
+const MOST_COLUMNS: f64 = (1 << 20) as f64;
+/// Parts of faces that are put into columns, at most.
+const MOST_PARTS: f64 = 5e7;
+/// Side of a column where there are not too many of them, in metres.
+const COLUMN: f64 = 0.1;
+/// Height above a floor that must be free, in metres.
+const HEADROOM: f64 = 1.4;
+/// The highest step that is walked, in metres.
+const STEP: f64 = 0.45;
+/// A floor that is open to the sky is a roof if so much is free below it, in metres.
+const BELOW_ROOF: f64 = 1.8;
+/// How level a floor is, as the cosine of its slope.
+const LEVEL: f64 = 0.7;
+
+/// A place in one column where one can stand.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Floor {
+    pub(super) height: f32,
+    /// What is free above it; infinite under the open sky.
+    pub(super) headroom: f32,
+    pub(super) kind: Kind,
+    column: u32,
+}
+
+/// What a floor is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Floor,
+    /// The top of something hollow, under the open sky.
+    Roof,
+    /// Where nothing is down to the lowest point of the content: many buildings come without their ground.
+    Assumed,
+}
+
+/// The floors of one content.
+pub(super) struct Floors {
+    pub(super) all: Vec<Floor>,
+    /// Side of a column.
+    pub(super) side: f64,
+    metre: f64,
+    /// The lowest point.
+    bottom: f32,
+    origin: [f64; 2],
+    size: [usize; 2],
+    /// By column: where its floors start, and the end of the last.
+    starts: Vec<u32>,
+}
+
+/// Part of a column that faces reach into.
+#[derive(Clone, Copy)]
+struct Span {
+    low: f32,
+    high: f32,
+    /// Whether its upper end can be stood on.
+    is_level: bool,
+}
+
+type Spans = SmallVec<[Span; 2]>;
+
+impl Floors {
+    /// All floors, by what a metre is in scene units.
+    pub(super) fn of(content: &Content, metre: f64) -> Floors {
+        let bounds = content.bounds();
+        let [min, max] = [bounds.min, bounds.max].map(|corner| corner.map(f64::from));
+        let extent = [max[0] - min[0], max[2] - min[2]];
+        let mut reached = 0.0;
+        each_triangle(content, |triangle| {
+            let [low, high] = around(&triangle);
+            reached += (high.x - low.x) * (high.z - low.z);
+        });
+        let side = (COLUMN * metre)
+            .max((extent[0] * extent[1] / MOST_COLUMNS).sqrt())
+            .max((reached / MOST_PARTS).sqrt())
+            .max(extent[0].max(extent[1]) / MOST_COLUMNS.sqrt());
+        let size = extent.map(|extent| (extent / side) as usize + 1);
+        let mut floors = Floors {
+            all: Vec::new(),
+            side,
+            metre,
+            bottom: bounds.min[1],
+            origin: [min[0], min[2]],
+            size,
+            starts: Vec::with_capacity(size[0] * size[1] + 1),
+        };
+        let mut columns = vec![Spans::new(); size[0] * size[1]];
+        each_triangle(content, |triangle| floors.add(&triangle, &mut columns));
+        floors.starts.push(0);
+        for (column, spans) in columns.iter().enumerate() {
+            floors.take_column(column as u32, spans);
+            floors.starts.push(floors.all.len() as u32);
+        }
+        floors
+    }
+
+    /// Puts a triangle into the columns that it reaches.
+    fn add(&self, triangle: &[DVec3; 3], columns: &mut [Spans]) {
+        let [a, b, c] = *triangle;
+        let normal = (b - a).cross(c - a);
+        let is_level = normal.y.abs() >= LEVEL * normal.length();
+        let [low, high] = around(triangle);
+        let place = |value: f64, axis: usize| {
+            (((value - self.origin[axis]) / self.side) as usize).min(self.size[axis] - 1)
+        };
+        let rows = [place(low.z, 1), place(high.z, 1)];
+        let all: Polygon = triangle.iter().copied().collect();
+        for z in rows[0]..=rows[1] {
+            let row = if rows[0] == rows[1] {
+                all.clone()
+            } else {
+                between(&all, 2, self.limits(z, 1))
+            };
+            let Some([low, high]) = extent_along(&row, |p| p.x) else {
+                continue;
+            };
+            let cells = [place(low, 0), place(high, 0)];
+            for x in cells[0]..=cells[1] {
+                let part = if cells[0] == cells[1] {
+                    extent_along(&row, |p| p.y)
+                } else {
+                    extent_along(&between(&row, 0, self.limits(x, 0)), |p| p.y)
+                };
+                if let Some([low, high]) = part {
+                    let span = Span {
+                        low: low as f32,
+                        high: high as f32,
+                        is_level,
+                    };
+                    put(
+                        &mut columns[z * self.size[0] + x],
+                        span,
+                        (0.05 * self.metre) as f32,
+                    );
+                }
+            }
+        }
+    }
+
+    /// Where a row or line of columns starts and ends.
+    fn limits(&self, place: usize, axis: usize) -> [f64; 2] {
+        [place, place + 1].map(|place| self.origin[axis] + place as f64 * self.side)
+    }
+
+    fn take_column(&mut self, column: u32, spans: &[Span]) {
+        let [headroom, below_roof] = [HEADROOM, BELOW_ROOF].map(|metres| (metres * self.metre) as f32);
+        if let Some(first) = spans.first().filter(|span| span.low - self.bottom >= headroom) {
+            self.all.push(Floor {
+                height: self.bottom,
+                headroom: first.low - self.bottom,
+                kind: Kind::Assumed,
+                column,
+            });
+        }
+        // Whether there is any room below; the top and the underside of a slab need not touch.
+        let mut is_hollow = false;
+        for (at, span) in spans.iter().enumerate() {
+            is_hollow |= at > 0 && span.low - spans[at - 1].high >= below_roof;
+            let free = spans
+                .get(at + 1)
+                .map_or(f32::INFINITY, |above| above.low - span.high);
+            if !span.is_level || free < headroom {
+                continue;
+            }
+            let is_roof = is_hollow && free == f32::INFINITY;
+            self.all.push(Floor {
+                height: span.high,
+                headroom: free,
+                kind: if is_roof { Kind::Roof } else { Kind::Floor },
+                column,
+            });
+        }
+    }
+
+    /// The middle of a floor.
+    pub(super) fn place(&self, floor: u32) -> DVec3 {
+        let Floor { height, column, .. } = self.all[floor as usize];
+        let [x, z] = [column as usize % self.size[0], column as usize / self.size[0]];
+        DVec3::new(
+            self.origin[0] + (x as f64 + 0.5) * self.side,
+            f64::from(height),
+            self.origin[1] + (z as f64 + 0.5) * self.side,
+        )
+    }
+
+    /// The floors that one can step to, to the left, to the right, to the back and to the front.
+    pub(super) fn neighbours(&self, floor: u32) -> [Option<u32>; 4] {
+        let from = self.all[floor as usize];
+        let [x, z] = [
+            from.column as usize % self.size[0],
+            from.column as usize / self.size[0],
+        ];
+        // On a coarse grid slopes are steps.
+        let step = (STEP * self.metre).max(self.side) as f32;
+        let headroom = (HEADROOM * self.metre) as f32;
+        let in_column = |x: usize, z: usize| {
+            let column = z * self.size[0] + x;
+            let all = self.starts[column]..self.starts[column + 1];
+            all.min_by(|&a, &b| {
+                let off = |floor: u32| (self.all[floor as usize].height - from.height).abs();
+                off(a).total_cmp(&off(b))
+            })
+            .filter(|&to| {
+                let to = &self.all[to as usize];
+                let ceiling = (from.height + from.headroom).min(to.height + to.headroom);
+                (to.height - from.height).abs() <= step && ceiling - from.height.max(to.height) >= headroom
+            })
+        };
+        [
+            (x > 0).then(|| in_column(x - 1, z)).flatten(),
+            (x + 1 < self.size[0]).then(|| in_column(x + 1, z)).flatten(),
+            (z > 0).then(|| in_column(x, z - 1)).flatten(),
+            (z + 1 < self.size[1]).then(|| in_column(x, z + 1)).flatten(),
+        ]
+    }
+}
+
+/// Corners of a triangle, or of what is left of one between four planes.
+type Polygon = SmallVec<[DVec3; 8]>;
+
+/// Every triangle that hides what is behind it, and that is finite.
+fn each_triangle(content: &Content, mut take: impl FnMut([DVec3; 3])) {
+    for item in (0..content.items().len() as u32).map(ItemId) {
+        let mesh = content.mesh_of(item);
+        let transform = content.item(item).transform();
+        for cluster in mesh.clusters() {
+            if content.material_of(item, cluster).alpha == Alpha::Blend {
+                continue;
+            }
+            for face in cluster.faces.clone() {
+                let corner = |&at: &u32| DVec3::from(transform.point_f64(mesh.positions()[at as usize]));
+                let corners = mesh.face(face);
+                let first = corner(&corners[0]);
+                for pair in corners[1..].windows(2) {
+                    take([first, corner(&pair[0]), corner(&pair[1])]);
+                }
+            }
+        }
+    }
+}
+
+fn around([a, b, c]: &[DVec3; 3]) -> [DVec3; 2] {
+    [a.min(*b).min(*c), a.max(*b).max(*c)]
+}
+
+/// The least and the greatest of a coordinate; `None` where nothing is left.
+fn extent_along(polygon: &Polygon, of: impl Fn(&DVec3) -> f64) -> Option<[f64; 2]> {
+    let first = of(polygon.first()?);
+    Some(
+        polygon
+            .iter()
+            .map(of)
+            .fold([first; 2], |[low, high], value| [low.min(value), high.max(value)]),
+    )
+}
+
+/// What of a polygon is between two planes across an axis.
+fn between(polygon: &Polygon, axis: usize, limits: [f64; 2]) -> Polygon {
+    let mut left = polygon.clone();
+    for (limit, sign) in limits.into_iter().zip([1.0, -1.0]) {
+        let mut kept = Polygon::new();
+        for (at, &from) in left.iter().enumerate() {
+            let to = left[(at + 1) % left.len()];
+            let [here, there] = [from, to].map(|corner| sign * (corner[axis] - limit));
+            if here >= 0.0 {
+                kept.push(from);
+            }
+            if (here > 0.0 && there < 0.0) || (here < 0.0 && there > 0.0) {
+                kept.push(from + (to - from) * (here / (here - there)));
+            }
+        }
+        left = kept;
+    }
+    left
+}
+
+/// Adds a span to those of a column, which are sorted and farther apart than `gap`.
+fn put(spans: &mut Spans, mut span: Span, gap: f32) {
+    let first = spans.partition_point(|other| other.high + gap < span.low);
+    let mut end = first;
+    while let Some(other) = spans.get(end).filter(|other| other.low <= span.high + gap) {
+        let is_level = if (other.high - span.high).abs() <= gap {
+            other.is_level || span.is_level
+        } else if other.high > span.high {
+            other.is_level
+        } else {
+            span.is_level
+        };
+        span = Span {
+            low: span.low.min(other.low),
+            high: span.high.max(other.high),
+            is_level,
+        };
+        end += 1;
+    }
+    spans.drain(first..end);
+    spans.insert(first, span);
+}

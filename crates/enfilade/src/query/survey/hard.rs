@@ -1,0 +1,113 @@
+//! Views from where visibility is hard to decide: in doorways, in planes and corners of faces, along surfaces.
+
+use super::{Dice, Standpoint};
+use crate::content::{Content, ItemId};
+use crate::scene::{FragmentId, Scene};
+use glam::DVec3;
+
+/// Up to `count` places where methods are most likely to be wrong, chosen by a fixed seed: in turn in an opening or just
+/// before or behind it, at a corner of a face, on an edge, and in the plane of a face, looking along it.
+///
+/// They may be inside solids. Fewer are returned where no eye can be there, and none where there are no faces.
+pub fn survey_hard(scene: &Scene, count: usize) -> Vec<Standpoint> {
+    let contents: Vec<(FragmentId, &Content)> = scene
+        .fragments()
+        .filter_map(|id| scene.content(id).map(|content| (id, &**content)))
+        .filter(|(_, content)| content.face_count() > 0)
+        .collect();
+    let mut dice = Dice(0x6861_7264);
+    let mut found = Vec::new();
+    for number in 0..TRIES * count {
+        if found.len() == count || contents.is_empty() {
+            break;
+        }
+        let (fragment, content) = contents[dice.below(contents.len())];
+        let place = match number % 4 {
+            0 => in_opening(content, &mut dice),
+            1 => at_face(content, &mut dice, Where::Corner),
+            2 => at_face(content, &mut dice, Where::Edge),
+            _ => at_face(content, &mut dice, Where::Plane),
+        };
+        let Some([eye, toward]) = place.map(|place| place.map(|point| point.as_vec3().to_array())) else {
+            continue;
+        };
+        if eye != toward && scene.locate(eye, toward) == Some(fragment) {
+            found.push(Standpoint {
+                fragment,
+                eye,
+                toward,
+                on_roof: false,
+            });
+        }
+    }
+    found
+}
+
+/// Candidates for each place wanted.
+const TRIES: usize = 16;
+
+/// Distances from an opening, in its size.
+const OFF: [f64; 7] = [0.0, 1e-6, -1e-6, 1e-3, -1e-3, 1e-2, -1e-2];
+
+enum Where {
+    Corner,
+    Edge,
+    Plane,
+}
+
+/// In or near an opening, looking through it, askew, or along its plane.
+fn in_opening(content: &Content, dice: &mut Dice) -> Option<[DVec3; 2]> {
+    let openings = content.openings();
+    if openings.is_empty() {
+        return None;
+    }
+    let outline = &openings[dice.below(openings.len())].outline;
+    let corners: Vec<DVec3> = outline
+        .corners()
+        .iter()
+        .map(|c| DVec3::from(c.map(f64::from)))
+        .collect();
+    let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+    let corner = corners[dice.below(corners.len())];
+    let size = middle.distance(corner);
+    let normal = outline.normal_f64();
+    let eye = middle.lerp(corner, dice.fraction()) + normal * (size * OFF[dice.below(OFF.len())]);
+    let along = (corner - middle).normalize_or(DVec3::X);
+    let ahead = match dice.below(4) {
+        0 => -normal,
+        1 => normal,
+        2 => along,
+        _ => dice.direction(),
+    };
+    Some([eye, eye + ahead * size])
+}
+
+/// At a corner, on an edge or in the plane of a face, looking along it.
+fn at_face(content: &Content, dice: &mut Dice, place: Where) -> Option<[DVec3; 2]> {
+    let item = ItemId(dice.below(content.items().len()) as u32);
+    let mesh = content.mesh_of(item);
+    if mesh.face_count() == 0 {
+        return None;
+    }
+    let transform = content.item(item).transform();
+    let face = mesh.face(dice.below(mesh.face_count() as usize) as u32);
+    let corner = |at: usize| {
+        let position = mesh.positions()[face[at % face.len()] as usize];
+        DVec3::from(transform.point_f64(position))
+    };
+    let first = dice.below(face.len());
+    let [a, b, c] = [corner(first), corner(first + 1), corner(first + 2)];
+    let middle = (a + b + c) / 3.0;
+    let eye = match place {
+        Where::Corner => a,
+        Where::Edge => a.lerp(b, dice.fraction()),
+        // Beyond an edge, as far as the face is large, or several times as far.
+        Where::Plane => middle + (a.lerp(b, dice.fraction()) - middle) * (1.0 + 4.0 * dice.fraction()),
+    };
+    let toward = match dice.below(3) {
+        0 => b,
+        1 => middle,
+        _ => eye + dice.direction() * a.distance(c),
+    };
+    Some([eye, toward])
+}

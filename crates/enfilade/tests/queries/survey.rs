@@ -1,0 +1,159 @@
+//! Surveys stand where people do: in rooms and streets, never in walls.
+
+use enfilade::{
+    ContentBuilder, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, Standpoint, Survey, Transform,
+    survey, survey_hard,
+};
+use enfilade_scenes::built_in;
+
+/// A box by its least and greatest corner; with `inward` its faces are seen from inside.
+struct Block {
+    min: [f32; 3],
+    max: [f32; 3],
+    inward: bool,
+}
+
+fn solid(min: [f32; 3], max: [f32; 3]) -> Block {
+    Block {
+        min,
+        max,
+        inward: false,
+    }
+}
+
+fn room(min: [f32; 3], max: [f32; 3]) -> Block {
+    Block {
+        min,
+        max,
+        inward: true,
+    }
+}
+
+/// A scene of boxes, each coordinate times `scale`, all with their winding turned if `inverted`, two-sided.
+fn scene(blocks: &[Block], scale: f32, inverted: bool) -> Scene {
+    let mut material = Material::opaque([1.0; 3]);
+    material.double_sided = true;
+    let mut builder = ContentBuilder::new([material]);
+    for block in blocks {
+        let corner = |at: usize| {
+            [0, 1, 2].map(|axis| {
+                let end = if at >> axis & 1 == 0 { block.min } else { block.max };
+                scale * end[axis]
+            })
+        };
+        let corners: Vec<[f32; 3]> = (0..8).map(corner).collect();
+        let outward = [
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+        ];
+        let mut faces = Vec::new();
+        for [a, b, c, d] in outward {
+            let triangles = if block.inward == inverted {
+                [a, b, c, a, c, d]
+            } else {
+                [c, b, a, d, c, a]
+            };
+            faces.extend(triangles);
+        }
+        let mesh = Mesh::triangles(&corners, &faces, MaterialId(0)).expect("twelve triangles");
+        let mesh = builder.mesh(mesh);
+        builder.item("block", mesh, Transform::IDENTITY);
+    }
+    let mut scene = SceneBuilder::new();
+    scene.add("all", builder.build().expect("sound"), Method::ZBuffer);
+    scene.build().expect("one fragment")
+}
+
+/// Two rooms side by side, with a wall between them that is wide enough to stand in.
+fn two_rooms() -> [Block; 2] {
+    [
+        room([0.0, 0.0, 0.0], [5.0, 2.8, 4.0]),
+        room([6.5, 0.0, 0.0], [9.5, 2.8, 4.0]),
+    ]
+}
+
+fn is_within(place: &Standpoint, block: &Block, margin: f32, scale: f32) -> bool {
+    (0..3).all(|axis| {
+        let at = place.eye[axis] / scale;
+        at >= block.min[axis] + margin && at <= block.max[axis] - margin
+    })
+}
+
+fn places(found: &Survey) -> Vec<[f32; 3]> {
+    found.places.iter().map(|place| place.eye).collect()
+}
+
+#[test]
+fn a_survey_stands_in_all_rooms_and_away_from_their_walls() {
+    for scale in [1.0, 39.4] {
+        let rooms = two_rooms();
+        let found = survey(&scene(&rooms, scale, false), 8);
+        assert_eq!((found.places.len(), found.rooms), (8, 2), "scale {scale}");
+        assert!(!found.seems_inverted);
+        for room in &rooms {
+            let here = found
+                .places
+                .iter()
+                .filter(|place| is_within(place, room, 0.249, scale));
+            assert!(here.count() >= 3, "scale {scale}: {:?}", places(&found));
+        }
+        let all = found.places.iter();
+        assert!(
+            all.clone()
+                .all(|place| rooms.iter().any(|room| is_within(place, room, 0.249, scale)))
+        );
+    }
+}
+
+#[test]
+fn where_the_winding_is_inverted_a_survey_stands_in_the_same_places_and_says_so() {
+    let [right, inverted] = [false, true].map(|inverted| survey(&scene(&two_rooms(), 1.0, inverted), 8));
+    assert_eq!(places(&right), places(&inverted));
+    assert!(inverted.seems_inverted && !right.seems_inverted);
+}
+
+#[test]
+fn in_a_city_a_survey_stands_in_streets_and_a_little_on_roofs() {
+    let mut city = vec![solid([-40.0, -1.0, -40.0], [40.0, 0.0, 40.0])];
+    for x in 0..4 {
+        for z in 0..4 {
+            let [x, z] = [x, z].map(|street| -32.0 + 18.0 * street as f32);
+            city.push(solid([x, 0.0, z], [x + 10.0, 12.0, z + 10.0]));
+        }
+    }
+    let found = survey(&scene(&city, 1.0, false), 32);
+    assert_eq!(found.places.len(), 32);
+    for place in &found.places {
+        assert!(
+            !city.iter().any(|block| is_within(place, block, 0.0, 1.0)),
+            "{place:?}"
+        );
+        assert_eq!(place.on_roof, place.eye[1] > 12.0, "{place:?}");
+    }
+    let on_roofs = found.places.iter().filter(|place| place.on_roof).count();
+    assert!((1..=4).contains(&on_roofs), "{on_roofs} on roofs");
+}
+
+#[test]
+fn a_survey_is_the_same_every_time() {
+    let scene = built_in("enfilade").expect("it is built in").scene;
+    let found = survey(&scene, 12);
+    assert_eq!(found.places, survey(&scene, 12).places);
+    assert_eq!(found.places.len(), 12);
+    assert!(found.rooms >= 4, "{}", found.rooms);
+}
+
+#[test]
+fn a_hard_survey_stands_in_openings_and_at_faces() {
+    let scene = built_in("two-rooms").expect("it is built in").scene;
+    let found = survey_hard(&scene, 40);
+    assert_eq!(found.len(), 40);
+    assert_eq!(found, survey_hard(&scene, 40));
+    // Its doorway is in the plane x = 0.
+    let in_the_plane = found.iter().filter(|place| place.eye[0] == 0.0);
+    assert!(in_the_plane.count() > 0, "{found:?}");
+}

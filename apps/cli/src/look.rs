@@ -17,6 +17,7 @@ use crate::values::Choice;
 use anyhow::Result;
 use enfilade::{Aim, Contract, Viewer};
 use std::fmt::Write;
+use std::sync::Arc;
 
 /// Runs `look`.
 pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
@@ -223,7 +224,7 @@ fn add_passages(text: &mut String, passages: &[WayReport]) {
     text.push('\n');
 }
 
-fn add_visible(text: &mut String, visible: &[String]) {
+fn add_visible(text: &mut String, visible: &[Arc<str>]) {
     const FEW: usize = 12;
     if visible.is_empty() {
         return;

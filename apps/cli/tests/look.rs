@@ -57,6 +57,7 @@ fn the_report_has_its_stable_shape() {
         "triangles_visible",
         "up",
         "visible",
+        "visible_items",
     ];
     assert_eq!(keys(&report["views"][0]), view);
     assert_eq!(

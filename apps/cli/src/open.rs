@@ -127,8 +127,8 @@ fn open_file(
     let pinned = large.find_map(|room| room.method.filter(|&method| method != Method::FloatingHorizon));
     if let Some(method) = pinned {
         bail!(
-            "{file}: it is to be seen by {method}, but terrain this large stays in its file, where it is seen by {} alone; choose \
-             that --method, or raise --memory, so that it becomes meshes",
+            "{file}: it names the method {method}, but terrain that does not fit in --memory can only be seen by {}; choose \
+             that --method, or raise --memory",
             Method::FloatingHorizon
         );
     }

@@ -101,6 +101,7 @@ mod pin;
 mod quake;
 mod rooms;
 mod source_nodes;
+mod spoken;
 mod terrain;
 mod warning;
 

@@ -234,7 +234,7 @@ fn a_camera_stands_in_the_world_and_looks_along_its_negative_z() {
 #[test]
 fn cameras_that_make_no_picture_are_left_out_with_a_warning() {
     let orthographic = |ymag: f64, znear: f64, zfar: f64| json!({ "type": "orthographic", "orthographic": { "xmag": 1, "ymag": ymag, "znear": znear, "zfar": zfar } });
-    let bad = "cameras that can make no picture are left out (node 1 \"Eye\")";
+    let bad = "cameras with an invalid angle, near plane or transform are ignored (node 1 \"Eye\")";
     for (camera, scale) in [
         (orthographic(0.0, 0.1, 9.0), 1),
         (orthographic(-2.0, 0.1, 9.0), 1),

@@ -71,8 +71,8 @@ pub(crate) fn check(
 pub(crate) fn reference(scene: &Scene) -> Result<Reference> {
     if let Some(name) = in_files(scene).next() {
         bail!(
-            "{name}: the reference needs terrain as meshes, but as such this is larger than it may be; raise --memory, or do \
-             without the reference"
+            "{name}: the reference needs terrain as meshes, and this does not fit in --memory as such; raise --memory, or do \
+             not compare with the reference"
         );
     }
     let _building = Progress::spinner("building the reference");

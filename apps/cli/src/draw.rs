@@ -166,7 +166,7 @@ fn with_shapes(prepared: Vec<Prepared>, choice: Choice, skipped: &mut Vec<Skippe
                     .filter(|method| method.cover_shape().is_some())
                     .map(Method::name);
                 bail!(
-                    "cannot show the cover of {method}, which has no shape; choose a --method that has one: {}",
+                    "{method} has no cover to show; choose a --method that has one: {}",
                     names.collect::<Vec<_>>().join(", ")
                 );
             }

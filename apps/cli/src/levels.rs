@@ -43,7 +43,7 @@ impl Leveled {
             for (fragment, item, why) in &refined.failed {
                 let content = self.full.content(*fragment);
                 let name = content.map_or("", |content| content.name(*item));
-                out::warn(format_args!("no level of `{name}`: {why}"));
+                out::warn(format_args!("no coarser levels of detail for `{name}`: {why}"));
             }
             if refined.changed == 0 && refined.waiting == 0 {
                 break;

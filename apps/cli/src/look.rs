@@ -12,13 +12,14 @@ use crate::prepare::prepare;
 use crate::progress::Progress;
 use crate::report::{Report, Reports, SceneReport, Sink, Summary, WayReport, left_out};
 use crate::run_files::RunFiles;
-use crate::text::{bytes, count, ms, percent, plural, point, table};
+use crate::text::{bytes, count, ms, percent, plural, point, short, table};
 use crate::values::Choice;
 use anyhow::Result;
 use enfilade::{Aim, Contract, Viewer};
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::sync::Arc;
 
 /// Runs `look`.
 pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
@@ -103,10 +104,10 @@ pub(crate) fn tell_what_is_wrong(report: &Report) {
     if report.contract == Contract::Approximate {
         if *missed > 0 || *pixels_different > 0 {
             out::note(format_args!(
-                "check: {} is approximate: {} missed and {} painted that no possible owner allows (--json names them)",
+                "check: {} is approximate: {} missed and {} (--json names them)",
                 report.method,
                 plural(*missed, "item"),
-                plural(*pixels_different as usize, "pixel")
+                plural(*pixels_different as usize, "wrong pixel")
             ));
         }
         return;
@@ -125,9 +126,9 @@ pub(crate) fn tell_what_is_wrong(report: &Report) {
             out::note(format_args!("{}: missed {}", place(), check.missed.join(", ")));
         }
         if check.pixels_different > 0 {
-            let pixels = plural(check.pixels_different as usize, "pixel");
+            let pixels = plural(check.pixels_different as usize, "wrong pixel");
             out::note(format_args!(
-                "{}: {pixels} painted that no possible owner allows",
+                "{}: {pixels} (the surface drawn there is not visible according to the reference)",
                 place()
             ));
         }
@@ -183,14 +184,15 @@ fn add_report(text: &mut String, report: &Report) {
         let growth = report.faces_built as f64 / (report.faces_built - report.splits) as f64;
         let _ = writeln!(
             text,
-            "tree: {} after {}, {growth:.2} times as many; {}",
+            "tree: {} after {}, {} times as many; {}",
             plural(report.faces_built as usize, "face"),
             plural(report.splits as usize, "split"),
+            short(growth),
             plural(report.depth as usize, "level")
         );
     }
     if report.views.is_empty() {
-        text.push_str("nothing was looked at\n");
+        text.push_str("there are no views\n");
         return;
     }
     let header = [
@@ -223,7 +225,7 @@ fn add_report(text: &mut String, report: &Report) {
         .collect();
     text.push_str(&table(&header, &rows));
     if report.views.iter().any(|view| !view.complete) {
-        text.push_str("+ a limit of portals in a row or of passages ended the look: more may be visible\n");
+        text.push_str("+ portal recursion limit reached; the visible set may be incomplete\n");
     }
     if let [view] = &report.views[..] {
         add_passages(text, &view.through);
@@ -258,7 +260,7 @@ fn add_passages(text: &mut String, passages: &[WayReport]) {
     text.push('\n');
 }
 
-fn add_visible(text: &mut String, visible: &[String]) {
+fn add_visible(text: &mut String, visible: &[Arc<str>]) {
     const FEW: usize = 12;
     if visible.is_empty() {
         return;
@@ -279,12 +281,12 @@ fn add_summary(text: &mut String, report: &Report) {
     if summary.views > 1 {
         let _ = writeln!(
             text,
-            "{} views: median {} ms, 99 % within {} ms; on average {:.1} of {:.1} items in the frustum are visible",
+            "{} views: median {} ms, 99 % within {} ms; on average {} of {} items in the frustum are visible",
             summary.views,
             ms(summary.ms_median),
             ms(summary.ms_p99),
-            summary.items_visible_mean,
-            summary.items_in_frustum_mean
+            short(summary.items_visible_mean),
+            short(summary.items_in_frustum_mean)
         );
     }
     let checks: Vec<_> = report
@@ -297,7 +299,7 @@ fn add_summary(text: &mut String, report: &Report) {
             |of: fn(&crate::report::CheckReport) -> u64| count(checks.iter().map(|check| of(check)).sum());
         let _ = writeln!(
             text,
-            "check: {} missed of {} surely visible, {} too many, {} pixels different, {} contested: {} of the samples are certain",
+            "check: {} missed of {} certainly visible, {} extra, {} wrong pixels, {} contested; {} of the samples are certain",
             count(summary.missed as u64),
             sum(|check| check.reference_visible as u64),
             sum(|check| check.extra as u64),

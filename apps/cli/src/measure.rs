@@ -25,6 +25,8 @@ pub(crate) struct Look {
     pub(crate) complete: bool,
     /// Over all passages, each once, in order.
     pub(crate) visible: Vec<(FragmentId, ItemId)>,
+    /// For each of these the longer side of its box on the screen, in pixels: the largest over all passages.
+    pub(crate) sizes_px: Vec<u16>,
 }
 
 /// A passage of a look.
@@ -165,6 +167,7 @@ pub(crate) fn p99(values: &[f64]) -> f64 {
 impl Look {
     fn of(set: &VisibleSet, scene: &Scene) -> Look {
         let (items_in_frustum, triangles_in_frustum) = set.in_frustum(scene);
+        let visible = distinct(set);
         Look {
             ms: 0.0,
             passages: ways(set, scene),
@@ -172,7 +175,8 @@ impl Look {
             triangles_in_frustum,
             triangles_visible: set.triangle_count(scene),
             complete: set.complete(),
-            visible: distinct(set),
+            sizes_px: sizes_px(set, &visible),
+            visible,
         }
     }
 }
@@ -205,6 +209,18 @@ pub(crate) fn distinct(set: &VisibleSet) -> Vec<(FragmentId, ItemId)> {
     items.sort_unstable();
     items.dedup();
     items
+}
+
+/// Returns the sizes in pixels of the items `visible`, which are those of a set in order.
+fn sizes_px(set: &VisibleSet, visible: &[(FragmentId, ItemId)]) -> Vec<u16> {
+    let mut sizes = vec![0; visible.len()];
+    for seen in set.items() {
+        let item = (set.passage(seen.passage).fragment, seen.item);
+        if let Ok(place) = visible.binary_search(&item) {
+            sizes[place] = seen.size_px.max(sizes[place]);
+        }
+    }
+    sizes
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use crate::values::{Choice, among};
 use anyhow::{Context, Result, anyhow, bail};
 use enfilade::{Method, Scene, SceneError};
 use enfilade_draw::Stage;
-use enfilade_import::{MapSummary, ReadOptions};
+use enfilade_import::{MapSummary, ReadOptions, SourceNodes};
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::Read;
@@ -25,6 +25,8 @@ pub(crate) struct Opened {
     pub(crate) format: &'static str,
     pub(crate) scene: Scene,
     pub(crate) cameras: Vec<Camera>,
+    /// Which nodes of a glTF file the items come from, by fragment; empty for a built-in scene.
+    pub(crate) nodes: Vec<SourceNodes>,
     /// What only a compiled map has.
     pub(crate) map: Option<MapSummary>,
     /// What was left out or is odd, a line each; printed already.
@@ -87,6 +89,7 @@ fn open_built_in(file: &str, name: &str) -> Result<Opened> {
         format: "built-in",
         scene: built.scene,
         cameras: built.cameras.into_iter().map(Camera::from).collect(),
+        nodes: Vec::new(),
         map: None,
         warnings: Vec::new(),
         load_ms: 0.0,
@@ -124,8 +127,8 @@ fn open_file(
     let pinned = large.find_map(|room| room.method.filter(|&method| method != Method::FloatingHorizon));
     if let Some(method) = pinned {
         bail!(
-            "{file}: it is to be seen by {method}, but terrain this large stays in its file, where it is seen by {} alone; choose \
-             that --method, or raise --memory, so that it becomes meshes",
+            "{file}: it names the method {method}, but terrain that does not fit in --memory can only be seen by {}; choose \
+             that --method, or raise --memory",
             Method::FloatingHorizon
         );
     }
@@ -148,6 +151,7 @@ fn open_file(
         format: format(path),
         scene,
         cameras: import.cameras.into_iter().map(Camera::from).collect(),
+        nodes: import.rooms.into_iter().map(|room| room.nodes).collect(),
         map: import.map,
         warnings: import.warnings.iter().map(ToString::to_string).collect(),
         load_ms: 0.0,

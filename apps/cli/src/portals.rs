@@ -6,7 +6,7 @@ use crate::out;
 use crate::progress::Progress;
 use crate::report::Sink;
 use crate::run_files::RunFiles;
-use crate::text::{bytes, plural};
+use crate::text::{bytes, plural, short};
 use anyhow::{Result, bail};
 use enfilade_import::{ClustersFrom, ReadOptions, RebuiltPortals, rebuild_portals};
 use serde::Serialize;
@@ -85,14 +85,14 @@ pub(crate) fn run(args: &PortalsArgs) -> Result<Outcome> {
             ClustersFrom::Map | ClustersFrom::Rows => "",
         };
         out::print(&format!(
-            "{}: {}, {}, {}, {}, {} in {:.2} s{alone}\n",
+            "{}: {}, {}, {}, {}, {} in {} s{alone}\n",
             made.file,
             made.kind,
             plural(made.leafs as usize, "leaf"),
             plural(made.clusters as usize, "cluster"),
             plural(made.portals, "portal"),
             bytes(made.bytes),
-            made.seconds,
+            short(made.seconds),
         ))?;
     }
     sink.write(&made)?;

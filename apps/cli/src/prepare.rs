@@ -103,7 +103,7 @@ pub(crate) fn prepare(
         let built = build(choice).map_err(|why| {
             let remedy = match why {
                 Unsuited::NotBaked(_) => "choose another --method, or a scene that has cells",
-                Unsuited::NotConvex(_) => "choose another --method, or part the scene into convex rooms",
+                Unsuited::NotConvex(_) => "choose another --method, or split the scene into convex rooms",
                 Unsuited::NoTerrain(_) => "choose another --method, or a scene that is terrain",
                 _ => "raise --memory, or choose a smaller --size or another --method",
             };
@@ -143,8 +143,7 @@ pub(crate) fn stays_visible(opened: &Opened, method: Option<Method>) -> Result<(
     let seen_by = Method::FloatingHorizon;
     if method != Some(seen_by) && in_files(&opened.scene).next().is_some() {
         bail!(
-            "{}: terrain this large stays in its file, where it is seen by {seen_by} alone; choose that --method, or raise \
-             --memory, so that it becomes meshes",
+            "{}: terrain that does not fit in --memory can only be seen by {seen_by}; choose that --method, or raise --memory",
             opened.file
         );
     }
@@ -194,7 +193,7 @@ fn check_cover_size(opened: &Opened, choice: Choice, how: &HowArgs, view: Option
     let able = Method::ALL.iter().filter(|method| method.takes_cover_size());
     let able: Vec<&str> = able.map(|method| method.name()).collect();
     bail!(
-        "{}: --cover-size says nothing to {}; choose one of --method {}, or leave it out",
+        "{}: --cover-size has no effect on {}; choose one of --method {}, or leave it out",
         opened.file,
         methods[0],
         able.join(", ")

@@ -1,5 +1,6 @@
 //! Whole files, refused before anything is read if they are too large or no files.
 
+use crate::text;
 use anyhow::{Context, Result, bail};
 use std::fs::{self, File};
 use std::io::Read;
@@ -11,7 +12,10 @@ pub(crate) fn read_file(path: &Path, limit: u64, remedy: &str) -> Result<Vec<u8>
     // Asked before opening: a pipe does not open until someone writes.
     let there = fs::metadata(path).with_context(fails)?;
     if !there.is_file() {
-        bail!("{}: it is not a file, but a folder, a pipe or a device", fails());
+        bail!(
+            "{}: it is not a file, but a folder, a pipe or a device; name a file",
+            fails()
+        );
     }
     let mut bytes = Vec::new();
     let file = File::open(path).with_context(fails)?;
@@ -25,8 +29,10 @@ pub(crate) fn read_file(path: &Path, limit: u64, remedy: &str) -> Result<Vec<u8>
     let length = length.max(bytes.len() as u64);
     if length > limit {
         bail!(
-            "{}: it has {length} bytes, more than the limit of {limit}; {remedy}",
-            fails()
+            "{}: it has {}, more than the limit of {}; {remedy}",
+            fails(),
+            text::bytes(length),
+            text::bytes(limit)
         );
     }
     Ok(bytes)
@@ -45,7 +51,7 @@ mod tests {
         assert_eq!(read(4).as_deref(), Ok(&b"four"[..]));
         let why = read(3).expect_err("it is too long");
         assert!(
-            why.ends_with("it has 4 bytes, more than the limit of 3; cut it"),
+            why.ends_with("it has 4 bytes, more than the limit of 3 bytes; cut it"),
             "{why}"
         );
     }

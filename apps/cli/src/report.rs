@@ -11,9 +11,14 @@ use crate::prepare::Prepared;
 use crate::run_files::RunFiles;
 use crate::save::Destination;
 use anyhow::{Context, Result};
-use enfilade::{Contract, FragmentId, OpeningId, Scene, View};
+use enfilade::{Contract, FragmentId, ItemId, OpeningId, Scene, View};
+use enfilade_import::SourceNodes;
+use serde::ser::{Error, SerializeSeq};
 use serde::{Serialize, Serializer};
+use serde_json::value::to_raw_value;
+use std::collections::HashMap;
 use std::fmt::Display;
+use std::sync::Arc;
 
 /// One method over all views.
 #[derive(Debug, Serialize)]
@@ -75,11 +80,28 @@ pub(crate) struct ViewReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) samples_shaded: Option<u64>,
     pub(crate) complete: bool,
-    pub(crate) visible: Vec<String>,
+    /// Shared with `visible_items` and the other views: there may be thousands of items in hundreds of views.
+    pub(crate) visible: Vec<Arc<str>>,
+    /// The same items in the same order.
+    #[serde(serialize_with = "one_line_each")]
+    pub(crate) visible_items: Vec<ItemReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) check: Option<CheckReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) expected: Option<ExpectedReport>,
+}
+
+/// An item that is seen.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct ItemReport {
+    pub(crate) name: Arc<str>,
+    /// Its node's index in a glTF file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) node: Option<u32>,
+    /// What the node's `extras` call it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) id: Option<Arc<str>>,
+    pub(crate) size_px: u16,
 }
 
 /// A passage: one way from the eye into a fragment.
@@ -238,7 +260,7 @@ impl Report {
         size: [u32; 2],
         looks: Looks,
     ) -> Report {
-        let names = Names::new(&prepared.scene);
+        let items = seen_items(&looks.each, &Names::new(&prepared.scene), &opened.nodes);
         let built = prepared.scene.built();
         let times: Vec<f64> = looks.each.iter().map(|look| look.ms).collect();
         let mean = |sum: usize| {
@@ -274,7 +296,7 @@ impl Report {
             views: views
                 .iter()
                 .zip(looks.each)
-                .map(|(view, look)| ViewReport::new(view, look, &names, &prepared.scene))
+                .map(|(view, look)| ViewReport::new(view, look, &items, &prepared.scene))
                 .collect(),
             choices: prepared.choices.clone(),
         }
@@ -365,8 +387,28 @@ impl WayReport {
     }
 }
 
+/// The items that any view shows, each once, of no size yet.
+type SeenItems = HashMap<(FragmentId, ItemId), ItemReport>;
+
+fn seen_items(looks: &[Look], names: &Names, nodes: &[SourceNodes]) -> SeenItems {
+    let mut items = SeenItems::new();
+    for &(fragment, item) in looks.iter().flat_map(|look| &look.visible) {
+        items.entry((fragment, item)).or_insert_with(|| {
+            let nodes = nodes.get(fragment.0 as usize);
+            ItemReport {
+                name: names.of((fragment, item)).into(),
+                node: nodes.and_then(|nodes| nodes.node(item)),
+                id: nodes.and_then(|nodes| nodes.id(item)).map(Arc::from),
+                size_px: 0,
+            }
+        });
+    }
+    items
+}
+
 impl ViewReport {
-    fn new(view: &View, look: Look, names: &Names, scene: &Scene) -> ViewReport {
+    fn new(view: &View, look: Look, items: &SeenItems, scene: &Scene) -> ViewReport {
+        let visible = || look.visible.iter().map(|item| &items[item]);
         ViewReport {
             eye: view.eye,
             toward: view.toward,
@@ -388,7 +430,14 @@ impl ViewReport {
             picture: None,
             samples_shaded: None,
             complete: look.complete,
-            visible: look.visible.iter().map(|&item| names.of(item)).collect(),
+            visible: visible().map(|item| Arc::clone(&item.name)).collect(),
+            visible_items: visible()
+                .zip(&look.sizes_px)
+                .map(|(item, &size_px)| ItemReport {
+                    size_px,
+                    ..item.clone()
+                })
+                .collect(),
             check: None,
             expected: None,
         }
@@ -406,4 +455,13 @@ fn as_text<S: Serializer>(value: &impl Display, serializer: S) -> Result<S::Ok, 
 
 fn as_map<S: Serializer>(counters: &[(&'static str, u64)], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_map(counters.iter().copied())
+}
+
+/// Items as a list of lines: with a line for each of their fields, a report of many views would be twice as long.
+fn one_line_each<S: Serializer>(items: &[ItemReport], serializer: S) -> Result<S::Ok, S::Error> {
+    let mut list = serializer.serialize_seq(Some(items.len()))?;
+    for item in items {
+        list.serialize_element(&to_raw_value(item).map_err(S::Error::custom)?)?;
+    }
+    list.end()
 }

@@ -43,7 +43,7 @@ impl Destination {
         };
         let folder = folder_of(name);
         let Some(file_name) = name.file_name() else {
-            bail!("{}: it does not end in a file's name", fails());
+            bail!("{}: it does not end in a file's name; name a file", fails());
         };
         if !folder.is_dir() {
             bail!(

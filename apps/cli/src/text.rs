@@ -26,7 +26,7 @@ pub(crate) fn plural(number: usize, one: &str) -> String {
 
 /// `12.3 MB`, in powers of a thousand.
 pub(crate) fn bytes(number: u64) -> String {
-    const UNITS: [&str; 3] = ["kB", "MB", "GB"];
+    const UNITS: [&str; 4] = ["kB", "MB", "GB", "TB"];
     if number < 1000 {
         return plural(number as usize, "byte");
     }
@@ -71,7 +71,7 @@ pub(crate) fn percent(share: f64) -> String {
 
 /// `1.2, 3.4, 5.6`.
 pub(crate) fn point(point: [f32; 3]) -> String {
-    point.map(|value| format!("{value:.2}")).join(", ")
+    point.map(|value| short(value.into())).join(", ")
 }
 
 /// Rows of cells, the first column to the left and the others to the right, with a header.
@@ -117,6 +117,15 @@ mod tests {
             [0.0, 9.876, 43.21, 1234.5].map(ms),
             ["0.00", "9.88", "43.2", "1234"]
         );
+    }
+
+    #[test]
+    fn numbers_have_four_significant_digits_and_no_zeros_behind() {
+        assert_eq!(
+            [0.0, 1.0, 12.345678, -0.000123456, 12_345.6, 99.999].map(short),
+            ["0", "1", "12.35", "-0.0001235", "12346", "100"]
+        );
+        assert_eq!(point([1.0, -2.34567, 1234.5]), "1, -2.346, 1234");
     }
 
     #[test]

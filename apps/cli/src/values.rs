@@ -177,7 +177,7 @@ pub(crate) fn bytes(text: &str) -> Result<u64, String> {
 pub(crate) fn check(text: &str) -> Result<u32, String> {
     match text.parse::<u32>() {
         Ok(places @ 1..=64) => Ok(places),
-        _ => Err("wants a number of places a pixel from 1 to 64, or nothing".to_owned()),
+        _ => Err("a number of random samples per pixel from 1 to 64 is wanted, or nothing".to_owned()),
     }
 }
 
@@ -208,16 +208,13 @@ pub(crate) fn among<'a>(mistyped: &str, names: impl Iterator<Item = &'a str>) ->
         .iter()
         .max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
         .filter(|name| likeness(name) > 0.7);
-    let question = nearest.map_or(String::new(), |name| format!("did you mean {name}? "));
+    let there = nearest.map_or("there".to_owned(), |name| format!("did you mean {name}? There"));
     let more = if names.len() > FEW {
         format!(" and {} more", names.len() - FEW)
     } else {
         String::new()
     };
-    format!(
-        "{question}There are: {}{more}",
-        names[..names.len().min(FEW)].join(", ")
-    )
+    format!("{there} are: {}{more}", names[..names.len().min(FEW)].join(", "))
 }
 
 #[cfg(test)]
@@ -262,7 +259,7 @@ mod tests {
             says(bytes(text).map(drop), "such as 2GB");
         }
         says(method("z-bufer").map(drop), "did you mean z-buffer?");
-        says(method("quux").map(drop), "There are: ");
+        says(method("quux").map(drop), "there are: ");
         says(simd("avx3").map(drop), enfilade::simd_level());
         says(check("65").map(drop), "1 to 64");
         assert_eq!(check("16"), Ok(16));

@@ -50,7 +50,7 @@ fn what_is_mistyped_is_met_with_the_nearest() {
     refused(
         &folder,
         "look --method qqq",
-        &["There are: ", "z-buffer", "hierarchical-z"],
+        &["there are: ", "z-buffer", "hierarchical-z"],
     );
     refused(&folder, "draw -o a.png --show imgae", &["did you mean image?"]);
     refused(&folder, "draw -o a.png --samples 3", &["1 sample or 4"]);
@@ -88,7 +88,7 @@ fn values_out_of_range_are_refused() {
     refused(
         &folder,
         "look @enfilade --memory 1 --size 64x36",
-        &["@enfilade", "1 are allowed", "raise --memory"],
+        &["@enfilade", "above the limit of 1 byte;", "raise --memory"],
     );
     refused(
         &folder,
@@ -183,7 +183,11 @@ fn a_broken_path_is_refused_by_its_line() {
         "look scene.glb --path empty.jsonl",
         &["empty.jsonl", "no view"],
     );
-    refused(&folder, "look scene.glb --path missing.jsonl", &["missing.jsonl"]);
+    refused(
+        &folder,
+        "look scene.glb --path missing.jsonl",
+        &["missing.jsonl", "; check the path"],
+    );
 }
 
 #[test]
@@ -197,7 +201,7 @@ fn files_that_are_no_scene_are_refused() {
         refused(
             &folder,
             &format!("{verb} missing.glb"),
-            &["missing.glb", "cannot be read"],
+            &["missing.glb: cannot be read: there is no such file; check its path"],
         );
         refused(&folder, &format!("{verb} cut.glb"), &["cut.glb", "cut short"]);
         refused(
@@ -205,7 +209,11 @@ fn files_that_are_no_scene_are_refused() {
             &format!("{verb} text.glb"),
             &["text.glb", "neither glTF nor OBJ"],
         );
-        refused(&folder, &format!("{verb} nothing.glb"), &["nothing.glb"]);
+        refused(
+            &folder,
+            &format!("{verb} nothing.glb"),
+            &["nothing.glb", "it is empty; name a scene"],
+        );
         refused(&folder, &format!("{verb} ."), &["."]);
     }
 }

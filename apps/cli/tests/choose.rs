@@ -102,12 +102,15 @@ fn what_cannot_be_pinned_is_told_before_anything_is_measured() {
     std::fs::create_dir(folder.path("elsewhere")).expect("a folder");
     folder.add("b.gltf", r#"{"asset":{"version":"2.0"}}"#);
     for (arguments, told) in [
-        ("choose @two-rooms -o a.glb", "a built-in scene is no file"),
+        (
+            "choose @two-rooms -o a.glb",
+            "cannot be written into a built-in scene",
+        ),
         (
             "choose a.obj -o b.obj --size 8x8",
-            "an OBJ file or a map has no place for methods",
+            "methods cannot be stored in an OBJ file or a map",
         ),
-        ("choose b.gltf -o elsewhere/b.gltf", "name a file in that"),
+        ("choose b.gltf -o elsewhere/b.gltf", "write the copy there"),
         (
             "choose scene.glb --moving nowhere --size 8x8",
             "there is no fragment `nowhere`",

@@ -57,6 +57,7 @@ fn the_report_has_its_stable_shape() {
         "triangles_visible",
         "up",
         "visible",
+        "visible_items",
     ];
     assert_eq!(keys(&report["views"][0]), view);
     assert_eq!(
@@ -159,7 +160,7 @@ fn a_method_that_needs_too_much_is_skipped_where_all_were_asked_for() {
         report["skipped"][1]["why"]
             .as_str()
             .expect("a reason")
-            .contains("bytes")
+            .contains("above the limit of 1 byte")
     );
 }
 
@@ -322,7 +323,7 @@ fn a_report_in_a_file_leaves_the_text_for_people() {
         run.stdout
     );
     assert!(
-        run.stdout.contains("check: 0 missed of 3 surely visible"),
+        run.stdout.contains("check: 0 missed of 3 certainly visible"),
         "{}",
         run.stdout
     );

@@ -17,7 +17,7 @@ fn info_says_what_is_in_a_map_and_how_much_a_leaf_sees() {
         "baked.bsp: BSP2, a map of Quake",
         "map        1 leaf, 1 face, 1 model, 2 entities",
         "visible    100.0 % of the map from a leaf, in 1 byte",
-        "camera     info_player_start: from 0.00, 0.00, 0.00",
+        "camera     info_player_start: from 0, 0, 0",
     ] {
         assert!(said.contains(line), "{line} is not in\n{said}");
     }

@@ -117,8 +117,8 @@ fn odd_obj_files_warn_and_broken_ones_are_told_where() {
     let run = folder.run("info yard.obj");
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     for words in [
-        "yard.obj: files of materials cannot be read (yard.mtl: ",
-        "yard.obj: materials that are not defined are grey (red, green)",
+        "yard.obj: material files cannot be read (yard.mtl: ",
+        "yard.obj: undefined materials are grey (red, green)",
     ] {
         assert!(run.stderr.contains(words), "{}", run.stderr);
     }
@@ -132,6 +132,6 @@ fn odd_obj_files_warn_and_broken_ones_are_told_where() {
     folder.add("world.toml", "[[part]]\nname = 'yard'\nfile = 'yard.obj'");
     let run = folder.run("link world.toml -o world.glb");
     assert_eq!(run.code, Some(2), "{}", run.stderr);
-    let says = "is not glTF: it begins with `mtllib yard.`. glTF 2.0 is wanted here";
+    let says = "is not glTF: it begins with `mtllib yard.`; name a glTF 2.0 file";
     assert!(run.stderr.contains(says), "{}", run.stderr);
 }

@@ -336,7 +336,7 @@ fn saved_work_of_a_live_run_is_neither_replaced_nor_removed_nor_used() {
         assert_eq!(run.code, Some(0), "{}", run.stderr);
         assert!(
             run.stderr
-                .contains("map.bsp.vis-unfinished is of a run that is still at work"),
+                .contains("map.bsp.vis-unfinished belongs to a run that is still at work"),
             "{}",
             run.stderr
         );

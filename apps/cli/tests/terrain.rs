@@ -102,7 +102,7 @@ fn what_terrain_in_its_file_cannot_do_is_said_with_a_way_out() {
         assert_eq!(run.code, Some(2), "{line}: {}", run.stderr);
         assert!(run.stderr.contains(words), "{line}: {}", run.stderr);
     };
-    let alone = "stays in its file, where it is seen by floating-horizon alone; choose that --method, or raise --memory";
+    let alone = "does not fit in --memory can only be seen by floating-horizon; choose that --method, or raise --memory";
     says(
         &format!("look valley.json {FROM_THE_WEST} {LITTLE} --method bsp"),
         alone,

@@ -107,8 +107,8 @@ fn files_of_six_gigabytes_are_refused_by_a_limit_that_is_named() {
         file.set_len(6 << 30).expect("sparse");
     }
     for (arguments, file, limit) in [
-        ("link big.toml -o a.glb", "big.toml", "1048576"),
-        ("look scene.glb --path big.jsonl", "big.jsonl", "67108864"),
+        ("link big.toml -o a.glb", "big.toml", "limit of 1.0 MB"),
+        ("look scene.glb --path big.jsonl", "big.jsonl", "limit of 67.1 MB"),
         ("look big.bsp", "big.bsp", "limit"),
         ("vis big.bsp --prt map.prt", "big.bsp", "--memory"),
         ("vis map.bsp --prt big.prt", "big.prt", "limit"),
@@ -152,7 +152,7 @@ fn a_world_of_more_parts_than_memory_holds_is_refused_at_the_part_that_is_too_mu
     refused(
         &folder,
         "link world.toml -o a.glb --memory 8MB",
-        &["[[part]] \"p", "8000000"],
+        &["[[part]] \"p", "limit of 8 MB"],
     );
 }
 

@@ -260,7 +260,7 @@ fn saved_work_that_is_of_no_use_is_said_so() {
     );
     let run = folder.run("vis map.bsp --seconds 0");
     assert_eq!(run.code, Some(0), "{}", run.stderr);
-    assert!(run.stderr.contains("--resume goes on with it"), "{}", run.stderr);
+    assert!(run.stderr.contains("--resume continues it"), "{}", run.stderr);
     let run = folder.run("vis map.bsp --resume");
     assert_eq!(run.code, Some(2));
     assert!(
@@ -292,7 +292,7 @@ fn what_cannot_be_done_is_said_in_one_message_and_the_map_is_untouched() {
     refused(&folder, "vis nothing.bsp", &["nothing.bsp"]);
     refused(&folder, "vis map.map", &["map.map", ".bsp"]);
     refused(&folder, "vis map.bsp --prt other.prt", &["other.prt"]);
-    refused(&folder, "vis map.prt -o copy.bsp", &["map.prt", "report alone"]);
+    refused(&folder, "vis map.prt -o copy.bsp", &["map.prt", "a report only"]);
     refused(&folder, "vis map.bsp -o copy.prt", &["copy.prt", ".bsp"]);
     refused(&folder, "vis map.bsp --memory 100", &["--memory"]);
 

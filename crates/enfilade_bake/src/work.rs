@@ -84,7 +84,8 @@ impl Stage {
 /// The work would take too much memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error(
-    "what is visible between {cells} cells and {portals} portals takes about {needs_bytes} bytes to find out; {limit_bytes} are allowed"
+    "the PVS of {cells} cells and {portals} portals takes about {} to compute, above the limit of {}",
+    megabytes(*.needs_bytes), megabytes(*.limit_bytes)
 )]
 pub struct TooLarge {
     /// How many cells there are.
@@ -95,6 +96,12 @@ pub struct TooLarge {
     pub needs_bytes: u64,
     /// What it may take.
     pub limit_bytes: u64,
+}
+
+/// `12.3 MB`, with four significant digits.
+fn megabytes(bytes: u64) -> String {
+    let number = format!("{:.3e}", bytes as f64 / 1e6);
+    format!("{} MB", number.parse().unwrap_or(f64::INFINITY))
 }
 
 /// Ways of a step, where each takes little.

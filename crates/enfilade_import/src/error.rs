@@ -1,5 +1,6 @@
 //! Why a file is not read.
 
+use crate::spoken::{bytes, unreadable};
 use crate::{AuthoringError, BspError, ObjError, PrtError, TerrainError};
 use enfilade::{BakedCellsError, ContentError, MAX_COORDINATE, MeshError};
 use std::io;
@@ -20,27 +21,25 @@ pub struct ImportError {
 #[non_exhaustive]
 pub enum BrokenRule {
     /// The system does not hand out the file.
-    #[error("cannot be read: {0}")]
+    #[error("cannot be read: {}", unreadable(.0))]
     Unreadable(io::Error),
     /// A folder, a pipe or a device.
-    #[error("is not a file, but a folder, a pipe or a device")]
+    #[error("is not a file, but a folder, a pipe or a device; name a file")]
     NotAFile,
     /// Neither the magic number of a `.glb` nor the start of a JSON object.
-    #[error(
-        "is not glTF: it begins with {begins}. glTF 2.0 is wanted here (.glb, or .gltf with its .bin files)"
-    )]
+    #[error("is not glTF: it {begins}; name a glTF 2.0 file (.glb, or .gltf with its .bin files)")]
     NotGltf {
-        /// The first bytes, as text.
+        /// What it begins with: "begins with `…`", or "is empty".
         begins: String,
     },
     /// Neither glTF nor OBJ, nor a map, nor a description of terrain.
     #[error(
-        "is neither glTF nor OBJ, nor a map of Quake, nor terrain: it begins with {begins}. Scenes are read from glTF 2.0 (.glb, \
-         or .gltf with its .bin files), from OBJ (.obj with its .mtl files), from compiled maps (.bsp: BSP29, BSP2, IBSP46), and \
-         from heights (.json with its .raw file)"
+        "is neither glTF nor OBJ, nor a map of Quake, nor terrain: it {begins}; name a scene in glTF 2.0 (.glb, or .gltf with \
+         its .bin files), OBJ (.obj with its .mtl files), a compiled map (.bsp: BSP29, BSP2, IBSP46), or terrain (.json with \
+         its .raw file)"
     )]
     UnknownFormat {
-        /// The first bytes, as text.
+        /// What it begins with: "begins with `…`", or "is empty".
         begins: String,
     },
     /// An OBJ file that breaks a rule.
@@ -71,15 +70,15 @@ pub enum BrokenRule {
     #[error("its first chunk is not JSON; export it again")]
     NoJsonChunk,
     /// Another version of glTF.
-    #[error("is of glTF version {0}; only version 2.0 is read. Export it again as glTF 2.0")]
+    #[error("is of glTF version {0}; export it again as glTF 2.0")]
     Version(String),
     /// Not JSON, or not what glTF wants there.
-    #[error("its JSON cannot be read: {0}")]
+    #[error("its JSON cannot be read: {0}; export it again")]
     Json(String),
     /// More memory is needed than allowed.
     #[error(
-        "{place} would take the memory needed to {needs_bytes} bytes, more than the limit of {limit_bytes}; \
-         allow more, or cut the file in pieces"
+        "{place} would raise the memory needed to {}, above the limit of {}; allow more (--memory), or split the file",
+        bytes(*.needs_bytes), bytes(*.limit_bytes)
     )]
     TooLarge {
         /// What would take it.
@@ -108,7 +107,7 @@ pub enum BrokenRule {
         remedy: &'static str,
     },
     /// A number that names nothing.
-    #[error("{place} names {kind} {index}, but there are only {count}")]
+    #[error("{place} names {kind} {index}, but there are only {count}; export it again")]
     NoSuch {
         /// Where.
         place: String,
@@ -120,7 +119,7 @@ pub enum BrokenRule {
         count: usize,
     },
     /// A buffer or an image is to be fetched from elsewhere.
-    #[error("{place} lies at `{uri}`; nothing is fetched. Save it beside the file and name it there")]
+    #[error("{place} is at `{uri}`, and nothing is fetched; save it beside the file and name it there")]
     NotLocal {
         /// Which of them.
         place: String,
@@ -138,7 +137,9 @@ pub enum BrokenRule {
         uri: String,
     },
     /// A buffer or an image stands in a file, and there is no folder to look in.
-    #[error("{place} is the file `{uri}`, but no folder was given to look for it")]
+    #[error(
+        "{place} is the file `{uri}`, but no folder was given to look for it; give one, or embed the file"
+    )]
     NoFolder {
         /// Which of them.
         place: String,
@@ -146,7 +147,7 @@ pub enum BrokenRule {
         uri: String,
     },
     /// The address of a buffer or an image has bad percent signs, or its data are not base64.
-    #[error("{place} has a bad address: {why}")]
+    #[error("{place} has a bad address: {why}; export it again")]
     BadUri {
         /// Which of them.
         place: String,
@@ -165,7 +166,7 @@ pub enum BrokenRule {
     },
     /// A buffer with neither an address nor a chunk of the `.glb`.
     #[error(
-        "{place} has no bytes: no uri, and it is not the binary chunk of a .glb. If it was compressed, export it without"
+        "{place} has no bytes: no uri, and it is not the binary chunk of a .glb; export it again, without compression"
     )]
     BufferWithoutBytes {
         /// Which buffer.
@@ -182,7 +183,7 @@ pub enum BrokenRule {
         has: u64,
     },
     /// A buffer view reaches past its buffer.
-    #[error("{place} ends at byte {end} of buffer {buffer}, which has only {length}")]
+    #[error("{place} ends at byte {end} of buffer {buffer}, which has only {length}; export it again")]
     ViewOutOfBuffer {
         /// Which buffer view.
         place: String,
@@ -194,7 +195,7 @@ pub enum BrokenRule {
         length: u64,
     },
     /// An accessor reaches past its buffer view.
-    #[error("{place} ends at byte {end} of bufferView {view}, which has only {length}")]
+    #[error("{place} ends at byte {end} of bufferView {view}, which has only {length}; export it again")]
     AccessorOutOfView {
         /// Which accessor.
         place: String,
@@ -207,7 +208,7 @@ pub enum BrokenRule {
     },
     /// Elements overlap.
     #[error(
-        "{place} has elements of {element} bytes, but its bufferView {view} has a byteStride of {stride}"
+        "{place} has elements of {element} bytes, but its bufferView {view} has a byteStride of {stride}; export it again"
     )]
     BadStride {
         /// Which accessor.
@@ -255,8 +256,8 @@ pub enum BrokenRule {
     },
     /// The elements that stand instead of others have numbers that are out of range or out of order.
     #[error(
-        "{place} has the sparse index {number} at place {at}; sparse indices must grow, and stay below its count of \
-         {elements}. Export it again"
+        "{place} has the sparse index {number} at position {at}, but sparse indices must increase and stay below its count of \
+         {elements}; export it again"
     )]
     SparseIndex {
         /// Which accessor.
@@ -269,7 +270,7 @@ pub enum BrokenRule {
         elements: u64,
     },
     /// A compressed buffer view is damaged, or not compressed in a way that is known.
-    #[error("{place} is compressed, but {why}")]
+    #[error("{place} is compressed, but {why}; export it again, or without compression")]
     BadCompression {
         /// Which buffer view.
         place: String,
@@ -277,7 +278,9 @@ pub enum BrokenRule {
         why: String,
     },
     /// The instances of a node are given by lists of different lengths.
-    #[error("{node} has {first} {first_what}, but {second} {second_what}; an instance has one of each")]
+    #[error(
+        "{node} has {first} {first_what}, but {second} {second_what}; export it again with one of each per instance"
+    )]
     InstanceCount {
         /// The node.
         node: String,
@@ -311,7 +314,7 @@ pub enum BrokenRule {
         position: u32,
     },
     /// An index names a position that is not there.
-    #[error("{place} has index {index} at place {corner} of its indices, but only {positions} positions")]
+    #[error("{place} has index {index} at corner {corner}, but only {positions} positions; export it again")]
     IndexOutOfRange {
         /// Which primitive.
         place: String,
@@ -329,7 +332,7 @@ pub enum BrokenRule {
         place: String,
     },
     /// A drawing mode that glTF does not know.
-    #[error("{place} has mode {mode}; modes are 0 (points) to 6 (triangle fan)")]
+    #[error("{place} has mode {mode}, but modes are 0 (points) to 6 (triangle fan); export it again")]
     BadMode {
         /// Which primitive.
         place: String,
@@ -337,7 +340,7 @@ pub enum BrokenRule {
         mode: u32,
     },
     /// An alpha mode that glTF does not know.
-    #[error("{place} has alphaMode `{mode}`; modes are OPAQUE, MASK and BLEND")]
+    #[error("{place} has alphaMode `{mode}`, but modes are OPAQUE, MASK and BLEND; export it again")]
     BadAlphaMode {
         /// Which material.
         place: String,
@@ -345,7 +348,7 @@ pub enum BrokenRule {
         mode: String,
     },
     /// A node is a child twice.
-    #[error("{node} is a child of both {first} and {second}; a node has one parent")]
+    #[error("{node} is a child of both {first} and {second}, but a node has one parent; export it again")]
     TwoParents {
         /// The node.
         node: String,
@@ -355,12 +358,10 @@ pub enum BrokenRule {
         second: String,
     },
     /// A node is its own ancestor.
-    #[error("these nodes are each other's children, in a ring: {0}")]
+    #[error("these nodes are each other's children, in a cycle: {0}; export it again")]
     NodeCycle(String),
     /// A scene begins in the middle of a tree.
-    #[error(
-        "{scene} begins with {node}, which is a child of {parent}; a scene begins with nodes that have no parent"
-    )]
+    #[error("{scene} names {node} as a root, but it is a child of {parent}; export it again")]
     NotARoot {
         /// The scene.
         scene: String,
@@ -370,13 +371,15 @@ pub enum BrokenRule {
         parent: String,
     },
     /// A matrix whose last row is not 0, 0, 0, 1.
-    #[error("{0} has a matrix with perspective; only moving, turning, scaling and shearing are possible")]
+    #[error("{0} has a matrix with perspective: its last row is not 0, 0, 0, 1; export it again")]
     NotAffine(String),
     /// A rotation of length zero.
-    #[error("{0} has a rotation of length zero; no rotation at all is 0, 0, 0, 1")]
+    #[error("{0} has a rotation of length zero; correct it (no rotation is 0, 0, 0, 1) and export it again")]
     NoRotation(String),
     /// A place beyond what 32-bit numbers hold.
-    #[error("{0} stands at a place, or has a size, that is not finite")]
+    #[error(
+        "{0} has a transform that is not finite; correct its position, rotation and scale, and export it again"
+    )]
     NodeNotFinite(String),
     /// A node whose transform or mesh reaches beyond [`MAX_COORDINATE`].
     #[error(

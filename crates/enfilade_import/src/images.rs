@@ -2,6 +2,7 @@
 //! and a warning says why.
 
 use crate::budget::Budget;
+use crate::spoken;
 use crate::warning::{WarningKind, Warnings};
 use enfilade::Texture;
 use image::{ImageDecoder, ImageFormat, ImageReader, Limits};
@@ -122,9 +123,12 @@ impl Crowds {
         let at_work = all_at_work.min(CROWD_BYTES).max(image.at_work).max(self.at_work);
         let needs = image.kept.saturating_add(at_work - self.at_work);
         let [width, height] = image.size;
-        budget
-            .take(needs, String::new)
-            .map_err(|_| format!("{width}x{height} texels need {needs} bytes, more than is allowed"))?;
+        budget.take(needs, String::new).map_err(|_| {
+            format!(
+                "{width}x{height} texels need {}, more than is allowed",
+                spoken::bytes(needs)
+            )
+        })?;
         (self.all_at_work, self.at_work) = (all_at_work, at_work);
         Ok(image)
     }

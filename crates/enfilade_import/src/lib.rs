@@ -100,6 +100,8 @@ mod obj;
 mod pin;
 mod quake;
 mod rooms;
+mod source_nodes;
+mod spoken;
 mod terrain;
 mod warning;
 
@@ -115,6 +117,7 @@ pub use quake::{
     BspError, ClustersFrom, MapSummary, PlacedPortals, PortalFile, PrtError, PrtKind, RebuiltPortals,
     place_portals, read_portals, rebuild_portals, rebuild_portals_bytes, visibility_bytes, with_visibility,
 };
+pub use source_nodes::SourceNodes;
 pub use terrain::{GridError, GridPlace, TerrainError};
 pub use warning::{Warning, WarningKind};
 
@@ -160,6 +163,8 @@ pub struct Room {
     pub name: String,
     /// What stands in it, and its openings, which are named for the nodes of their portals.
     pub content: Arc<Content>,
+    /// Which nodes of a glTF file those items come from; empty for other files.
+    pub nodes: SourceNodes,
     /// How it is to be seen, where its author says so.
     pub method: Option<Method>,
     /// Terrain that would not have fit in memory as meshes: then `content` holds nothing, and this is the fragment, whatever

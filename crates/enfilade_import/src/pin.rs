@@ -14,10 +14,10 @@ pub enum PinError {
     #[error(transparent)]
     File(#[from] Box<ImportError>),
     /// Files of its kind have no place for methods.
-    #[error("an OBJ file or a map has no place for methods; glTF has, and a file that describes terrain")]
+    #[error("methods cannot be stored in an OBJ file or a map; convert it to glTF, or leave out -o")]
     NoPlace,
     /// A `.glb` has at most 4 GiB.
-    #[error("with methods it would be larger than 4 GiB, which no .glb can be")]
+    #[error("with methods it would be larger than 4 GiB, which no .glb can be; split it")]
     TooLong,
 }
 

@@ -100,63 +100,57 @@ impl WarningKind {
             WarningKind::EmptyScene => "the scene is empty: it has no triangle",
             WarningKind::OtherScenes => "only the default scene is read, others are not",
             WarningKind::InNoRoom => {
-                "nodes stand in no room, and no portal leads to where they are: they are seen only from among them"
+                "nodes outside every room and not reachable through a portal; visible only from inside that space"
             }
             WarningKind::EmptyRooms => "rooms have nothing in them",
             WarningKind::OpeningsWithoutRooms => {
-                "nodes are called like portals or mirrors, but no node is a room (NAME-room): they are drawn as they are"
+                "nodes are named like portals or mirrors, but no node is a room (NAME-room): drawn as ordinary meshes"
             }
-            WarningKind::UnreadNotes => "extras.enfilade says what is not read",
-            WarningKind::Extensions => "extensions not read",
+            WarningKind::UnreadNotes => "extras.enfilade has unknown keys, which are ignored",
+            WarningKind::Extensions => "unknown extensions are ignored",
             WarningKind::Points => "points are not drawn",
             WarningKind::Lines => "lines are not drawn",
             WarningKind::NoRoomsInObj => {
-                "objects are called like rooms, portals or mirrors, but OBJ cannot say what stands in a room: all is one"
+                "objects are named like rooms, portals or mirrors, but OBJ has no hierarchy to mark rooms: everything is one room"
             }
-            WarningKind::UnreadStatements => "statements that are not read",
-            WarningKind::MaterialFiles => "files of materials cannot be read",
-            WarningKind::UnknownMaterials => "materials that are not defined are grey",
-            WarningKind::MaterialLines => "what is said of materials and not read",
-            WarningKind::RoughPolygons => {
-                "polygons cross themselves, and are cut into triangles as well as can be"
-            }
+            WarningKind::UnreadStatements => "unknown statements are ignored",
+            WarningKind::MaterialFiles => "material files cannot be read",
+            WarningKind::UnknownMaterials => "undefined materials are grey",
+            WarningKind::MaterialLines => "unknown statements in material files are ignored",
+            WarningKind::RoughPolygons => "self-intersecting polygons are triangulated approximately",
             WarningKind::UnmarkedFaces => "faces that no leaf of the map lists are not drawn",
-            WarningKind::ModelFiles => "not drawn: what has its shape in another file of the game",
+            WarningKind::ModelFiles => "models in other files of the game are not drawn",
             WarningKind::Flares => "flares are not drawn",
-            WarningKind::Lightmaps => {
-                "the light that the map's compiler has computed is not read: its lamps light it without shadows"
-            }
+            WarningKind::Lightmaps => "lightmaps are not read: the map's lamps light it without shadows",
             WarningKind::NotFinite => {
-                "normals, texture coordinates or colors are not finite, and are left out"
+                "normals, texture coordinates or colors that are not finite are ignored"
             }
             WarningKind::NoPositions => "primitives without positions are not drawn",
             WarningKind::CornersLeft => {
-                "the last corners of a list of triangles make no triangle and are left out"
+                "triangle lists with a corner count that is not a multiple of 3: the last corners are ignored"
             }
-            WarningKind::Flattened => {
-                "nodes flatten their mesh, which may then be seen as a line or not at all"
-            }
+            WarningKind::Flattened => "node transforms flatten their mesh, which may be invisible",
             WarningKind::Sheared => "node matrices shear, which glTF forbids; they are taken as they are",
-            WarningKind::BadCameras => "cameras that can make no picture are left out",
-            WarningKind::BadLights => "lights that can light nothing are left out",
+            WarningKind::BadCameras => "cameras with an invalid angle, near plane or transform are ignored",
+            WarningKind::BadLights => "lights with an invalid color, range, cone or transform are ignored",
             WarningKind::InstancedOpenings => {
-                "portals and mirrors are there once, where their node stands: their instances are not read"
+                "instances of portals and mirrors are ignored: each is placed once, at its node"
             }
             WarningKind::MorphTargets => "morph targets are not read yet: shapes are those before any morph",
             WarningKind::Skins => "skins are not read yet: meshes are in their rest pose",
             WarningKind::Animations => "animations are not read yet: everything stands still",
-            WarningKind::BadImages => "images cannot be read, and are grey",
+            WarningKind::BadImages => "images that cannot be read are grey",
             WarningKind::NoTextureCoordinates => {
-                "faces have a texture, but no place in it: they have the color of its corner"
+                "textured faces without texture coordinates have the color of the texture's corner"
             }
-            WarningKind::BadNormals => "normals are not finite: faces are flat there",
-            WarningKind::BadTextureCoordinates => "texture coordinates are not finite, and are 0",
-            WarningKind::BadColors => "colors are not finite, and are white",
+            WarningKind::BadNormals => "normals that are not finite are ignored: flat shading",
+            WarningKind::BadTextureCoordinates => "texture coordinates that are not finite are 0",
+            WarningKind::BadColors => "colors that are not finite are white",
             WarningKind::EmissionElsewhere => {
-                "textures of what materials send out lie otherwise than those of their color: they send out nothing"
+                "emissive textures with other coordinates than the color texture are ignored: the material emits nothing"
             }
             WarningKind::OtherMaps => {
-                "not drawn: maps of metal, roughness, normals, occlusion and transmission"
+                "metallic-roughness, normal, occlusion and transmission textures are not drawn"
             }
         }
     }
@@ -247,7 +241,7 @@ mod tests {
         );
         assert_eq!(
             texts[2],
-            "not drawn: maps of metal, roughness, normals, occlusion and transmission (21)"
+            "metallic-roughness, normal, occlusion and transmission textures are not drawn (21)"
         );
     }
 
@@ -267,7 +261,7 @@ mod tests {
             texts,
             [
                 "lines are not drawn (line 1, line 2, line 3, line 4, line 11, line 12 and 6 more)",
-                "normals, texture coordinates or colors are not finite, and are left out (6)"
+                "normals, texture coordinates or colors that are not finite are ignored (6)"
             ]
         );
     }

@@ -59,7 +59,7 @@ pub(super) fn hold(
             held.same_again = seen
                 .iter()
                 .map(|&item| names.of(item))
-                .eq(shown.visible.iter().cloned());
+                .eq(shown.visible.iter().map(|name| &**name));
             shown.expected = Some(held);
         }
         progress.step();

@@ -14,7 +14,7 @@ use crate::out;
 use crate::prepare::{Prepared, prepare};
 use crate::report::{Report, Reports, SceneReport, Sink, left_out};
 use crate::run_files::RunFiles;
-use crate::text::{bytes, count, ms, plural, point, table};
+use crate::text::{bytes, count, ms, plural, point, short, table};
 use crate::values::Choice;
 use anyhow::Result;
 use enfilade::{Aim, Contract, Viewer};
@@ -101,8 +101,8 @@ fn row(report: &Report) -> Vec<String> {
         time(report.median_ms(|view| view.order_ms)),
         time(report.median_ms(|view| view.draw_ms)),
         bytes(report.bytes),
-        format!("{:.1}", summary.items_visible_mean),
-        format!("{:.1}", expected as f64 / summary.views.max(1) as f64),
+        short(summary.items_visible_mean),
+        short(expected as f64 / summary.views.max(1) as f64),
         verdict(report).to_owned(),
     ]
 }

@@ -43,7 +43,7 @@ pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
     if let Some(output) = output {
         ensure!(
             !opened.file.starts_with('@'),
-            "{}: a built-in scene is no file that methods could be written into",
+            "{}: methods cannot be written into a built-in scene; leave out -o, or name a file",
             opened.file
         );
         must_lie_beside(file, output)?;
@@ -147,7 +147,7 @@ fn must_lie_beside(file: &Path, output: &Path) -> Result<()> {
         .is_some_and(|ending| ending.eq_ignore_ascii_case("glb"));
     ensure!(
         is_whole || folder(file) == folder(output),
-        "cannot write {}: {} names other files, which are looked for in its folder; name a file in that",
+        "cannot write {}: {} names other files, which are looked for in its folder; write the copy there",
         output.display(),
         file.display()
     );

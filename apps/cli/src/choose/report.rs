@@ -2,7 +2,7 @@
 
 use crate::open::Opened;
 use crate::report::{SceneReport, rounded};
-use crate::text::{bytes, count, ms, plural, table};
+use crate::text::{bytes, count, ms, plural, short, table};
 use enfilade::{Aim, Contract, Cost, Method, MethodChoice, NotTried, Scene, Terms, Trial, Unsuited};
 use serde::Serialize;
 use std::time::Duration;
@@ -340,7 +340,7 @@ impl HeldBack {
                 in_three_places(held.chosen_ms),
                 held.best.to_owned(),
                 in_three_places(held.best_ms),
-                format!("{:.2}", held.chosen_ms / held.best_ms.max(1e-4)),
+                short(held.chosen_ms / held.best_ms.max(1e-4)),
             ]
         };
         let rows: Vec<Vec<String>> = self.fragments.iter().map(row).collect();

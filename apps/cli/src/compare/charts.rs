@@ -1,6 +1,6 @@
 //! Bars, one for each method, as SVG inside the page.
 
-use crate::text::{bytes, count};
+use crate::text::{bytes, count, short};
 use anyhow::{Result, anyhow};
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
@@ -142,7 +142,7 @@ const COLORS: [(&str, u32); 16] = [
 fn label(value: f64, unit: Unit) -> String {
     match unit {
         Unit::Bytes => bytes(value as u64),
-        Unit::Times => format!("{value:.2}×"),
+        Unit::Times => format!("{}×", short(value)),
         Unit::Milliseconds => format!("{} ms", significant(value)),
     }
 }

@@ -4,7 +4,7 @@ use super::Comparison;
 use super::charts::color;
 use super::html::escaped;
 use crate::report::Report;
-use crate::text::{bytes, count, ms, plural, table};
+use crate::text::{bytes, count, ms, plural, short, table};
 use enfilade::Contract;
 
 /// A column of the table.
@@ -47,7 +47,7 @@ const COLUMNS: [Column; 12] = [
         hint: "faces built for each face of the scene",
         short: "growth",
         cell: |comparison, report| {
-            growth(comparison, report).map_or_else(none, |growth| format!("{growth:.2}×"))
+            growth(comparison, report).map_or_else(none, |growth| format!("{}×", short(growth)))
         },
     },
     Column {
@@ -83,7 +83,7 @@ const COLUMNS: [Column; 12] = [
             if report.summary.views == 1 {
                 count(mean as u64)
             } else {
-                format!("{mean:.1}")
+                short(mean)
             }
         },
     },
@@ -105,7 +105,7 @@ const COLUMNS: [Column; 12] = [
     },
     Column {
         name: "pixels wrong",
-        hint: "samples painted with what no possible owner allows, over all views",
+        hint: "wrong pixels over all views: the surface drawn there is not visible according to the reference",
         short: "wrong px",
         cell: |_, report| count(report.summary.pixels_different),
     },

@@ -45,7 +45,7 @@ fn place(view: &ViewReport) -> String {
 fn truth(view: &ViewReport, pictures: &ViewPictures) -> String {
     let facts = view.check.as_ref().map_or(String::new(), |check| {
         let mut facts = vec![
-            ("surely visible", count(check.reference_visible as u64)),
+            ("certainly visible", count(check.reference_visible as u64)),
             ("in the frustum", count(view.items_in_frustum as u64)),
             ("contested pixels", count(check.pixels_contested)),
         ];
@@ -82,7 +82,7 @@ fn truth(view: &ViewReport, pictures: &ViewPictures) -> String {
 }
 
 const LEGEND: &str = "<h4>How to read the pictures</h4>\n<dl>\
-    <dt><span class=\"mark wrong\"></span>wrong</dt><dd>painted with what no possible owner allows; at least three \
+    <dt><span class=\"mark wrong\"></span>wrong</dt><dd>the surface drawn there is not visible according to the reference; at least three \
     pixels wide, so that a single one is found</dd>\
     <dt><span class=\"mark contested\"></span>contested</dt><dd>on an edge between items, so near to the sample that \
     either may own it</dd>\
@@ -113,7 +113,7 @@ fn card(report: &Report, view: &ViewReport, number: usize, drawn: &MethodPicture
             .filter_map(|(name, time)| Some((name, format!("{} ms", ms(time?))))),
     );
     if let Some(extra) = check.map(|check| check.extra).filter(|&extra| extra > 0) {
-        facts.push(("too many", count(extra as u64)));
+        facts.push(("extra", count(extra as u64)));
     }
     let missed = check.map_or(String::new(), names_of_the_missed);
     let incomplete = if view.complete {

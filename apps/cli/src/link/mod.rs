@@ -78,10 +78,7 @@ pub(crate) fn run(args: &LinkArgs) -> Result<Outcome> {
     destination.write(&glb)?;
     let mut warnings = apart(&world, &import);
     if !left_out.is_empty() {
-        warnings.push(format!(
-            "extensions that are not taken over: {}",
-            left_out.join(", ")
-        ));
+        warnings.push(format!("unknown extensions are dropped: {}", left_out.join(", ")));
     }
     warnings.extend(
         missing_images
@@ -225,7 +222,9 @@ impl Joiner<'_> {
         match place.at(true)? {
             At::Node(node) => Ok(self.linker.node(part, &node)?),
             At::Shape(shape) => Ok(self.linker.shape(part, name, &shape)?),
-            At::Nowhere => bail!("it says no place"),
+            At::Nowhere => bail!(
+                "it has no position; give a `node`, a `center` with `ahead` and `size`, or an `outline`"
+            ),
         }
     }
 
@@ -250,7 +249,9 @@ impl Joiner<'_> {
                 (exit, two_way.then_some(opening))
             }
             At::Shape(shape) => (self.linker.shape(part, &exit, &shape)?, None),
-            At::Nowhere => bail!("it says no place to come out at"),
+            At::Nowhere => bail!(
+                "it has no position to come out at; give a `node`, a `center` with `ahead`, or an `outline`"
+            ),
         })
     }
 }
@@ -304,8 +305,8 @@ fn apart(world: &World, import: &Import) -> Vec<String> {
             if meet && !door(&a.name, &b.name) {
                 let beside = other.max[0] - one.min[0];
                 warnings.push(format!(
-                    "parts {:?} and {:?} stand in one place, and no door joins them: an eye in one may be taken to stand in the other. \
-                     Move one of them, such as {:?} by {} more along x",
+                    "parts {:?} and {:?} overlap, and no door joins them: an eye in one may be located in the other; \
+                     move one of them, such as {:?} by {} more along x",
                     b.name,
                     a.name,
                     a.name,

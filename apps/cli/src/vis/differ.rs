@@ -70,7 +70,7 @@ impl Other {
         )?;
         let Some(cells) = import.rooms.first().and_then(|room| room.content.cells()) else {
             bail!(
-                "{}: nothing in it says what is visible; name a map that vis has run on",
+                "{}: it has no PVS; name a map that vis has run on",
                 path.display()
             );
         };

@@ -30,10 +30,10 @@ pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
     let target = match ending(&args.map).as_deref() {
         Some("bsp") => Some(args.output.as_deref().unwrap_or(&args.map)),
         Some("prt") if args.output.is_some() || args.prt.is_some() => {
-            bail!("{name}: a .prt gets a report alone; name the .bsp for --prt and -o")
+            bail!("{name}: a .prt gives a report only; name the .bsp to use --prt or -o")
         }
         Some("prt") => None,
-        _ => bail!("{name}: a map is a .bsp (or, for the report alone, its .prt)"),
+        _ => bail!("{name}: not a map; name a .bsp, or its .prt for a report only"),
     };
     let mut files = RunFiles::default();
     let destination = target

@@ -1,7 +1,7 @@
 //! What `vis` found out, as JSON and as text.
 
 use super::differ::Differs;
-use crate::text::{bytes, count, plural};
+use crate::text::{bytes, count, plural, short};
 use enfilade_bake::{Stage, VisiblePairs, Witness};
 use enfilade_import::PortalFile;
 use serde::Serialize;
@@ -219,8 +219,8 @@ impl Visibility {
             100.0 * self.share
         ));
         line(format!(
-            "from a leaf {:.1} are seen on average",
-            self.average_leafs
+            "from a leaf {} are seen on average",
+            short(self.average_leafs)
         ));
         if self.is_anew {
             line("no unfinished run was there to go on with: started anew".to_owned());
@@ -250,8 +250,8 @@ impl Visibility {
             .peak_memory
             .map_or(String::new(), |peak| format!(", {}", bytes(peak)));
         line(format!(
-            "{:.2} s on {}{memory}",
-            self.seconds.total,
+            "{} s on {}{memory}",
+            short(self.seconds.total),
             plural(self.threads, "thread")
         ));
         text

@@ -49,7 +49,7 @@ impl Unfinished {
         let name = self.path.display();
         if !self.is_free() {
             out::warn(format_args!(
-                "{name} is of a run that is still at work: this one starts anew, and saves nothing until that one is done"
+                "{name} belongs to a run that is still at work; this one starts anew, and saves no progress until that one ends"
             ));
         } else if is_wanted {
             let bytes = read_file(&self.path, limit, "raise --memory, or leave out --resume")?;
@@ -59,8 +59,8 @@ impl Unfinished {
             return Ok(Some(bytes));
         } else {
             out::warn(format_args!(
-                "{name} is of a run that was not finished: --resume goes on with it, while this one starts anew and will \
-                 replace it"
+                "{name} is the saved work of a run that was not finished; this one starts anew and will replace it \
+                 (--resume continues it)"
             ));
         }
         Ok(None)

@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test file uses some of it")]
 
 pub(crate) mod quake;
+pub(crate) mod schema;
 
 use serde_json::{Value, json};
 use std::path::PathBuf;

@@ -41,9 +41,7 @@ impl Unsuited {
 
 /// A method goes by cells that were computed ahead, but a content has none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error(
-    "not baked: {method} goes by cells that were computed ahead, and there are none; {instead} needs none"
-)]
+#[error("not baked: {method} needs a precomputed PVS, and there is none; {instead} needs none")]
 #[non_exhaustive]
 pub struct NotBaked {
     /// The method that was asked for.
@@ -54,7 +52,7 @@ pub struct NotBaked {
 
 /// A method goes by a field of heights, but a content has none, or its blocks are not what they were.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("no terrain: {method} goes by a field of heights, {}; {instead} takes any content", self.why())]
+#[error("no terrain: {method} needs a height field, {}; {instead} takes any content", self.why())]
 #[non_exhaustive]
 pub struct NoTerrain {
     /// The method that was asked for.
@@ -76,7 +74,7 @@ impl NoTerrain {
 
     fn why(&self) -> &'static str {
         if self.is_changed {
-            "and a block of the one that is there has been changed"
+            "and a block of this one was edited"
         } else {
             "and there is none"
         }
@@ -87,8 +85,8 @@ impl NoTerrain {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
     "not convex: {method} needs every face to have all others on one side, but {wall} has {behind} behind it, \
-     {by} deep at ({}, {}, {}), and others before it; {instead} takes any content",
-    .point[0], .point[1], .point[2]
+     {} deep at ({}, {}, {}), and others before it; {instead} takes any content",
+    short(*.by), short(.point[0]), short(.point[1]), short(.point[2])
 )]
 #[non_exhaustive]
 pub struct NotConvex {
@@ -170,7 +168,7 @@ impl NotConvex {
 
 /// A method would need too much memory; told by an estimate, before anything is built.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[error("{method} needs about {needs_bytes} bytes, but {limit} are allowed{}", self.advice())]
+#[error("{method} needs about {}, above the limit of {}{}", bytes(*.needs_bytes), bytes(*.limit), self.advice())]
 #[non_exhaustive]
 pub struct TooLarge {
     /// The method that was asked for.
@@ -196,6 +194,23 @@ impl TooLarge {
 
     fn advice(&self) -> String {
         self.instead
-            .map_or_else(String::new, |method| format!("; {method} needs fewer"))
+            .map_or_else(String::new, |method| format!("; {method} needs less"))
     }
+}
+
+/// `12.3 MB`, in powers of a thousand.
+fn bytes(number: u64) -> String {
+    let (unit, name) = match number {
+        1 => (1.0, "byte"),
+        0..1_000 => (1.0, "bytes"),
+        1_000..1_000_000 => (1e3, "kB"),
+        1_000_000..1_000_000_000 => (1e6, "MB"),
+        _ => (1e9, "GB"),
+    };
+    format!("{} {name}", short((number as f64 / unit) as f32))
+}
+
+/// Rounds a number to four significant digits.
+fn short(number: f32) -> f32 {
+    format!("{number:.3e}").parse().unwrap_or(number)
 }

@@ -290,7 +290,7 @@ fn what_has_no_cells_is_told_to_be_not_baked() {
         .to_string();
     assert_eq!(
         why,
-        "not baked: pvs goes by cells that were computed ahead, and there are none; hierarchical-z needs none"
+        "not baked: pvs needs a precomputed PVS, and there is none; hierarchical-z needs none"
     );
     let mut builder = SceneBuilder::new();
     let content = Arc::clone(scene.content(HOUSE).expect("ours"));
@@ -323,7 +323,7 @@ fn what_takes_more_memory_than_allowed_is_refused() {
             .expect("it is too little")
             .to_string();
         assert!(
-            why.starts_with("pvs needs about") && why.ends_with("z-buffer needs fewer"),
+            why.starts_with("pvs needs about") && why.ends_with("z-buffer needs less"),
             "{why}"
         );
     }

@@ -150,7 +150,7 @@ impl Compressed {
         let encoded = &buffer[self.start as usize..][..self.length as usize];
         super::meshopt::decode(self, encoded).ok_or_else(|| BrokenRule::BadCompression {
             place: format!("bufferView {}", self.view),
-            why: "its bytes are damaged; copy or export it again".to_owned(),
+            why: "its bytes are damaged".to_owned(),
         })
     }
 

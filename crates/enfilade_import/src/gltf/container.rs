@@ -45,11 +45,11 @@ fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)
 }
 
-/// How people are told what a file begins with.
+/// Says what a file begins with: "begins with `…`", or "is empty".
 pub(crate) fn beginning(bytes: &[u8]) -> String {
     match bytes {
-        [] => "nothing at all".to_owned(),
-        _ => format!("`{}`", bytes[..bytes.len().min(12)].escape_ascii()),
+        [] => "is empty".to_owned(),
+        _ => format!("begins with `{}`", bytes[..bytes.len().min(12)].escape_ascii()),
     }
 }
 

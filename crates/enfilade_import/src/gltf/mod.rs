@@ -15,6 +15,7 @@ mod container;
 mod document;
 mod extensions;
 mod hints;
+mod ids;
 mod instances;
 mod lights;
 pub(crate) mod link;
@@ -49,7 +50,7 @@ use names::Names;
 use nodes::Placed;
 use plan::Plan;
 use rayon::prelude::*;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use terrain::{TerrainPlan, Terrains};
@@ -89,6 +90,7 @@ pub(crate) fn import(
     })?;
     let terrains = TerrainPlan::new(&document, &plan, &plans, &mut budget)?;
     let instances = InstancePlan::new(&document, &plan, &mut budget, &mut warnings)?;
+    let ids = ids::read(&document, shown, &mut budget)?;
     let used_materials = plans.iter().flat_map(MeshPlan::materials).collect();
     let textures = TexturePlan::new(&document, &mut surfaces, &used_materials)?;
     warn_of_surfaces(&surfaces, &used_materials, &mut warnings);
@@ -116,6 +118,7 @@ pub(crate) fn import(
         materials: materials.into(),
         textures: textures.into(),
         instances,
+        ids,
     };
     let names = Names::of(&document, |node| node.mesh.is_some());
     let (rooms, portals) = plan
@@ -176,6 +179,8 @@ struct Things {
     textures: Arc<[Arc<Texture>]>,
     instances: Instances,
     terrains: Terrains,
+    /// What other programs call nodes.
+    ids: BTreeMap<u32, String>,
 }
 
 /// The meshes of the document that something uses.

@@ -7,7 +7,7 @@ use super::names::Names;
 use super::nodes::{self, Placed};
 use crate::rooms::{self, Frame, Marked, Shell, Teleport};
 use crate::warning::{WarningKind, Warnings};
-use crate::{AuthoringError, BrokenRule, Room};
+use crate::{AuthoringError, BrokenRule, Room, SourceNodes};
 use enfilade::{ContentBuilder, FragmentId, MeshId, Method, Portal};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
@@ -146,6 +146,7 @@ impl<'d> Plan<'d> {
                 spoken: "what stands in no room".to_owned(),
                 builder: things.builder(),
                 method: self.method_of_rest,
+                nodes: SourceNodes::default(),
             });
         }
         let mut held: Vec<Vec<&Placed>> = vec![Vec::new(); shells.len()];
@@ -159,7 +160,7 @@ impl<'d> Plan<'d> {
             if held.is_empty() && number < marked_rooms {
                 warnings.name(WarningKind::EmptyRooms, || shell.spoken.clone());
             }
-            self.fill(&mut shell.builder, &held, things, names)?;
+            self.fill(shell, &held, things, names)?;
         }
         let marked = if self.flat {
             Vec::new()
@@ -215,17 +216,19 @@ impl<'d> Plan<'d> {
             spoken: self.document.node_name(room),
             builder: things.builder(),
             method,
+            nodes: SourceNodes::default(),
         }
     }
 
     /// Puts items into a room, and the meshes that they are copies of, each once.
     fn fill(
         &self,
-        builder: &mut ContentBuilder,
+        shell: &mut Shell,
         held: &[&Placed],
         things: &Things,
         names: &Names<'d>,
     ) -> Result<(), BrokenRule> {
+        let Shell { builder, nodes, .. } = shell;
         let node = |placed: &Placed| &self.document.nodes[placed.node as usize];
         let terrain = |placed: &Placed| things.terrains.of(placed.node);
         let copies = held.iter().filter(|placed| terrain(placed).is_none());
@@ -235,14 +238,16 @@ impl<'d> Plan<'d> {
             .map(|mesh| (mesh, builder.mesh(Arc::clone(things.meshes.get(mesh)))))
             .collect();
         for placed in held {
+            let id = things.ids.get(&placed.node).map(String::as_str);
             let node = node(placed);
             if let (Some(field), Some(mesh)) = (terrain(placed), node.mesh) {
                 let name = names.name(placed.node, node);
                 let name = names.terrain(&name, placed.node);
                 let material = things.meshes.get(mesh).clusters()[0].material;
-                builder
+                let blocks = builder
                     .terrain(&name, Arc::clone(field), material, placed.world)
                     .map_err(BrokenRule::Content)?;
+                nodes.add(blocks.start, placed.node, id);
                 continue;
             }
             let Some(mesh) = node.mesh.and_then(|mesh| own.get(&mesh)) else {
@@ -251,12 +256,14 @@ impl<'d> Plan<'d> {
             let name = names.name(placed.node, node);
             match things.instances.of(placed.node) {
                 None => {
-                    builder.item(&name, *mesh, placed.world);
+                    let item = builder.item(&name, *mesh, placed.world);
+                    nodes.add(item, placed.node, id);
                 }
                 Some(instances) => {
                     for (number, &node_from_instance) in instances.iter().enumerate() {
                         let name = names.instance(&name, placed.node, number);
-                        builder.item(&name, *mesh, placed.world * node_from_instance);
+                        let item = builder.item(&name, *mesh, placed.world * node_from_instance);
+                        nodes.add(item, placed.node, id);
                     }
                 }
             }

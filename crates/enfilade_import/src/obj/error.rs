@@ -14,7 +14,7 @@ pub enum ObjError {
         line: usize,
     },
     /// A word that should be a number.
-    #[error("line {line}: `{found}` is no number")]
+    #[error("line {line}: `{found}` is no number; export the file again")]
     NotANumber {
         /// Which line.
         line: usize,
@@ -22,7 +22,7 @@ pub enum ObjError {
         found: String,
     },
     /// Too few numbers.
-    #[error("line {line}: `{keyword}` needs {wants} numbers, but has {has}")]
+    #[error("line {line}: `{keyword}` needs {wants} numbers, but has {has}; export the file again")]
     FewNumbers {
         /// Which line.
         line: usize,
@@ -34,15 +34,15 @@ pub enum ObjError {
         has: usize,
     },
     /// A face that names no corner.
-    #[error("line {line} is a face without corners")]
+    #[error("line {line} is a face without corners; export the file again")]
     NoCorners {
         /// Which line.
         line: usize,
     },
     /// A corner that is not of the form `1`, `1/2`, `1/2/3` or `1//3`.
     #[error(
-        "line {line}: `{found}` is no corner of a face; one is POSITION, POSITION/TEXTURE, POSITION/TEXTURE/NORMAL or \
-         POSITION//NORMAL, each a whole number"
+        "line {line}: `{found}` is no corner of a face, which is POSITION, POSITION/TEXTURE, POSITION/TEXTURE/NORMAL or \
+         POSITION//NORMAL, each a whole number; export the file again"
     )]
     BadCorner {
         /// Which line.
@@ -51,7 +51,9 @@ pub enum ObjError {
         found: String,
     },
     /// A corner that names number 0.
-    #[error("line {line}: `{found}` names {kind} 0, but they are counted from 1, or backwards from -1")]
+    #[error(
+        "line {line}: `{found}` names {kind} 0, but they are counted from 1, or backwards from -1; export the file again"
+    )]
     NumberZero {
         /// Which line.
         line: usize,
@@ -61,7 +63,7 @@ pub enum ObjError {
         kind: &'static str,
     },
     /// A corner that names more than there is.
-    #[error("line {line}: `{found}` names {kind} {number}, but the file has only {count}")]
+    #[error("line {line}: `{found}` names {kind} {number}, but the file has only {count}; export it again")]
     NoSuch {
         /// Which line.
         line: usize,
@@ -75,7 +77,9 @@ pub enum ObjError {
         count: usize,
     },
     /// A corner that counts back beyond the first.
-    #[error("line {line}: `{found}` names {kind} {number}, but only {before} stand before that line")]
+    #[error(
+        "line {line}: `{found}` names {kind} {number}, but only {before} come before that line; export the file again"
+    )]
     BeforeTheFirst {
         /// Which line.
         line: usize,

@@ -25,7 +25,7 @@ pub use error::ObjError;
 
 use crate::budget::Budget;
 use crate::warning::{WarningKind, Warnings};
-use crate::{BrokenRule, Import, ReadOptions, Room, gltf};
+use crate::{BrokenRule, Import, ReadOptions, Room, SourceNodes, gltf};
 use enfilade::{ContentBuilder, Transform};
 use groups::{Group, Groups};
 use materials::Materials;
@@ -137,6 +137,7 @@ fn read(
         rooms: vec![Room {
             name: name.to_owned(),
             content,
+            nodes: SourceNodes::default(),
             method: None,
             large: None,
         }],

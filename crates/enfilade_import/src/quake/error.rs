@@ -8,11 +8,9 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum PrtError {
     /// Another kind of file.
-    #[error(
-        "is no .prt of a kind that is read here: it begins with {begins}, not with PRT1 or PRT2; compile the map again"
-    )]
+    #[error("is not a .prt file: it {begins}, but a .prt begins with PRT1 or PRT2; compile the map again")]
     NotPrt {
-        /// Its first bytes, as text.
+        /// What it begins with: "begins with `…`", or "is empty".
         begins: String,
     },
     /// The file ends early.
@@ -22,11 +20,11 @@ pub enum PrtError {
         wanted: String,
     },
     /// A word that should be a number.
-    #[error("line {line}: `{found}` is not {wanted}; compile the map again")]
+    #[error("line {line}: {found} is not {wanted}; compile the map again")]
     NotANumber {
         /// Which line.
         line: usize,
-        /// The word, or what is there instead.
+        /// The word in backticks, or what is there instead.
         found: String,
         /// What should be there.
         wanted: &'static str,

@@ -8,6 +8,7 @@
 //! Hostile: nothing is set aside before the text that fills it has been read.
 
 use super::PrtError;
+use crate::gltf;
 use enfilade_bake::{Cells, Portal};
 
 /// Which of the formats a file has.
@@ -61,7 +62,7 @@ impl PortalFile {
             Some(b"PRT2") => true,
             _ => {
                 return Err(PrtError::NotPrt {
-                    begins: beginning(text),
+                    begins: gltf::beginning(text),
                 });
             }
         };
@@ -232,7 +233,7 @@ impl Line<'_> {
     fn lacks(&self, word: Option<&[u8]>, wanted: &'static str) -> PrtError {
         PrtError::NotANumber {
             line: self.number,
-            found: word.map_or("the end of the line".to_owned(), beginning),
+            found: word.map_or("the end of the line".to_owned(), shown),
             wanted,
         }
     }
@@ -298,10 +299,9 @@ fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     })
 }
 
-/// The first few bytes of something, to be shown.
-fn beginning(bytes: &[u8]) -> String {
+/// The first few bytes of a word, to be shown.
+fn shown(word: &[u8]) -> String {
     const ENOUGH: usize = 16;
-    String::from_utf8_lossy(&bytes[..bytes.len().min(ENOUGH)])
-        .escape_debug()
-        .to_string()
+    let beginning = String::from_utf8_lossy(&word[..word.len().min(ENOUGH)]);
+    format!("`{}`", beginning.escape_debug())
 }

@@ -80,6 +80,7 @@ fn finish(
         rooms.push(Room {
             name: shell.name,
             content: Arc::new(shell.builder.build().map_err(BrokenRule::Content)?),
+            nodes: shell.nodes,
             method: shell.method,
             large: None,
         });

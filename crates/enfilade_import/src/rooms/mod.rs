@@ -14,6 +14,7 @@ pub(crate) use around::{room_around, room_nearest};
 pub(crate) use frame::Frame;
 pub(crate) use join::join;
 
+use crate::SourceNodes;
 use enfilade::{ContentBuilder, Mesh, Method, Transform};
 use std::sync::Arc;
 
@@ -24,6 +25,7 @@ pub(crate) struct Shell {
     pub(crate) spoken: String,
     pub(crate) builder: ContentBuilder,
     pub(crate) method: Option<Method>,
+    pub(crate) nodes: SourceNodes,
 }
 
 /// A placed mesh that someone marked as an opening.

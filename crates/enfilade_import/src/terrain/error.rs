@@ -19,7 +19,7 @@ pub enum TerrainError {
     )]
     Format(String),
     /// The heights are in a file, and there is no folder to look in.
-    #[error("describes heights in a file, but no folder was given to look for it")]
+    #[error("describes heights in a file, but no folder was given to look for it; give one")]
     NoFolder,
     /// There is no such file, or there are several.
     #[error("describes heights in a file `{wanted}` beside it, but {found}; name one as \"file\"")]
@@ -31,7 +31,7 @@ pub enum TerrainError {
     },
     /// The name of the file leads elsewhere.
     #[error(
-        "has its heights in `{0}`; they must lie beside it. Move that file there, and give its name alone"
+        "has its heights in `{0}`, which is not beside it; move that file there, and give its name alone"
     )]
     NotBeside(String),
     /// The file of heights is not read.
@@ -59,8 +59,8 @@ pub enum TerrainError {
     },
     /// A hole.
     #[error(
-        "has no height at column {column}, row {row}, where {number} stands, its noData: terrain has no holes. Fill it, or cut \
-         the field in parts around it"
+        "has no height at column {column}, row {row}, which holds the noData value {number:?}; fill the hole, or cut the field in parts \
+         around it"
     )]
     NoData {
         /// What stands there.

@@ -30,7 +30,7 @@ pub use error::TerrainError;
 pub use grid::{GridError, GridPlace};
 
 use crate::budget::Budget;
-use crate::{BrokenRule, Import, ReadOptions, Room, read_regular_file};
+use crate::{BrokenRule, Import, ReadOptions, Room, SourceNodes, read_regular_file};
 use enfilade::{
     Content, ContentBuilder, Diagonal, HeightBytes, HeightField, HeightFieldError, HeightFormat, Heights,
     LargeTerrain, Material, MaterialId, Method, Transform,
@@ -137,6 +137,7 @@ pub(crate) fn import(
         Room {
             name,
             content: Arc::new(description.meshes(&raw, format)?),
+            nodes: SourceNodes::default(),
             method,
             large: None,
         }
@@ -149,6 +150,7 @@ pub(crate) fn import(
         Room {
             name,
             content: Arc::new(nothing.map_err(BrokenRule::Content)?),
+            nodes: SourceNodes::default(),
             method,
             large: Some(Arc::new(description.large(mapped, format)?)),
         }

@@ -217,7 +217,7 @@ fn an_index_past_its_positions() {
     let mesh = file.mesh(json!([first, second]));
     file.node(json!({ "mesh": mesh }));
     let said = refusal(&file.glb()).expect("an error");
-    let expected = "meshes[0].primitives[1] has index 3 at place 4 of its indices, but only 3 positions";
+    let expected = "meshes[0].primitives[1] has index 3 at corner 4, but only 3 positions";
     assert!(said.contains(expected), "{said}");
 }
 

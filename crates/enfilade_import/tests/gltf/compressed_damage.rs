@@ -57,7 +57,7 @@ fn compressed_views_that_make_no_sense_are_refused_before_they_are_decoded() {
         (
             "byteLength",
             json!(0),
-            "bufferView 3 is compressed, but its bytes are damaged; copy or export it again",
+            "bufferView 3 is compressed, but its bytes are damaged; export it again",
         ),
         (
             "byteOffset",
@@ -112,7 +112,7 @@ fn a_view_that_would_swell_beyond_all_memory_is_refused_before_it_does() {
     file.json["bufferViews"][3]["byteLength"] = json!(12 * many);
     let said = refusal(&file.glb()).expect("an error");
     assert!(
-        said.contains("bufferView 3 would take the memory needed to"),
+        said.contains("bufferView 3 would raise the memory needed to"),
         "{said}"
     );
 }

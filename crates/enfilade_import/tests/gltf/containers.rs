@@ -92,11 +92,11 @@ fn buffers_that_cannot_be_had() {
     for (uri, expected) in [
         (
             "https://a.org/leaf.bin",
-            "buffer 0 lies at `https://a.org/leaf.bin`; nothing is fetched",
+            "buffer 0 is at `https://a.org/leaf.bin`, and nothing is fetched",
         ),
         (
             "file:///leaf.bin",
-            "buffer 0 lies at `file:///leaf.bin`; nothing is fetched",
+            "buffer 0 is at `file:///leaf.bin`, and nothing is fetched",
         ),
         (
             "../leaf.bin",
@@ -175,19 +175,19 @@ fn what_is_no_file_is_not_read() {
     );
     let said = read_here(folder.path()).expect_err("a folder").to_string();
     assert!(
-        said.ends_with("is not a file, but a folder, a pipe or a device"),
+        said.ends_with("is not a file, but a folder, a pipe or a device; name a file"),
         "{said}"
     );
 }
 
 #[test]
 fn other_formats_are_told_what_is_read() {
-    let only = "read from glTF 2.0 (.glb, or .gltf with its .bin files), from OBJ (.obj with its .mtl files), from compiled maps \
-                (.bsp: BSP29, BSP2, IBSP46), and from heights (.json with its .raw file)";
+    let only = "name a scene in glTF 2.0 (.glb, or .gltf with its .bin files), OBJ (.obj with its .mtl files), a compiled map \
+                (.bsp: BSP29, BSP2, IBSP46), or terrain (.json with its .raw file)";
     for (bytes, begins) in [
         (
             &b""[..],
-            "is neither glTF nor OBJ, nor a map of Quake, nor terrain: it begins with nothing at all",
+            "is neither glTF nor OBJ, nor a map of Quake, nor terrain: it is empty",
         ),
         (
             b"# a poem\nby v 0 0 0",
@@ -247,7 +247,7 @@ fn headers_that_lie() {
         (
             4,
             [1, 0, 0, 0],
-            "is of glTF version 1; only version 2.0 is read. Export it again as glTF 2.0",
+            "is of glTF version 1; export it again as glTF 2.0",
         ),
         (4, [0xff; 4], "is of glTF version 4294967295"),
         (8, [0xff; 4], "should end at byte 4294967295"),

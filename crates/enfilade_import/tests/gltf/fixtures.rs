@@ -47,10 +47,10 @@ fn every_sound_fixture_is_read_and_only_what_is_left_out_is_warned_of() {
         let expected = match &*name {
             "all_attributes.glb" => "skins are not read yet: meshes are in their rest pose (1)",
             "metallic_roughness.glb" => {
-                "not drawn: maps of metal, roughness, normals, occlusion and transmission (1)"
+                "metallic-roughness, normal, occlusion and transmission textures are not drawn (1)"
             }
             "meshopt_fallback.glb" if !cfg!(feature = "meshopt") => {
-                "extensions not read (EXT_meshopt_compression)"
+                "unknown extensions are ignored (EXT_meshopt_compression)"
             }
             _ => "",
         };
@@ -133,39 +133,39 @@ fn broken_fixtures_are_refused_or_read_without_what_is_broken() {
     const KNOWN: [(&str, &str); 35] = [
         (
             "all_nan_texcoords.glb",
-            "warning: texture coordinates are not finite, and are 0",
+            "warning: texture coordinates that are not finite are 0",
         ),
         (
             "bad_cameras.glb",
-            "warning: cameras that can make no picture are left out",
+            "warning: cameras with an invalid angle, near plane or transform are ignored",
         ),
         (
             "bad_data_uri.gltf",
-            "warning: images cannot be read, and are grey (image 0 has a bad address",
+            "warning: images that cannot be read are grey (image 0 has a bad address",
         ),
         (
             "bad_lights.glb",
-            "warning: lights that can light nothing are left out",
+            "warning: lights with an invalid color, range, cone or transform are ignored",
         ),
-        ("bad_normals.glb", "warning: normals are not finite"),
+        ("bad_normals.glb", "warning: normals that are not finite"),
         (
             "cut_jpeg.glb",
-            "warning: images cannot be read, and are grey (image 0 \"letter\": it is cut short",
+            "warning: images that cannot be read are grey (image 0 \"letter\": it is cut short",
         ),
-        ("cut_png.glb", "warning: images cannot be read, and are grey"),
-        ("empty_png.glb", "warning: images cannot be read, and are grey"),
+        ("cut_png.glb", "warning: images that cannot be read are grey"),
+        ("empty_png.glb", "warning: images that cannot be read are grey"),
         (
             "huge_jpeg.glb",
-            "warning: images cannot be read, and are grey (image 0 \"letter\": 65500x65500 texels need",
+            "warning: images that cannot be read are grey (image 0 \"letter\": 65500x65500 texels need",
         ),
-        ("huge_png.glb", "warning: images cannot be read, and are grey"),
+        ("huge_png.glb", "warning: images that cannot be read are grey"),
         (
             "image_out_of_range.glb",
             "error: texture 0 names image 7, but there are only 1",
         ),
         (
             "image_outside.gltf",
-            "warning: images cannot be read, and are grey (image 0 is `../../../Cargo.toml`",
+            "warning: images that cannot be read are grey (image 0 is `../../../Cargo.toml`",
         ),
         (
             "instances_differ.glb",
@@ -189,24 +189,24 @@ fn broken_fixtures_are_refused_or_read_without_what_is_broken() {
         ),
         (
             "missing_image.gltf",
-            "warning: images cannot be read, and are grey (image 0 is the file `",
+            "warning: images that cannot be read are grey (image 0 is the file `",
         ),
-        ("nan_colors.glb", "warning: colors are not finite, and are white"),
+        ("nan_colors.glb", "warning: colors that are not finite are white"),
         (
             "nan_texcoords.glb",
-            "warning: texture coordinates are not finite, and are 0",
+            "warning: texture coordinates that are not finite are 0",
         ),
         (
             "negative_range.glb",
-            "warning: lights that can light nothing are left out (node 2 \"range\")",
+            "warning: lights with an invalid color, range, cone or transform are ignored (node 2 \"range\")",
         ),
         (
             "no_such_texcoord.glb",
-            "warning: faces have a texture, but no place in it",
+            "warning: textured faces without texture coordinates",
         ),
         (
             "not_an_image.glb",
-            "warning: images cannot be read, and are grey (image 0 \"letter\": neither PNG nor JPEG",
+            "warning: images that cannot be read are grey (image 0 \"letter\": neither PNG nor JPEG",
         ),
         ("png_called_jpeg.glb", ""),
         (
@@ -215,11 +215,11 @@ fn broken_fixtures_are_refused_or_read_without_what_is_broken() {
         ),
         (
             "sparse_out_of_order.glb",
-            "error: accessor 0 has the sparse index 1 at place 1",
+            "error: accessor 0 has the sparse index 1 at position 1",
         ),
         (
             "sparse_out_of_range.glb",
-            "error: accessor 0 has the sparse index 4000 at place 1",
+            "error: accessor 0 has the sparse index 4000 at position 1",
         ),
         (
             "sparse_too_many.glb",
@@ -232,11 +232,11 @@ fn broken_fixtures_are_refused_or_read_without_what_is_broken() {
         ),
         (
             "texture_without_source.glb",
-            "warning: images cannot be read, and are grey (texture 0: it has no image",
+            "warning: images that cannot be read are grey (texture 0: it has no image",
         ),
         (
             "unknown_optional.glb",
-            "warning: extensions not read (ACME_teapot)",
+            "warning: unknown extensions are ignored (ACME_teapot)",
         ),
         (
             "unknown_required.glb",

@@ -279,7 +279,7 @@ fn a_buffer_of_ten_gigabytes_is_refused_before_it_is_read() {
     assert!(
         error
             .to_string()
-            .contains("buffer 0 would take the memory needed to 10000"),
+            .contains("buffer 0 would raise the memory needed to 10 GB"),
         "{error}"
     );
 
@@ -288,7 +288,7 @@ fn a_buffer_of_ten_gigabytes_is_refused_before_it_is_read() {
     assert!(
         error
             .to_string()
-            .contains("the file would take the memory needed to 10000000000 bytes"),
+            .contains("the file would raise the memory needed to 10 GB"),
         "{error}"
     );
 }

@@ -21,7 +21,7 @@ fn is_grey(import: &Import, why: &str) {
     let said = warnings(import);
     assert_eq!(said.len(), 1, "{said:?}");
     assert!(
-        said[0].starts_with("images cannot be read, and are grey (") && said[0].contains(why),
+        said[0].starts_with("images that cannot be read are grey (") && said[0].contains(why),
         "it says\n  {}\nand not\n  {why}",
         said[0]
     );
@@ -50,7 +50,7 @@ fn images_that_cannot_be_had_are_grey_and_say_why() {
         ),
         (
             json!({ "uri": "https://example.org/a.png" }),
-            "image 0 lies at `https://example.org/a.png`; nothing is fetched",
+            "image 0 is at `https://example.org/a.png`, and nothing is fetched",
         ),
         (
             json!({ "uri": "nowhere.png", "name": "Wall" }),
@@ -147,7 +147,7 @@ fn images_that_are_too_much_together_are_grey_from_the_first_that_does_not_fit()
     assert!(bytes < options.limit_bytes);
     let said = warnings(&import);
     assert!(
-        said[0].contains("700x700 texels need ") && said[0].contains(" bytes, more than is allowed"),
+        said[0].contains("700x700 texels need ") && said[0].contains("MB, more than is allowed"),
         "{said:?}"
     );
 }

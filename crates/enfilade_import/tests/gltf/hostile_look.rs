@@ -94,7 +94,7 @@ fn a_texture_without_coordinates_has_the_color_of_its_corner() {
         assert_eq!(
             warnings(&import),
             [format!(
-                "faces have a texture, but no place in it: they have the color of its corner \
+                "textured faces without texture coordinates have the color of the texture's corner \
                  (meshes[0].primitives[0] has no TEXCOORD_{set})"
             )]
         );
@@ -110,7 +110,7 @@ fn coordinates_that_a_transform_drives_to_infinity_are_zero() {
     assert_eq!(carried(&import, |mesh| mesh.texture()), [[0.0; 2]; 3]);
     assert_eq!(
         warnings(&import),
-        ["texture coordinates are not finite, and are 0 (meshes[0].primitives[0])"]
+        ["texture coordinates that are not finite are 0 (meshes[0].primitives[0])"]
     );
 }
 

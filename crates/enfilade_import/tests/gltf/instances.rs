@@ -109,7 +109,7 @@ fn openings_are_there_once() {
     let said = warnings(&import);
     assert!(
         said.iter()
-            .any(|text| text.starts_with("portals and mirrors are there once, where their node stands")),
+            .any(|text| text.starts_with("instances of portals and mirrors are ignored")),
         "{said:?}"
     );
 }
@@ -129,7 +129,7 @@ fn instances_that_make_no_sense_are_refused() {
             file.floats(&[0.0; 9], 3);
             file.floats(&[1.0; 6], 3);
         },
-        "node 0 \"Leaf\" has 3 places (TRANSLATION), but 2 scales (SCALE); an instance has one of each",
+        "node 0 \"Leaf\" has 3 places (TRANSLATION), but 2 scales (SCALE); export it again with one of each per instance",
     );
     refused(
         json!({ "TRANSLATION": 7 }),
@@ -155,7 +155,7 @@ fn instances_that_make_no_sense_are_refused() {
         &|file| {
             file.floats(&[0.0, f32::NAN, 0.0], 3);
         },
-        "node 0 \"Leaf\", instance 0 stands at a place, or has a size, that is not finite",
+        "node 0 \"Leaf\", instance 0 has a transform that is not finite",
     );
     // Finite, but not where it comes to stand.
     refused(

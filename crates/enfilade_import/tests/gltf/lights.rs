@@ -113,7 +113,7 @@ fn lights_that_can_light_nothing_are_left_out_and_named() {
         assert!(import.lights.is_empty(), "{light}");
         assert_eq!(
             warnings(&import),
-            ["lights that can light nothing are left out (node 1 \"Lamp\")"],
+            ["lights with an invalid color, range, cone or transform are ignored (node 1 \"Lamp\")"],
             "{light}"
         );
     }

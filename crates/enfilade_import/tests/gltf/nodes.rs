@@ -234,7 +234,7 @@ fn a_camera_stands_in_the_world_and_looks_along_its_negative_z() {
 #[test]
 fn cameras_that_make_no_picture_are_left_out_with_a_warning() {
     let orthographic = |ymag: f64, znear: f64, zfar: f64| json!({ "type": "orthographic", "orthographic": { "xmag": 1, "ymag": ymag, "znear": znear, "zfar": zfar } });
-    let bad = "cameras that can make no picture are left out (node 1 \"Eye\")";
+    let bad = "cameras with an invalid angle, near plane or transform are ignored (node 1 \"Eye\")";
     for (camera, scale) in [
         (orthographic(0.0, 0.1, 9.0), 1),
         (orthographic(-2.0, 0.1, 9.0), 1),
@@ -258,4 +258,40 @@ fn cameras_that_make_no_picture_are_left_out_with_a_warning() {
         assert!(import.cameras.is_empty(), "{camera}");
         assert_eq!(warnings(&import), [bad], "{camera}");
     }
+}
+
+#[test]
+fn items_know_their_nodes_and_what_other_programs_call_these() {
+    let mut file = forest(json!([
+        { "name": "Hall-room", "children": [3, 1] },
+        { "name": "wall", "mesh": 0, "extras": { "ifcClass": "IfcWall", "globalId": "2O2Fr$t4X7Zf8NOew3FNtn" } },
+        { "name": "wall", "mesh": 0, "extras": { "id": 12 } },
+        { "name": "tree", "mesh": 0, "extras": { "GUID": "t" },
+          "extensions": { "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": 2 } } } },
+        { "name": "stone", "mesh": 0, "translation": [0, 0, 50], "extras": "no object" },
+    ]));
+    file.json["extensionsUsed"] = json!(["EXT_mesh_gpu_instancing"]);
+    file.floats(&[5.0, 0.0, 0.0, 0.0, 7.0, 0.0], 3);
+    let import = reads(&file);
+    let items: Vec<String> = import
+        .rooms
+        .iter()
+        .flat_map(|room| {
+            let items = (0..room.content.items().len() as u32).map(ItemId);
+            items.map(|item| {
+                let (node, id) = (room.nodes.node(item), room.nodes.id(item));
+                format!("{} {node:?} {}", room.content.name(item), id.unwrap_or("-"))
+            })
+        })
+        .collect();
+    assert_eq!(
+        items,
+        [
+            "wall#1 Some(1) 2O2Fr$t4X7Zf8NOew3FNtn",
+            "tree[0] Some(3) t",
+            "tree[1] Some(3) t",
+            "wall#2 Some(2) 12",
+            "stone Some(4) -",
+        ]
+    );
 }

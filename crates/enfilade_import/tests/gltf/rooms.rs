@@ -106,7 +106,7 @@ fn the_nearest_room_above_a_node_has_it() {
     assert_eq!(
         warnings(&import),
         [
-            "nodes stand in no room, and no portal leads to where they are: they are seen only from among them (node 4 \"moon\", node 5 \"sun\")"
+            "nodes outside every room and not reachable through a portal; visible only from inside that space (node 4 \"moon\", node 5 \"sun\")"
         ]
     );
 }
@@ -268,7 +268,7 @@ fn without_rooms_nothing_is_an_opening() {
     assert_eq!(
         warnings(&import),
         [
-            "nodes are called like portals or mirrors, but no node is a room (NAME-room): they are drawn as they are (node 1 \"Door-portal\", node 2 \"Car-mirror\")"
+            "nodes are named like portals or mirrors, but no node is a room (NAME-room): drawn as ordinary meshes (node 1 \"Door-portal\", node 2 \"Car-mirror\")"
         ]
     );
 }
@@ -282,9 +282,9 @@ fn what_is_odd_is_warned_of() {
     assert_eq!(
         warnings(&import),
         [
-            "nodes stand in no room, and no portal leads to where they are: they are seen only from among them (node 5 \"lamp\")",
+            "nodes outside every room and not reachable through a portal; visible only from inside that space (node 5 \"lamp\")",
             "rooms have nothing in them (node 4 \"C-room\")",
-            "extras.enfilade says what is not read (node 4 \"C-room\", node 5 \"lamp\")",
+            "extras.enfilade has unknown keys, which are ignored (node 4 \"C-room\", node 5 \"lamp\")",
         ]
     );
 }

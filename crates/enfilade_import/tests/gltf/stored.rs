@@ -177,7 +177,7 @@ fn elements_that_stand_elsewhere_and_make_no_sense_are_refused() {
             &|a| {
                 a["count"] = json!(2);
             },
-            "accessor 0 has the sparse index 2 at place 1; sparse indices must grow, and stay below its count of 2",
+            "accessor 0 has the sparse index 2 at position 1, but sparse indices must increase and stay below its count of 2",
         ),
         (
             "a word",
@@ -197,7 +197,7 @@ fn elements_that_stand_elsewhere_and_make_no_sense_are_refused() {
     for order in [vec![2, 1], vec![1, 1]] {
         let said = refusal(&sparse(5121, order, false).glb()).expect("an error");
         assert!(
-            said.contains("accessor 0 has the sparse index 1 at place 1"),
+            said.contains("accessor 0 has the sparse index 1 at position 1"),
             "{said}"
         );
     }

@@ -89,9 +89,9 @@ fn what_is_not_finite_is_replaced_and_said() {
     assert_eq!(
         warnings(&import),
         [
-            "normals are not finite: faces are flat there (meshes[0].primitives[0])",
-            "texture coordinates are not finite, and are 0 (meshes[0].primitives[0])",
-            "colors are not finite, and are white (meshes[0].primitives[0])",
+            "normals that are not finite are ignored: flat shading (meshes[0].primitives[0])",
+            "texture coordinates that are not finite are 0 (meshes[0].primitives[0])",
+            "colors that are not finite are white (meshes[0].primitives[0])",
         ]
     );
     assert_eq!(
@@ -211,7 +211,7 @@ fn what_a_material_sends_out_may_be_an_image_where_its_color_is_one() {
         assert_eq!(
             warnings(&import),
             [
-                "textures of what materials send out lie otherwise than those of their color: they send out nothing (material 0)"
+                "emissive textures with other coordinates than the color texture are ignored: the material emits nothing (material 0)"
             ]
         );
         let found = material(&import);

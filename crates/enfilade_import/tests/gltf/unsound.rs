@@ -23,12 +23,12 @@ fn forests_that_are_none() {
         (
             "a node that is its own child",
             &|j| j["nodes"] = json!([{ "name": "Ouroboros", "children": [0] }]),
-            "in a ring: node 0 \"Ouroboros\", node 0 \"Ouroboros\"",
+            "in a cycle: node 0 \"Ouroboros\", node 0 \"Ouroboros\"",
         ),
         (
             "a ring of three, with a tail",
             &|j| j["nodes"] = json!([{}, { "children": [3] }, { "children": [1, 0] }, { "children": [2] }]),
-            "in a ring: node 2, node 1, node 3, node 2",
+            "in a cycle: node 2, node 1, node 3, node 2",
         ),
         (
             "a ring that no scene shows",
@@ -36,7 +36,7 @@ fn forests_that_are_none() {
                 j["nodes"] = json!([{ "mesh": 0 }, { "children": [2] }, { "children": [1] }]);
                 j["scenes"] = json!([{ "nodes": [0] }]);
             },
-            "in a ring",
+            "in a cycle",
         ),
         (
             "a scene that begins in the middle",
@@ -44,7 +44,7 @@ fn forests_that_are_none() {
                 j["nodes"] = json!([{ "name": "House", "children": [1] }, { "name": "Door" }]);
                 j["scenes"] = json!([{ "nodes": [1] }]);
             },
-            "scene 0 begins with node 1 \"Door\", which is a child of node 0 \"House\"",
+            "scene 0 names node 1 \"Door\" as a root, but it is a child of node 0 \"House\"",
         ),
     ]);
 }
@@ -77,12 +77,12 @@ fn places_that_are_none() {
         (
             "a place too far out",
             &|j| j["nodes"][0]["translation"] = json!([huge, 0, 0]),
-            "node 0 \"Leaf\" stands at a place, or has a size, that is not finite",
+            "node 0 \"Leaf\" has a transform that is not finite",
         ),
         (
             "a size too large",
             &|j| j["nodes"][0]["matrix"] = json!([huge, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]),
-            "node 0 \"Leaf\" stands at a place, or has a size, that is not finite",
+            "node 0 \"Leaf\" has a transform that is not finite",
         ),
         (
             "a short matrix",
@@ -158,7 +158,7 @@ fn other_versions_of_gltf() {
         (
             "1.0",
             &|j| j["asset"]["version"] = json!("1.0"),
-            "is of glTF version 1.0; only version 2.0 is read",
+            "is of glTF version 1.0; export it again as glTF 2.0",
         ),
         (
             "20.0",
@@ -168,7 +168,7 @@ fn other_versions_of_gltf() {
         (
             "2.1 at least",
             &|j| j["asset"] = json!({ "version": "2.1", "minVersion": "2.1" }),
-            "is of glTF version 2.1; only version 2.0 is read",
+            "is of glTF version 2.1; export it again as glTF 2.0",
         ),
         (
             "none",

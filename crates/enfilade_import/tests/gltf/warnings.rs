@@ -49,7 +49,7 @@ fn extensions_that_are_read_are_not_named_and_others_are() {
             ]);
             file.json["extensionsRequired"] = json!(["KHR_texture_transform", "KHR_lights_punctual"]);
         },
-        &["extensions not read (KHR_materials_clearcoat, KHR_materials_ior)"],
+        &["unknown extensions are ignored (KHR_materials_clearcoat, KHR_materials_ior)"],
     );
 }
 
@@ -60,7 +60,7 @@ fn compression_with_a_plain_copy_beside_it_is_passed_over() {
             file.json["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
             file.json["meshes"][0]["primitives"][0]["extensions"] = json!({ "KHR_draco_mesh_compression": { "bufferView": 99, "attributes": { "POSITION": 0 } } });
         },
-        &["extensions not read (KHR_draco_mesh_compression)"],
+        &["unknown extensions are ignored (KHR_draco_mesh_compression)"],
     );
 }
 
@@ -81,7 +81,7 @@ fn what_changes_only_the_look_is_counted() {
             "morph targets are not read yet: shapes are those before any morph (meshes[0].primitives[0])",
             "skins are not read yet: meshes are in their rest pose (1)",
             "animations are not read yet: everything stands still (3)",
-            "not drawn: maps of metal, roughness, normals, occlusion and transmission (2)",
+            "metallic-roughness, normal, occlusion and transmission textures are not drawn (2)",
         ],
     );
 }
@@ -94,7 +94,7 @@ fn corners_that_make_no_triangle_are_left_out() {
             file.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
         },
         &[
-            "the last corners of a list of triangles make no triangle and are left out (meshes[0].primitives[0])",
+            "triangle lists with a corner count that is not a multiple of 3: the last corners are ignored (meshes[0].primitives[0])",
         ],
     );
 }
@@ -114,7 +114,7 @@ fn a_primitive_without_positions_is_not_drawn() {
 
 #[test]
 fn nodes_that_flatten_or_shear_are_named() {
-    let flat = "nodes flatten their mesh, which may then be seen as a line or not at all (node 0 \"Leaf\")";
+    let flat = "node transforms flatten their mesh, which may be invisible (node 0 \"Leaf\")";
     warns(|file| file.json["nodes"][0]["scale"] = json!([1, 1, 0]), &[flat]);
     warns(|file| file.json["nodes"][0]["scale"] = json!([0, 0, 0]), &[flat]);
     let sheared = "node matrices shear, which glTF forbids; they are taken as they are (node 0 \"Leaf\")";
@@ -134,9 +134,7 @@ fn a_hundred_odd_things_of_a_kind_are_one_warning() {
                 file.node(json!({ "mesh": 0, "scale": [0, 1, 1] }));
             }
         },
-        &[
-            "nodes flatten their mesh, which may then be seen as a line or not at all \
-           (node 1, node 2, node 3, node 4, node 5, node 6 and 94 more)",
-        ],
+        &["node transforms flatten their mesh, which may be invisible \
+           (node 1, node 2, node 3, node 4, node 5, node 6 and 94 more)"],
     );
 }

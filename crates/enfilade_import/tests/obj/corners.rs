@@ -137,7 +137,7 @@ fn what_is_not_finite_and_only_of_the_look_is_left_out() {
     ]);
     assert!(
         warnings(&import).contains(
-            &"normals, texture coordinates or colors are not finite, and are left out (4)".to_owned()
+            &"normals, texture coordinates or colors that are not finite are ignored (4)".to_owned()
         ),
         "{:?}",
         warnings(&import)

@@ -32,14 +32,14 @@ fn gltf_is_gltf_though_it_is_called_obj() {
 #[test]
 fn what_has_no_line_of_obj_is_not_obj_though_it_is_called_so() {
     for (text, begins) in [
-        (&b""[..], "nothing at all"),
-        (b"once upon a time", "`once upon a `"),
-        (b"\x89PNG\r\n\x1a\n", "`\\x89PNG\\r\\n\\x1a\\n`"),
+        (&b""[..], "is empty"),
+        (b"once upon a time", "begins with `once upon a `"),
+        (b"\x89PNG\r\n\x1a\n", "begins with `\\x89PNG\\r\\n\\x1a\\n`"),
     ] {
         let error = read_among(&[("a.obj", text)], &ReadOptions::default()).expect_err("no OBJ");
         assert!(
             error.to_string().contains(&format!(
-                "a.obj: is neither glTF nor OBJ, nor a map of Quake, nor terrain: it begins with {begins}. "
+                "a.obj: is neither glTF nor OBJ, nor a map of Quake, nor terrain: it {begins}; name a scene"
             )),
             "{error}"
         );

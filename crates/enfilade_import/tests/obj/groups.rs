@@ -67,7 +67,7 @@ fn all_is_one_room_also_where_objects_are_called_like_rooms() {
     assert_eq!(
         warnings(&import),
         [
-            "objects are called like rooms, portals or mirrors, but OBJ cannot say what stands in a room: all is one \
+            "objects are named like rooms, portals or mirrors, but OBJ has no hierarchy to mark rooms: everything is one room \
              (Hall-room, Door-portal.001)"
         ]
     );
@@ -104,6 +104,6 @@ fn curves_and_unknown_statements_are_named_once_each() {
     let import = reads(&square("f 1 2 3\nvp 1 2\ncstype bezier\nvp 2 3\nend\nwhatever 1"));
     assert_eq!(
         warnings(&import),
-        ["statements that are not read (cstype, end, vp, whatever)"]
+        ["unknown statements are ignored (cstype, end, vp, whatever)"]
     );
 }

@@ -127,7 +127,7 @@ fn images_are_looked_for_beside_the_file_that_names_them_and_never_outside() {
     let import = enfilade_import::read(&folder.path().join("scene/a.obj"), &ReadOptions::default());
     let said = warnings(&import.expect("sound without it"));
     assert!(
-        said[0].starts_with("images cannot be read, and are grey (secret.png: cannot be read: "),
+        said[0].starts_with("images that cannot be read are grey (secret.png: cannot be read: "),
         "{said:?}"
     );
 }
@@ -145,7 +145,7 @@ fn options_place_an_image_and_say_whether_it_repeats() {
     assert_eq!(texture(&import).wrap, [Wrap::Repeat; 2]);
     assert_eq!(
         warnings(&import),
-        ["what is said of materials and not read (a.mtl line 2: -mm, a.mtl line 2: -t)"]
+        ["unknown statements in material files are ignored (a.mtl line 2: -mm, a.mtl line 2: -t)"]
     );
 }
 
@@ -162,7 +162,7 @@ fn an_image_under_black_or_no_color_stands_alone() {
     let odd = with_wood("map_Ke -s 2 my wood.png\nmap_Kd tex/wood.png");
     assert_eq!(
         warnings(&odd),
-        ["what is said of materials and not read (a: map_Ke has another place than map_Kd)"]
+        ["unknown statements in material files are ignored (a: map_Ke has another place than map_Kd)"]
     );
 }
 
@@ -184,7 +184,7 @@ fn alpha_maps_make_cut_outs() {
         assert_eq!(material(&other).alpha, Alpha::Mask, "{lines}");
         assert_eq!(
             warnings(&other),
-            ["what is said of materials and not read (a: map_d is not the image of map_Kd)"]
+            ["unknown statements in material files are ignored (a: map_d is not the image of map_Kd)"]
         );
     }
 }
@@ -209,7 +209,7 @@ fn images_that_cannot_be_had_are_grey_and_named() {
         let said = warnings(&import);
         assert!(
             said.len() == 1
-                && said[0].starts_with("images cannot be read, and are grey (")
+                && said[0].starts_with("images that cannot be read are grey (")
                 && said[0].contains(why),
             "{path}: {said:?}"
         );

@@ -71,7 +71,7 @@ fn d_and_tr_make_glass() {
     assert_eq!(material(&odd).alpha, Alpha::Opaque);
     assert_eq!(
         warnings(&odd),
-        ["what is said of materials and not read (a: Tr says otherwise than d, which is taken)"]
+        ["unknown statements in material files are ignored (a: Tr says otherwise than d, which is taken)"]
     );
 }
 
@@ -102,14 +102,14 @@ fn a_file_of_materials_that_is_not_there_is_a_warning_and_grey() {
     assert_eq!(material(&import), both_sides([0.215_860_5; 3]));
     let said = warnings(&import);
     assert!(
-        said[0].starts_with("files of materials cannot be read (house.mtl: cannot be read: "),
+        said[0].starts_with("material files cannot be read (house.mtl: cannot be read: "),
         "{said:?}"
     );
-    assert_eq!(said[1], "materials that are not defined are grey (oak)");
+    assert_eq!(said[1], "undefined materials are grey (oak)");
     let said = warnings(&reads(&text));
     assert_eq!(
         said[0],
-        "files of materials cannot be read (house.mtl: no folder was given to look for it)"
+        "material files cannot be read (house.mtl: no folder was given to look for it)"
     );
     let options = ReadOptions::default();
     for name in ["", ".", "sub"] {
@@ -126,7 +126,7 @@ fn materials_that_are_not_defined_are_named() {
     let import = reads_among(&[("a.obj", text.as_bytes()), ("a.mtl", b"newmtl Oak\n")]);
     assert_eq!(
         warnings(&import),
-        ["materials that are not defined are grey (oak, (no name))"]
+        ["undefined materials are grey (oak, (no name))"]
     );
 }
 
@@ -165,7 +165,7 @@ fn what_is_not_read_of_a_material_is_named() {
     assert_eq!(
         warnings(&import),
         [
-            "what is said of materials and not read (a.mtl line 2: Kd red, a.mtl line 3: map_Bump -bm 1 bumps.png, \
+            "unknown statements in material files are ignored (a.mtl line 2: Kd red, a.mtl line 3: map_Bump -bm 1 bumps.png, \
              a.mtl line 4: refl -type sphere sky.png, a.mtl line 5: d -halo 0.5)"
         ]
     );
@@ -182,7 +182,7 @@ fn memory_for_materials_is_asked_for() {
     let files = [("a.obj", text.as_bytes()), ("a.mtl", large.as_bytes())];
     let said = warnings(&read_among(&files, &options).expect("sound without"));
     assert!(
-        said[0].contains("a.mtl would take the memory needed to"),
+        said[0].contains("a.mtl would raise the memory needed to"),
         "{said:?}"
     );
 }

@@ -230,7 +230,7 @@ fn polygons_that_cross_themselves_are_cut_somehow_and_named() {
         assert_eq!(
             warnings(&import),
             [format!(
-                "polygons cross themselves, and are cut into triangles as well as can be (line {line})"
+                "self-intersecting polygons are triangulated approximately (line {line})"
             )]
         );
     }

@@ -14,12 +14,15 @@ fn says(text: &str, wanted: &str) {
 
 #[test]
 fn what_is_no_prt_is_said_so() {
-    says("", "is no .prt of a kind that is read here: it begins with ,");
+    says(
+        "",
+        "is not a .prt file: it is empty, but a .prt begins with PRT1 or PRT2",
+    );
     says(
         "PRT3\n1\n0\n",
-        "is no .prt of a kind that is read here: it begins with PRT3",
+        "is not a .prt file: it begins with `PRT3\\n1\\n0\\n`, but a .prt begins",
     );
-    says("\u{1}\u{2}\u{0}IBSP", "is no .prt");
+    says("\u{1}\u{2}\u{0}IBSP", "is not a .prt");
 }
 
 #[test]
@@ -45,12 +48,12 @@ fn a_word_that_is_no_number_is_shown() {
     says("PRT1\n2\n1\n4 0 1 (1 2)\n", "line 4: `)` is not a coordinate");
     says(
         "PRT1\n2\n1\n4 0 1 (1 2 3\n",
-        "line 4: `the end of the line` is not `)`",
+        "line 4: the end of the line is not `)`",
     );
     says("PRT1\n2\n1\n4 0 1 1 2 3\n", "line 4: `1` is not `(`");
     says(
         "PRT2\n1\n1\n0\n0\n",
-        "line 5: `the end of the line` is not the number of a leaf",
+        "line 5: the end of the line is not the number of a leaf",
     );
 }
 
@@ -149,7 +152,7 @@ fn a_file_that_is_not_there_or_too_large_is_named() {
         ..options
     };
     assert!(
-        said(&small).contains("its portals would take the memory needed to 81 bytes"),
+        said(&small).contains("its portals would raise the memory needed to 81 bytes"),
         "{}",
         said(&small)
     );

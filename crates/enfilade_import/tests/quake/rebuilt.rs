@@ -352,6 +352,6 @@ fn memory_is_asked_for_before_it_is_taken() {
             ..ReadOptions::default()
         };
         let error = rebuild_portals_bytes(&map, &options).expect_err("too little");
-        assert!(error.to_string().contains("more than the limit"), "{error}");
+        assert!(error.to_string().contains("above the limit"), "{error}");
     }
 }

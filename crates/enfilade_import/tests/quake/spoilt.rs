@@ -58,8 +58,8 @@ fn a_map_that_is_cut_short_anywhere_is_refused_and_says_what_to_do() {
             let said = refusal(&map[..end]).unwrap_or_else(|| panic!("{format:?} up to {end}"));
             assert!(
                 said.contains("again")
-                    || said.contains("are read from")
-                    || said.contains("is no compiled map of a kind"),
+                    || said.contains("name a scene")
+                    || said.contains("is no compiled map of a known kind"),
                 "{said}"
             );
         }
@@ -242,7 +242,7 @@ fn a_map_that_means_everything_many_times_is_refused_at_once() {
     }
     let said = refusal(&little.bytes()).expect("a refusal");
     assert!(
-        said.contains("its faces would take the memory needed to"),
+        said.contains("its faces would raise the memory needed to"),
         "{said}"
     );
 
@@ -257,7 +257,7 @@ fn a_map_that_means_everything_many_times_is_refused_at_once() {
     little.lumps[14][52..56].copy_from_slice(&(MANY as i32).to_le_bytes());
     let said = refusal(&little.bytes()).expect("a refusal");
     assert!(
-        said.contains("its leafs' faces would take the memory needed to"),
+        said.contains("its leafs' faces would raise the memory needed to"),
         "{said}"
     );
 
@@ -271,7 +271,7 @@ fn a_map_that_means_everything_many_times_is_refused_at_once() {
     little.lumps[14][52..56].copy_from_slice(&(MANY as i32).to_le_bytes());
     let said = refusal(&little.bytes()).expect("a refusal");
     assert!(
-        said.contains("what is visible would take the memory needed to"),
+        said.contains("what is visible would raise the memory needed to"),
         "{said}"
     );
     assert!(start.elapsed() < PATIENCE, "{:?}", start.elapsed());

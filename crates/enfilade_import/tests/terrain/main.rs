@@ -166,7 +166,7 @@ fn a_file_of_heights_that_is_not_there_or_not_the_only_one_is_asked_for() {
     ] {
         named["file"] = json!(elsewhere);
         let said = refusal(&named, &[]);
-        assert!(said.contains("they must lie beside it"), "{elsewhere}: {said}");
+        assert!(said.contains("which is not beside it"), "{elsewhere}: {said}");
     }
     named["file"] = json!("gone.raw");
     let said = refusal(&named, &[]);
@@ -197,7 +197,7 @@ fn too_few_heights_and_too_many_are_told_apart_from_holes() {
     holes["noData"] = json!(600);
     assert_eq!(
         refusal(&holes, &[("hill.raw", &heights())]),
-        "hill.json: has no height at column 2, row 1, where 600 stands, its noData: terrain has no holes. Fill it, or cut the \
+        "hill.json: has no height at column 2, row 1, which holds the noData value 600.0; fill the hole, or cut the \
          field in parts around it"
     );
 }
@@ -299,7 +299,7 @@ fn holes_are_told_by_their_place_wherever_heights_stay() {
     };
     for said in said(-9999.0) {
         assert!(
-            said.contains("has no height at column 7, row 33, where -9999 stands, its noData"),
+            said.contains("has no height at column 7, row 33, which holds the noData value -9999.0;"),
             "{said}"
         );
     }

@@ -14,11 +14,11 @@ pub enum LinkError {
     #[error("{0}")]
     World(Box<BrokenRule>),
     /// A name of a part that is empty, has a `/` in it, or is another's.
-    #[error("`{0}` is no name for a part; each needs one of its own, and without a /")]
+    #[error("`{0}` is no name for a part; give each part a unique name without a /")]
     NameTaken(String),
     /// A placing that is not finite, that flattens, or whose rotation has no length.
     #[error(
-        "its place makes no sense: all numbers must be finite, the scale above 0, and the rotation not 0"
+        "its transform is not possible: all numbers must be finite, the scale above 0, and the rotation not 0"
     )]
     BadPlacing,
     /// A part has no node of that name.

@@ -9,10 +9,10 @@ use thiserror::Error;
 pub enum BspError {
     /// Another kind of file.
     #[error(
-        "is no compiled map of a kind that is known here (BSP29, BSP2 or IBSP46): it begins with `{begins}`"
+        "is no compiled map of a known kind (BSP29, BSP2 or IBSP46): it {begins}; name a .bsp of Quake or Quake 3"
     )]
     NotMap {
-        /// Its first bytes, as text.
+        /// What it begins with: "begins with `…`", or "is empty".
         begins: String,
     },
     /// A part that should be there ends past the file's end.

@@ -1,6 +1,7 @@
 //! The table of lumps: where in a compiled map what is.
 
 use super::BspError;
+use crate::gltf;
 use std::ops::Range;
 
 /// Where things stand in the files of a game, and how many bytes each takes.
@@ -95,9 +96,7 @@ impl Map {
         } else if bytes.starts_with(b"IBSP\x2e\0\0\0") {
             &IBSP46
         } else {
-            let begins = String::from_utf8_lossy(&bytes[..bytes.len().min(8)])
-                .escape_debug()
-                .to_string();
+            let begins = gltf::beginning(bytes);
             return Err(BspError::NotMap { begins });
         };
         let mut lumps = Vec::new();

@@ -22,7 +22,7 @@ mod surfaces;
 use super::bsp::{Map, Tree};
 use crate::budget::Budget;
 use crate::warning::{WarningKind, Warnings};
-use crate::{BrokenRule, Import, ReadOptions, Room};
+use crate::{BrokenRule, Import, ReadOptions, Room, SourceNodes};
 use enfilade::ContentBuilder;
 use looks::Looks;
 use std::sync::Arc;
@@ -136,6 +136,7 @@ pub(crate) fn import(
         rooms: vec![Room {
             name: name.to_owned(),
             content: Arc::new(content),
+            nodes: SourceNodes::default(),
             method: None,
             large: None,
         }],

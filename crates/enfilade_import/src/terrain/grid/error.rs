@@ -1,5 +1,6 @@
 //! Why a mesh is no grid of heights.
 
+use crate::spoken::short;
 use enfilade::HeightFieldError;
 use std::fmt;
 use thiserror::Error;
@@ -19,7 +20,8 @@ pub struct GridPlace {
 
 impl fmt::Display for GridPlace {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let GridPlace { column, row, x, z } = self;
+        let GridPlace { column, row, x, z } = *self;
+        let [x, z] = [x, z].map(|value| short(value.into()));
         write!(f, "column {column}, row {row} (x {x}, z {z} in its own space)")
     }
 }
@@ -45,7 +47,7 @@ pub enum GridError {
     /// One corner over another.
     #[error(
         "it has the heights {} and {} at {place}; leave one of them, and check that the mesh itself has y up",
-        heights[0], heights[1]
+        short(heights[0].into()), short(heights[1].into())
     )]
     TwoHeights {
         /// Two of them.

@@ -92,6 +92,7 @@ mod authoring;
 mod budget;
 mod camera;
 mod error;
+mod faults;
 mod gltf;
 mod images;
 #[cfg(feature = "levels")]
@@ -106,6 +107,7 @@ mod warning;
 pub use authoring::AuthoringError;
 pub use camera::Camera;
 pub use error::{BrokenRule, ImportError};
+pub use faults::AuthoringErrors;
 pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};
 #[cfg(feature = "levels")]
 pub use levels::{Levels, details_of};
@@ -146,7 +148,8 @@ pub struct Import {
     pub lights: Vec<Light>,
     /// What only a compiled map has; `None` of other files.
     pub map: Option<MapSummary>,
-    /// What the file has that was not read, or that is odd: one warning of each kind, worst first.
+    /// What the file has that was not read, or that is odd: one warning of each kind, worst first; but one of each portal that was
+    /// [skipped](ReadOptions::skip_bad_portals).
     pub warnings: Vec<Warning>,
     /// The other files that it names, read or not: buffers, images, materials, heights. Whoever writes files should write
     /// none of these.
@@ -210,6 +213,9 @@ pub struct ReadOptions {
     /// Take everything as one room: portals are plain holes, and a mirror is what its mesh is. Where rooms and portals are
     /// is not asked then, so a file in which they make no sense can still be looked at.
     pub flat: bool,
+    /// Leave out portals and mirrors that do not make sense, each with a warning: they become plain holes. Otherwise such a
+    /// file is refused.
+    pub skip_bad_portals: bool,
     /// Read images on faces? Who only asks what can be seen needs none, and reads faster without.
     pub textures: bool,
 }
@@ -219,6 +225,7 @@ impl Default for ReadOptions {
         ReadOptions {
             limit_bytes: 1 << 30,
             flat: false,
+            skip_bad_portals: false,
             textures: true,
         }
     }
@@ -228,7 +235,8 @@ impl Default for ReadOptions {
 /// others is OBJ where it is called so, or begins with positions, materials or comments before them.
 ///
 /// # Errors
-/// An [`ImportError`] for the first broken rule that is met; the same one every time.
+/// An [`ImportError`] for the first broken rule that is met; the same one every time. Of what is wrong with rooms, portals and
+/// terrain it holds all ([`AuthoringErrors`]).
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
     read_file(path, options, |bytes, name, budget| {
         let is_called_obj = path

@@ -112,11 +112,16 @@ pub(crate) fn run(args: &InfoArgs) -> Result<Outcome> {
         &args.scene.scene,
         For::Answers,
         Choice::Own,
-        false,
+        args.portals,
         &args.limits,
         &mut files,
     )?;
-    let inventory = Inventory::of(opened);
+    let mut inventory = Inventory::of(opened);
+    if args.portals.flat {
+        // A built-in scene still has its portals, but nothing follows them.
+        inventory.portals = 0;
+        inventory.ways.clear();
+    }
     if !args.json.takes_stdout() {
         out::print(&inventory.for_people())?;
     }

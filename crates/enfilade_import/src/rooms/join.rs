@@ -1,13 +1,16 @@
 //! Joins rooms: every marked mesh becomes openings of rooms, and portals that lead out of them.
 
 use super::outline::outline;
-use super::overlap::overlap;
+use super::overlap::overlaps;
 use super::sides::{self, LEAST, Side, sides};
 use super::{Marked, Shell, Teleport, Way};
+use crate::faults::{Faults, Subject};
+use crate::warning::Warnings;
 use crate::{AuthoringError, BrokenRule, Room};
 use enfilade::{Content, ConvexPolygon, FragmentId, OpeningId, Portal, Ray, Transform};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// An opening of a room and where it leads.
@@ -20,50 +23,88 @@ struct Lead {
     there_from_here: Transform,
 }
 
-/// Builds the rooms with their openings, and the portals between them.
-pub(crate) fn join(shells: Vec<Shell>, marked: &[Marked]) -> Result<(Vec<Room>, Vec<Portal>), BrokenRule> {
+/// Builds the rooms with their openings, and the portals between them. Marked meshes that make no sense are reported and left
+/// out.
+pub(crate) fn join(
+    shells: Vec<Shell>,
+    mut marked: Vec<Marked>,
+    faults: &mut Faults,
+    warnings: &mut Warnings,
+) -> Result<(Vec<Room>, Vec<Portal>), BrokenRule> {
     // Most files are one room without openings: nothing is to be asked of it.
     if shells.len() == 1 && marked.is_empty() {
-        return finish(shells, marked, Vec::new());
+        return finish(shells, &marked, Found::default());
     }
     let bare: Vec<Content> = shells
         .iter()
         .map(|shell| shell.builder.clone().build().map_err(BrokenRule::Content))
         .collect::<Result<_, _>>()?;
-    let spoken = |room: usize| shells[room].spoken.clone();
-    if let Some((first, second, point)) = overlap(&bare) {
-        let [first, second] = [first, second].map(spoken);
-        return Err(AuthoringError::RoomsOverlap { first, second, point }.into());
-    }
     let spoken: Vec<&str> = shells.iter().map(|shell| &*shell.spoken).collect();
-    let found: Vec<Result<Vec<Lead>, AuthoringError>> = (0..marked.len())
-        .into_par_iter()
-        .map(|number| leads(&bare, &spoken, number, &marked[number]))
-        .collect();
-    // In order, so that of several errors the first is told, whichever thread was done first.
-    let leads: Vec<Lead> = found
-        .into_iter()
-        .collect::<Result<Vec<_>, _>>()?
-        .into_iter()
-        .flatten()
-        .collect();
-    if let Some((a, b)) = same_place(&leads) {
-        let [first, second] = [a, b].map(|lead| marked[lead.marked].spoken.clone());
-        let room = shells[a.from].spoken.clone();
-        return Err(AuthoringError::SamePlace { first, second, room }.into());
+    for (first, second, point) in overlaps(&bare) {
+        let [first, second] = [first, second].map(|room| spoken[room].to_owned());
+        let why = AuthoringError::RoomsOverlap { first, second, point };
+        faults.report(Subject::Room, why, warnings);
+    }
+    let mut found = find(&bare, &spoken, &marked);
+    while !found.bad.is_empty() {
+        let bad = std::mem::take(&mut found.bad);
+        let mut is_bad = vec![false; marked.len()];
+        for (number, why) in bad {
+            is_bad[number] = true;
+            faults.report(Subject::Portal, why, warnings);
+        }
+        if !faults.skips_portals() {
+            break;
+        }
+        // Asked again without them: one that is gone covers no other.
+        let mut is_bad = is_bad.into_iter();
+        marked.retain(|_| !is_bad.next().unwrap_or_default());
+        found = find(&bare, &spoken, &marked);
     }
     drop(bare);
-    finish(shells, marked, leads)
+    finish(shells, &marked, found)
+}
+
+/// What marked meshes come to.
+#[derive(Default)]
+struct Found {
+    leads: Vec<Lead>,
+    /// The marked meshes that make no sense, in order, and why.
+    bad: Vec<(usize, AuthoringError)>,
+}
+
+fn find(rooms: &[Content], spoken: &[&str], marked: &[Marked]) -> Found {
+    let found: Vec<Result<Vec<Lead>, AuthoringError>> = (0..marked.len())
+        .into_par_iter()
+        .map(|number| leads(rooms, spoken, number, &marked[number]))
+        .collect();
+    let (mut leads, mut bad) = (Vec::new(), Vec::new());
+    for (number, found) in found.into_iter().enumerate() {
+        match found {
+            Ok(found) => leads.extend(found),
+            Err(why) => bad.push((number, why)),
+        }
+    }
+    for (first, second, room) in same_places(&leads) {
+        let why = AuthoringError::SamePlace {
+            first: marked[first].spoken.clone(),
+            second: marked[second].spoken.clone(),
+            room: spoken[room].to_owned(),
+        };
+        bad.push((second, why));
+    }
+    bad.sort_by_key(|&(number, _)| number);
+    Found { leads, bad }
 }
 
 /// Adds the openings to their rooms and builds these.
 fn finish(
     mut shells: Vec<Shell>,
     marked: &[Marked],
-    leads: Vec<Lead>,
+    found: Found,
 ) -> Result<(Vec<Room>, Vec<Portal>), BrokenRule> {
-    let mut portals = Vec::with_capacity(leads.len());
-    for lead in leads {
+    let mut portals = Vec::with_capacity(found.leads.len());
+    for lead in found.leads {
         let opening: OpeningId = shells[lead.from]
             .builder
             .opening(&marked[lead.marked].name, lead.outline);
@@ -279,13 +320,15 @@ fn free_rays(room: &Content, outline: &ConvexPolygon, side: f64) -> usize {
         .sum()
 }
 
-/// Two openings of one room that face the same way and cover each other for the most part.
-fn same_place(leads: &[Lead]) -> Option<(&Lead, &Lead)> {
+/// Marked meshes whose openings are those of earlier ones: they face the same way in one room, and cover each other for the
+/// most part. The earlier one, the later one, which is named once, and the room.
+fn same_places(leads: &[Lead]) -> Vec<(usize, usize, usize)> {
     let mut by_room: Vec<&Lead> = leads.iter().collect();
     by_room.sort_by(|a, b| {
         let low = |lead: &Lead| lead.outline.bounds().min[0];
         a.from.cmp(&b.from).then(low(a).total_cmp(&low(b)))
     });
+    let mut found = BTreeMap::new();
     for (place, a) in by_room.iter().enumerate() {
         let bounds = a.outline.bounds();
         let end = bounds.max[0] + bounds.longest_side();
@@ -293,12 +336,19 @@ fn same_place(leads: &[Lead]) -> Option<(&Lead, &Lead)> {
             .iter()
             .take_while(|b| b.from == a.from && b.outline.bounds().min[0] <= end);
         for b in near {
-            if covers_most(&a.outline, &b.outline) {
-                return Some(if a.marked < b.marked { (a, b) } else { (b, a) });
+            if found.contains_key(&a.marked) {
+                break;
+            }
+            let [first, second] = [a.marked.min(b.marked), a.marked.max(b.marked)];
+            if !found.contains_key(&second) && covers_most(&a.outline, &b.outline) {
+                found.insert(second, (first, a.from));
             }
         }
     }
-    None
+    let named = found.into_iter();
+    named
+        .map(|(second, (first, room))| (first, second, room))
+        .collect()
 }
 
 /// Do two outlines that face the same way lie over each other, nearly in one plane?

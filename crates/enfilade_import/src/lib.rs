@@ -35,7 +35,8 @@
 //!
 //! The name or the extras are enough, Blender's `.001` may follow, and 1 counts as true. All rooms share world space.
 //! Which two rooms a portal joins is found from what stands at its two sides, unless `to` says it; the room that it is
-//! parented to comes first where it is one of them. Scales of a portal and its exit do not count in a teleport, which moves
+//! parented to comes first where it is one of them. A room without a top, as a garden or a courtyard, extends upwards (+Y) without
+//! end: an opening with nothing but sky at one side, as a roof window, leads to the smallest such room below. Scales of a portal and its exit do not count in a teleport, which moves
 //! and turns only. What stands in no room is one more room.
 //!
 //! Terrain is a mesh, y up in its own space, whose corners stand where columns of one x and rows of one z cross, with one height
@@ -165,6 +166,8 @@ pub struct Room {
     pub content: Arc<Content>,
     /// How it is to be seen, where its author says so.
     pub method: Option<Method>,
+    /// It has no top, as a garden or a courtyard: what is above it, however far, is in it.
+    pub open_above: bool,
     /// Terrain that would not have fit in memory as meshes: then `content` holds nothing, and this is the fragment, whatever
     /// `method` says.
     pub large: Option<Arc<LargeTerrain>>,
@@ -185,11 +188,14 @@ impl Import {
                 builder.add_own(&room.name, Arc::clone(large) as _);
                 continue;
             }
-            builder.add(
+            let id = builder.add(
                 &room.name,
                 Arc::clone(&room.content),
                 room.method.unwrap_or(method),
             );
+            if room.open_above {
+                builder.open_above(id);
+            }
         }
         for portal in &self.portals {
             builder.portal((portal.from, portal.opening), portal.to, portal.there_from_here);

@@ -91,6 +91,8 @@ struct FragmentEntry {
     items: usize,
     triangles: u64,
     openings: usize,
+    /// It has no top, as a garden.
+    open_above: bool,
 }
 
 /// One way through an opening.
@@ -262,13 +264,15 @@ impl Inventory {
                 items,
                 triangles,
                 openings,
+                open_above,
             } = fragment;
             let openings = plural(*openings, "opening");
+            let top = if *open_above { ", open above" } else { "" };
             let items = plural(*items, "item");
             say(
                 "fragment",
                 format!(
-                    "{name}: {items}, {} triangles, {openings}, by {method}",
+                    "{name}: {items}, {} triangles, {openings}{top}, by {method}",
                     count(*triangles)
                 ),
             );
@@ -377,6 +381,7 @@ fn fragments(scene: &Scene) -> Vec<FragmentEntry> {
             items: content.map_or(fragment.item_count() as usize, |content| content.items().len()),
             triangles: scene.triangles_of(id),
             openings: fragment.openings().len(),
+            open_above: scene.is_open_above(id),
         }
     };
     scene.fragments().map(entry).collect()

@@ -138,6 +138,7 @@ fn read(
             name: name.to_owned(),
             content,
             method: None,
+            open_above: false,
             large: None,
         }],
         portals: Vec::new(),

@@ -2,7 +2,8 @@
 
 use super::outline::outline;
 use super::overlap::overlaps;
-use super::sides::{self, LEAST, Side, sides};
+use super::sides::{self, LEAST, Rooms, Side, sides};
+use super::sky::open_above;
 use super::{Marked, Shell, Teleport, Way};
 use crate::faults::{Faults, Subject};
 use crate::warning::Warnings;
@@ -56,7 +57,7 @@ pub(crate) fn join(
         if !faults.skips_portals() {
             break;
         }
-        // Asked again without them: one that is gone covers no other.
+        // Asked again without them: one that is gone can neither cover another nor close a room.
         let mut is_bad = is_bad.into_iter();
         marked.retain(|_| !is_bad.next().unwrap_or_default());
         found = find(&bare, &spoken, &marked);
@@ -69,14 +70,27 @@ pub(crate) fn join(
 #[derive(Default)]
 struct Found {
     leads: Vec<Lead>,
+    /// Which rooms have no top.
+    open_above: Vec<bool>,
     /// The marked meshes that make no sense, in order, and why.
     bad: Vec<(usize, AuthoringError)>,
 }
 
 fn find(rooms: &[Content], spoken: &[&str], marked: &[Marked]) -> Found {
-    let found: Vec<Result<Vec<Lead>, AuthoringError>> = (0..marked.len())
+    let outlines: Vec<Result<ConvexPolygon, AuthoringError>> = marked
+        .par_iter()
+        .map(|marked| outline(&marked.mesh, &marked.world, &marked.spoken))
+        .collect();
+    let lids: Vec<ConvexPolygon> = outlines.iter().flatten().cloned().collect();
+    let open_above = open_above(rooms, &lids);
+    let rooms = Rooms {
+        all: rooms,
+        open_above: &open_above,
+    };
+    let found: Vec<Result<Vec<Lead>, AuthoringError>> = outlines
         .into_par_iter()
-        .map(|number| leads(rooms, spoken, number, &marked[number]))
+        .enumerate()
+        .map(|(number, outline)| leads(rooms, spoken, number, &marked[number], outline?))
         .collect();
     let (mut leads, mut bad) = (Vec::new(), Vec::new());
     for (number, found) in found.into_iter().enumerate() {
@@ -94,7 +108,11 @@ fn find(rooms: &[Content], spoken: &[&str], marked: &[Marked]) -> Found {
         bad.push((second, why));
     }
     bad.sort_by_key(|&(number, _)| number);
-    Found { leads, bad }
+    Found {
+        leads,
+        open_above,
+        bad,
+    }
 }
 
 /// Adds the openings to their rooms and builds these.
@@ -117,11 +135,12 @@ fn finish(
         });
     }
     let mut rooms = Vec::with_capacity(shells.len());
-    for shell in shells {
+    for (number, shell) in shells.into_iter().enumerate() {
         rooms.push(Room {
             name: shell.name,
             content: Arc::new(shell.builder.build().map_err(BrokenRule::Content)?),
             method: shell.method,
+            open_above: found.open_above.get(number).copied().unwrap_or_default(),
             large: None,
         });
     }
@@ -130,12 +149,12 @@ fn finish(
 
 /// The openings that one marked mesh makes.
 fn leads(
-    rooms: &[Content],
+    rooms: Rooms,
     spoken: &[&str],
     number: usize,
     marked: &Marked,
+    outline: ConvexPolygon,
 ) -> Result<Vec<Lead>, AuthoringError> {
-    let outline = outline(&marked.mesh, &marked.world, &marked.spoken)?;
     let around = Around {
         rooms,
         spoken,
@@ -199,7 +218,7 @@ fn leads(
 
 /// A marked mesh and what stands at its two sides.
 struct Around<'a> {
-    rooms: &'a [Content],
+    rooms: Rooms<'a>,
     spoken: &'a [&'a str],
     marked: &'a Marked,
     /// Before its front and behind it.
@@ -211,7 +230,7 @@ impl Around<'_> {
     fn two_rooms(&self, to: Option<usize>, one_way: bool) -> Result<(usize, usize, bool), AuthoringError> {
         let [front, back] = &self.sides;
         let owner = self.marked.owner;
-        let near: Vec<usize> = (0..self.rooms.len())
+        let near: Vec<usize> = (0..self.rooms.all.len())
             .filter(|&room| front.part(room).max(back.part(room)) >= LEAST || to == Some(room))
             .collect();
         let mut best: Option<(bool, f64, usize, usize)> = None;
@@ -263,12 +282,17 @@ impl Around<'_> {
     fn no_two_rooms(&self, to: Option<usize>) -> AuthoringError {
         let node = self.marked.spoken.clone();
         let touched = self.sides.iter().filter_map(Side::first).next();
-        match touched.or(to) {
-            Some(room) => AuthoringError::TouchesOneRoom {
-                node,
-                room: self.spoken[room].to_owned(),
-            },
-            None => AuthoringError::TouchesNoRoom { node },
+        let Some(room) = touched.or(to) else {
+            return AuthoringError::TouchesNoRoom { node };
+        };
+        let room = self.spoken[room].to_owned();
+        match &self.sides {
+            [front, back] if front.is_sky && back.is_sky => AuthoringError::OnlySky { node, room },
+            [front, back] if front.is_sky || back.is_sky => AuthoringError::OwnSky { node, room },
+            [front, back] if front.first().is_none() || back.first().is_none() => {
+                AuthoringError::LeadsNowhere { node, room }
+            }
+            _ => AuthoringError::TouchesOneRoom { node, room },
         }
     }
 
@@ -289,7 +313,7 @@ impl Around<'_> {
             Some(owner) => owner,
             None => self.before(false).or_else(|_| self.before(true))?,
         };
-        let [front, back] = [1.0, -1.0].map(|side| free_rays(&self.rooms[room], outline, side));
+        let [front, back] = [1.0, -1.0].map(|side| free_rays(&self.rooms.all[room], outline, side));
         Ok((room, back > front))
     }
 }

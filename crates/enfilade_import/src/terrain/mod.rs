@@ -138,6 +138,7 @@ pub(crate) fn import(
             name,
             content: Arc::new(description.meshes(&raw, format)?),
             method,
+            open_above: false,
             large: None,
         }
     } else {
@@ -150,6 +151,7 @@ pub(crate) fn import(
             name,
             content: Arc::new(nothing.map_err(BrokenRule::Content)?),
             method,
+            open_above: false,
             large: Some(Arc::new(description.large(mapped, format)?)),
         }
     };

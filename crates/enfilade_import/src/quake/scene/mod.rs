@@ -137,6 +137,7 @@ pub(crate) fn import(
             name: name.to_owned(),
             content: Arc::new(content),
             method: None,
+            open_above: false,
             large: None,
         }],
         portals: Vec::new(),

@@ -54,7 +54,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
             For::Answers
         },
         choice,
-        args.methods.how.flat,
+        args.methods.how.portals,
         &args.methods.how.limits,
         &mut files,
     )?;

@@ -31,7 +31,7 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
         &args.scene.scene,
         For::Answers,
         choice,
-        args.methods.how.flat,
+        args.methods.how.portals,
         &args.methods.how.limits,
         &mut files,
     )?;
@@ -329,7 +329,7 @@ mod tests {
             "@enfilade".as_ref(),
             For::Answers,
             Choice::Own,
-            false,
+            args.methods.how.portals,
             &args.methods.how.limits,
             &mut RunFiles::default(),
         )

@@ -1,6 +1,6 @@
 //! Scenes, from a file or by the name of a built-in one.
 
-use crate::args::{HowArgs, LimitArgs};
+use crate::args::{HowArgs, LimitArgs, PortalArgs};
 use crate::cameras::Camera;
 use crate::out;
 use crate::progress::Progress;
@@ -9,7 +9,7 @@ use crate::values::{Choice, among};
 use anyhow::{Context, Result, anyhow, bail};
 use enfilade::{Method, Scene, SceneError};
 use enfilade_draw::Stage;
-use enfilade_import::{MapSummary, ReadOptions, SourceNodes};
+use enfilade_import::{BrokenRule, ImportError, MapSummary, ReadOptions, SourceNodes};
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::Read;
@@ -46,14 +46,14 @@ pub(crate) enum For {
 }
 
 /// Opens a scene. Rooms of a file whose author says no method are seen by hierarchical-z unless another is chosen and
-/// built from it. With `flat` a file is one room; the portals of a built-in scene are there and are not to be followed.
+/// built from it. With `portals.flat` a file is one room; the portals of a built-in scene are there and are not to be followed.
 ///
 /// The files that belong to the scene are added to the inputs in `files`.
 pub(crate) fn open(
     scene: &OsStr,
     wanted: For,
     choice: Choice,
-    flat: bool,
+    portals: PortalArgs,
     limits: &LimitArgs,
     files: &mut RunFiles,
 ) -> Result<Opened> {
@@ -62,7 +62,7 @@ pub(crate) fn open(
     let start = Instant::now();
     let mut opened = match name.strip_prefix('@') {
         Some(built_in) => open_built_in(name, built_in),
-        None => open_file(Path::new(scene), wanted, choice, flat, limits, files),
+        None => open_file(Path::new(scene), wanted, choice, portals, limits, files),
     }?;
     opened.load_ms = start.elapsed().as_secs_f64() * 1e3;
     drop(progress);
@@ -101,13 +101,14 @@ fn open_file(
     path: &Path,
     wanted: For,
     choice: Choice,
-    flat: bool,
+    portals: PortalArgs,
     limits: &LimitArgs,
     files: &mut RunFiles,
 ) -> Result<Opened> {
     let file = &*path.to_string_lossy();
     let mut options = ReadOptions {
-        flat,
+        flat: portals.flat,
+        skip_bad_portals: portals.bad.skip,
         textures: wanted == For::Pictures,
         ..ReadOptions::default()
     };
@@ -115,7 +116,7 @@ fn open_file(
     if !path.exists() && enfilade_scenes::NAMES.contains(&file) {
         bail!("{file}: there is no such file; the built-in scene is called @{file}");
     }
-    let mut import = enfilade_import::read(path, &options)?;
+    let mut import = enfilade_import::read(path, &options).map_err(with_ways_on)?;
     import
         .files
         .iter()
@@ -157,6 +158,24 @@ fn open_file(
         load_ms: 0.0,
         stage: Arc::default(),
     })
+}
+
+/// Adds the options that open a file in spite of what its author marked wrongly.
+fn with_ways_on(why: ImportError) -> anyhow::Error {
+    let BrokenRule::Authoring(errors) = &why.rule else {
+        return why.into();
+    };
+    let mut ways = Vec::new();
+    if errors.can_be_skipped() {
+        ways.push("--skip-bad-portals to make plain holes of these portals");
+    }
+    if errors.flat_ignores_them() {
+        ways.push("--flat to read everything as one room without portals");
+    }
+    if ways.is_empty() {
+        return why.into();
+    }
+    anyhow!("{why}\nTo open it as it is, use {}", ways.join(", or "))
 }
 
 /// How a file that could be read is stored, as its first bytes say.

@@ -258,7 +258,11 @@ fn finish(
             })
             .reduce(Contract::together)
             .unwrap_or(Contract::Exact),
-        scene: if how.flat { scene.without_portals() } else { scene },
+        scene: if how.portals.flat {
+            scene.without_portals()
+        } else {
+            scene
+        },
         build_ms: ms,
         stage: Arc::clone(&opened.stage),
         coherence: !how.no_coherence,

@@ -40,7 +40,7 @@ pub(crate) fn run() -> Result<Outcome> {
         &scene.scene,
         For::Pictures,
         Choice::All,
-        false,
+        methods.how.portals,
         &methods.how.limits,
         &mut files,
     )?;

@@ -308,3 +308,64 @@ fn a_cover_size_that_makes_no_sense_is_refused() {
         ],
     );
 }
+
+/// The yard as a room with two portals, both of which lead nowhere.
+fn yard_with_bad_portals() -> serde_json::Value {
+    let mut yard = yard();
+    yard["scenes"][0]["nodes"] = json!([7]);
+    let nodes = yard["nodes"].as_array_mut().expect("a list");
+    nodes.push(json!({ "name": "Yard-room", "children": [0, 1, 2, 3, 4, 5, 6, 8, 9] }));
+    for (name, x) in [("Gate-portal", 3.0), ("Hatch-portal", 300.0)] {
+        nodes.push(json!({ "name": name, "mesh": 0, "scale": [1, 1, 0.0], "translation": [x, 1, 0] }));
+    }
+    yard
+}
+
+#[test]
+fn bad_portals_are_named_all_at_once_with_the_options_that_open_the_file() {
+    let folder = Folder::new();
+    folder.add("bad.glb", glb(&yard_with_bad_portals()));
+    let words = [
+        "bad.glb: 2 things are wrong",
+        "node 8 \"Gate-portal\"",
+        "node 9 \"Hatch-portal\"",
+        "--skip-bad-portals",
+        "--flat",
+    ];
+    refused(&folder, "info bad.glb", &words);
+    refused(&folder, "look bad.glb --size 64x36", &words);
+    // The remedy is one that helps: without rooms that can be told apart only --flat does.
+    let mut yard = yard_with_bad_portals();
+    let nodes = yard["nodes"].as_array_mut().expect("a list");
+    nodes.push(json!({ "name": "Yard-room" }));
+    yard["scenes"][0]["nodes"] = json!([7, 10]);
+    folder.add("twice.glb", glb(&yard));
+    let run = folder.run("info twice.glb");
+    assert!(run.stderr.contains("--flat") && !run.stderr.contains("--skip-bad-portals"));
+}
+
+#[test]
+fn bad_portals_can_be_skipped_or_ignored() {
+    let folder = Folder::new();
+    folder.add("bad.glb", glb(&yard_with_bad_portals()));
+    for verb in [
+        "info bad.glb",
+        "look bad.glb --camera front --size 64x36 --check",
+        "draw bad.glb -o a.png --camera front --size 64x36",
+        "choose bad.glb -o pinned.glb --size 16x9",
+    ] {
+        let arguments = format!("{verb} --skip-bad-portals");
+        warned(&folder, &arguments, "node 8 \"Gate-portal\"");
+        warned(&folder, &arguments, "node 9 \"Hatch-portal\"");
+    }
+    for verb in ["info bad.glb", "look bad.glb --camera front --size 64x36 --check"] {
+        let run = folder.run(&format!("{verb} --flat"));
+        assert_eq!((run.code, &*run.stderr), (Some(0), ""), "{verb}");
+    }
+    let flat = folder.json("info bad.glb --flat");
+    assert_eq!((&flat["portals"], &flat["openings"]), (&json!(0), &json!(0)));
+    assert_eq!(flat["items"], 4);
+    assert_eq!(flat["fragments"].as_array().map(Vec::len), Some(1));
+    let palace = folder.json("info @two-rooms --flat");
+    assert_eq!((&palace["portals"], &palace["ways"]), (&json!(0), &json!([])));
+}

@@ -280,3 +280,45 @@ fn a_set_of_the_scene_before_can_still_be_asked() {
     assert_eq!(viewer.visible().triangle_count(&scene), before - 2);
     assert_eq!(viewer.visible().blend_order(&scene), []);
 }
+
+#[test]
+fn an_eye_above_an_open_hall_is_in_it_also_after_edits_and_within_another_scene() {
+    let content = |height: f32| {
+        let mut content = ContentBuilder::new([Material::opaque([0.5; 3])]);
+        let leaf = content.mesh(leaf());
+        content.item("leaf", leaf, Transform::translation([0.0, height, 0.0]));
+        content.item("leaf 2", leaf, Transform::translation([1.0, height, 1.0]));
+        content.build().expect("sound")
+    };
+    let eye = [0.5, 90.0, 0.5];
+    let name = |scene: &Scene| {
+        let fragment = scene.locate(eye, [0.0; 3]).expect("a fragment");
+        scene.fragment_name(fragment).to_owned()
+    };
+    let mut builder = SceneBuilder::new();
+    let hall = builder.add("hall", content(0.0), Method::ZBuffer);
+    builder.add("balloon", content(60.0), Method::ZBuffer);
+    assert_eq!(name(&builder.build().expect("sound")), "balloon");
+
+    let mut builder = SceneBuilder::new();
+    builder.add("hall", content(0.0), Method::ZBuffer);
+    builder.add("balloon", content(60.0), Method::ZBuffer);
+    builder.open_above(hall);
+    let mut scene = builder.build().expect("sound");
+    assert!(scene.is_open_above(hall));
+    assert_eq!(name(&scene), "hall");
+    let mut edit = scene.edit();
+    let there = Transform::translation([0.0, 1.0, 0.0]);
+    edit.add(hall, "third", leaf(), there).expect("it fits");
+    edit.finish().expect("little");
+    assert_eq!(name(&scene), "hall");
+    scene
+        .set_content(hall, content(-5.0))
+        .expect("it has as many openings");
+    assert_eq!(name(&scene), "hall");
+
+    let mut outer = SceneBuilder::new();
+    outer.add("cloud", content(80.0), Method::ZBuffer);
+    outer.nest(&scene);
+    assert_eq!(name(&outer.build().expect("sound")), "hall");
+}

@@ -314,3 +314,11 @@ fn a_method_is_exchanged_in_one_fragment_or_not_at_all() {
     let methods = [hall, tower].map(|id| scene.method(id));
     assert_eq!(methods, [Some(Method::ZBuffer), Some(Method::SBuffer)]);
 }
+
+#[test]
+fn a_fragment_that_is_open_above_and_not_there() {
+    let error = refused(|builder, _| {
+        builder.open_above(FragmentId(7));
+    });
+    says(&error, "open_above names fragment 7, but there are only 1");
+}

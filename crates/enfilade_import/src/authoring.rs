@@ -123,7 +123,40 @@ pub enum AuthoringError {
         /// The portal or mirror.
         node: String,
     },
-    /// A portal with the same room on both sides, or with nothing on one.
+    /// A portal with nothing on one side, above no room that could be there.
+    #[error(
+        "{node} touches only one room, {room}: there is nothing at its other side, and no room that is open above, such as a \
+         garden, extends below it. Extend the ground of one to there, name the room by `to`, or remove the portal"
+    )]
+    LeadsNowhere {
+        /// The portal.
+        node: String,
+        /// The room.
+        room: String,
+    },
+    /// A portal out of the top of a room that has no top.
+    #[error(
+        "{node} touches only one room, {room}: it leads into the open sky above that, and since {room} has no top, its sky belongs \
+         to it. Close its ceiling, make the portal as large as the open top, or remove the portal"
+    )]
+    OwnSky {
+        /// The portal.
+        node: String,
+        /// The room.
+        room: String,
+    },
+    /// A portal with open sky on both sides.
+    #[error(
+        "{node} touches only one room, {room}: there is nothing but the open sky above that at both sides; move it into the \
+         opening between two rooms, or remove it"
+    )]
+    OnlySky {
+        /// The portal.
+        node: String,
+        /// The room below it.
+        room: String,
+    },
+    /// A portal with the same room on both sides.
     #[error(
         "{node} touches only one room, {room}; move it into the opening between two, or name the other by `to`"
     )]

@@ -1,7 +1,7 @@
 //! Why a file is not read.
 
 use crate::spoken::{bytes, unreadable};
-use crate::{AuthoringError, BspError, ObjError, PrtError, TerrainError};
+use crate::{AuthoringErrors, BspError, ObjError, PrtError, TerrainError};
 use enfilade::{BakedCellsError, ContentError, MAX_COORDINATE, MeshError};
 use std::io;
 use thiserror::Error;
@@ -401,13 +401,7 @@ pub enum BrokenRule {
     /// What is left to the content to check.
     #[error("{0}")]
     Content(ContentError),
-    /// Rooms and portals that do not make a scene.
+    /// Rooms, portals or terrain that do not make a scene: all that is wrong with them.
     #[error("{0}")]
-    Authoring(Box<AuthoringError>),
-}
-
-impl From<AuthoringError> for BrokenRule {
-    fn from(why: AuthoringError) -> BrokenRule {
-        BrokenRule::Authoring(Box::new(why))
-    }
+    Authoring(Box<AuthoringErrors>),
 }

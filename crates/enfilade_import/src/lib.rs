@@ -35,7 +35,8 @@
 //!
 //! The name or the extras are enough, Blender's `.001` may follow, and 1 counts as true. All rooms share world space.
 //! Which two rooms a portal joins is found from what stands at its two sides, unless `to` says it; the room that it is
-//! parented to comes first where it is one of them. Scales of a portal and its exit do not count in a teleport, which moves
+//! parented to comes first where it is one of them. A room without a top, as a garden or a courtyard, extends upwards (+Y) without
+//! end: an opening with nothing but sky at one side, as a roof window, leads to the smallest such room below. Scales of a portal and its exit do not count in a teleport, which moves
 //! and turns only. What stands in no room is one more room.
 //!
 //! Terrain is a mesh, y up in its own space, whose corners stand where columns of one x and rows of one z cross, with one height
@@ -92,6 +93,7 @@ mod authoring;
 mod budget;
 mod camera;
 mod error;
+mod faults;
 mod gltf;
 mod images;
 #[cfg(feature = "levels")]
@@ -108,6 +110,7 @@ mod warning;
 pub use authoring::AuthoringError;
 pub use camera::Camera;
 pub use error::{BrokenRule, ImportError};
+pub use faults::AuthoringErrors;
 pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};
 #[cfg(feature = "levels")]
 pub use levels::{Levels, details_of};
@@ -149,7 +152,8 @@ pub struct Import {
     pub lights: Vec<Light>,
     /// What only a compiled map has; `None` of other files.
     pub map: Option<MapSummary>,
-    /// What the file has that was not read, or that is odd: one warning of each kind, worst first.
+    /// What the file has that was not read, or that is odd: one warning of each kind, worst first; but one of each portal that was
+    /// [skipped](ReadOptions::skip_bad_portals).
     pub warnings: Vec<Warning>,
     /// The other files that it names, read or not: buffers, images, materials, heights. Whoever writes files should write
     /// none of these.
@@ -167,6 +171,8 @@ pub struct Room {
     pub nodes: SourceNodes,
     /// How it is to be seen, where its author says so.
     pub method: Option<Method>,
+    /// It has no top, as a garden or a courtyard: what is above it, however far, is in it.
+    pub open_above: bool,
     /// Terrain that would not have fit in memory as meshes: then `content` holds nothing, and this is the fragment, whatever
     /// `method` says.
     pub large: Option<Arc<LargeTerrain>>,
@@ -187,11 +193,14 @@ impl Import {
                 builder.add_own(&room.name, Arc::clone(large) as _);
                 continue;
             }
-            builder.add(
+            let id = builder.add(
                 &room.name,
                 Arc::clone(&room.content),
                 room.method.unwrap_or(method),
             );
+            if room.open_above {
+                builder.open_above(id);
+            }
         }
         for portal in &self.portals {
             builder.portal((portal.from, portal.opening), portal.to, portal.there_from_here);
@@ -215,6 +224,9 @@ pub struct ReadOptions {
     /// Take everything as one room: portals are plain holes, and a mirror is what its mesh is. Where rooms and portals are
     /// is not asked then, so a file in which they make no sense can still be looked at.
     pub flat: bool,
+    /// Leave out portals and mirrors that do not make sense, each with a warning: they become plain holes. Otherwise such a
+    /// file is refused.
+    pub skip_bad_portals: bool,
     /// Read images on faces? Who only asks what can be seen needs none, and reads faster without.
     pub textures: bool,
 }
@@ -224,6 +236,7 @@ impl Default for ReadOptions {
         ReadOptions {
             limit_bytes: 1 << 30,
             flat: false,
+            skip_bad_portals: false,
             textures: true,
         }
     }
@@ -233,7 +246,8 @@ impl Default for ReadOptions {
 /// others is OBJ where it is called so, or begins with positions, materials or comments before them.
 ///
 /// # Errors
-/// An [`ImportError`] for the first broken rule that is met; the same one every time.
+/// An [`ImportError`] for the first broken rule that is met; the same one every time. Of what is wrong with rooms, portals and
+/// terrain it holds all ([`AuthoringErrors`]).
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
     read_file(path, options, |bytes, name, budget| {
         let is_called_obj = path

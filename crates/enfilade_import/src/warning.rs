@@ -1,5 +1,6 @@
 //! What a reader leaves out, said in few words.
 
+use crate::AuthoringError;
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -22,6 +23,13 @@ pub enum WarningKind {
     EmptyScene,
     /// The file has more scenes than the one that was read.
     OtherScenes,
+    /// A portal or mirror that makes no sense and is left out, since
+    /// [`ReadOptions::skip_bad_portals`](crate::ReadOptions::skip_bad_portals) says so: each has a warning of its own, up to 20.
+    SkippedPortal,
+    /// More of them.
+    MoreSkippedPortals,
+    /// Errors in what an author marked that do not matter where the file is read as [flat](crate::ReadOptions::flat).
+    IgnoredMarks,
     /// Nodes with meshes that stand in no room, in a file that has rooms, and that no portal leads to.
     InNoRoom,
     /// Rooms without a face.
@@ -99,6 +107,11 @@ impl WarningKind {
         match self {
             WarningKind::EmptyScene => "the scene is empty: it has no triangle",
             WarningKind::OtherScenes => "only the default scene is read, others are not",
+            WarningKind::SkippedPortal => "a portal is skipped and becomes a plain hole",
+            WarningKind::MoreSkippedPortals => "more portals are skipped and become plain holes",
+            WarningKind::IgnoredMarks => {
+                "errors in marked rooms and portals are ignored, since everything is read as one room"
+            }
             WarningKind::InNoRoom => {
                 "nodes outside every room and not reachable through a portal; visible only from inside that space"
             }
@@ -171,9 +184,15 @@ impl fmt::Display for Warning {
 /// Names in a warning, at most.
 const FEW: usize = 6;
 
-/// Gathers warnings, one of each kind.
+/// Portals that are skipped with a warning of their own, at most.
+const MOST_SKIPPED: usize = 20;
+
+/// Gathers warnings, one of each kind but for skipped portals.
 #[derive(Debug, Default)]
-pub(crate) struct Warnings(BTreeMap<WarningKind, Warning>);
+pub(crate) struct Warnings {
+    of_kind: BTreeMap<WarningKind, Warning>,
+    skipped: Vec<Warning>,
+}
 
 impl Warnings {
     /// Notes `count` things that need no names; notes nothing where there are none.
@@ -199,9 +218,22 @@ impl Warnings {
         }
     }
 
+    /// Notes a portal that is left out, and why.
+    pub(crate) fn skipped_portal(&mut self, why: &AuthoringError) {
+        if self.skipped.len() == MOST_SKIPPED {
+            return self.count(WarningKind::MoreSkippedPortals, 1);
+        }
+        self.skipped.push(Warning {
+            kind: WarningKind::SkippedPortal,
+            count: 1,
+            first: vec![why.to_string()],
+        });
+    }
+
     /// Takes over the warnings of a later part of the file.
     pub(crate) fn absorb(&mut self, later: Warnings) {
-        for (kind, more) in later.0 {
+        self.skipped.extend(later.skipped);
+        for (kind, more) in later.of_kind {
             let warning = self.of(kind);
             warning.count += more.count;
             let room = FEW.saturating_sub(warning.first.len());
@@ -210,11 +242,14 @@ impl Warnings {
     }
 
     pub(crate) fn into_list(self) -> Vec<Warning> {
-        self.0.into_values().collect()
+        let mut list: Vec<Warning> = self.skipped;
+        list.extend(self.of_kind.into_values());
+        list.sort_by_key(|warning| warning.kind);
+        list
     }
 
     fn of(&mut self, kind: WarningKind) -> &mut Warning {
-        self.0.entry(kind).or_insert(Warning {
+        self.of_kind.entry(kind).or_insert(Warning {
             kind,
             count: 0,
             first: Vec::new(),

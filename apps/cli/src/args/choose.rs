@@ -1,6 +1,6 @@
 //! The command line of `choose`.
 
-use super::{JsonArg, LimitArgs, SceneArg};
+use super::{BadPortalArgs, JsonArg, LimitArgs, SceneArg};
 use crate::values;
 use enfilade::Aim;
 use std::path::PathBuf;
@@ -42,6 +42,8 @@ pub(crate) struct ChooseArgs {
     /// Use no better SIMD instructions than these, which changes the times and nothing else [default: the machine's best]
     #[arg(long, value_name = "LEVEL", value_parser = values::simd)]
     pub(crate) simd: Option<String>,
+    #[command(flatten)]
+    pub(crate) bad_portals: BadPortalArgs,
     #[command(flatten)]
     pub(crate) limits: LimitArgs,
 }

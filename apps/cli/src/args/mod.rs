@@ -211,12 +211,15 @@ Examples:
   enfilade info scene.glb
   enfilade info scene.obj
   enfilade info map.bsp
+  enfilade info scene.glb --flat
   enfilade info @enfilade --json -")]
 pub(crate) struct InfoArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArg,
     #[command(flatten)]
     pub(crate) json: JsonArg,
+    #[command(flatten)]
+    pub(crate) portals: PortalArgs,
     #[command(flatten)]
     pub(crate) limits: LimitArgs,
 }
@@ -314,9 +317,8 @@ pub(crate) struct HowArgs {
     /// cost less and hide less [default: as many as the screen has]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     pub(crate) cover_size: Option<[u32; 2]>,
-    /// Openings are plain holes: no portal is followed
-    #[arg(long)]
-    pub(crate) flat: bool,
+    #[command(flatten)]
+    pub(crate) portals: PortalArgs,
     /// Let auto take also methods that may call more visible than is; without it, what is seen does not hang on its choice
     #[arg(long)]
     pub(crate) conservative: bool,
@@ -325,6 +327,24 @@ pub(crate) struct HowArgs {
     pub(crate) simd: Option<String>,
     #[command(flatten)]
     pub(crate) limits: LimitArgs,
+}
+
+/// What becomes of portals.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+pub(crate) struct PortalArgs {
+    /// Openings are plain holes: no portal is followed
+    #[arg(long)]
+    pub(crate) flat: bool,
+    #[command(flatten)]
+    pub(crate) bad: BadPortalArgs,
+}
+
+/// What becomes of portals that make no sense.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+pub(crate) struct BadPortalArgs {
+    /// Open a file without the portals and mirrors that are wrong in it, which become plain holes, each with a warning
+    #[arg(long = "skip-bad-portals")]
+    pub(crate) skip: bool,
 }
 
 impl MethodArgs {

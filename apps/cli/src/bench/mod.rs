@@ -36,7 +36,7 @@ pub(crate) fn run(mut args: BenchArgs) -> Result<Outcome> {
         scene,
         For::Pictures,
         args.method,
-        args.how.flat,
+        args.how.portals,
         &args.how.limits,
         &mut files,
     )?;

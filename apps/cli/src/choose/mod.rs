@@ -3,7 +3,7 @@
 mod report;
 
 use crate::Outcome;
-use crate::args::ChooseArgs;
+use crate::args::{ChooseArgs, PortalArgs};
 use crate::open::{For, Opened, open, settle_on};
 use crate::out;
 use crate::prepare::stays_visible;
@@ -34,7 +34,10 @@ pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
         &args.scene.scene,
         For::Answers,
         Choice::Auto,
-        false,
+        PortalArgs {
+            flat: false,
+            bad: args.bad_portals,
+        },
         &args.limits,
         &mut files,
     )?;

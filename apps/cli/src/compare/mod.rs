@@ -53,7 +53,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
         &args.scene.scene,
         For::Pictures,
         args.method,
-        args.how.flat,
+        args.how.portals,
         &args.how.limits,
         &mut files,
     )?;

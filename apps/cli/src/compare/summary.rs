@@ -233,7 +233,7 @@ pub(super) fn scene_facts(comparison: &Comparison) -> Vec<(&'static str, String)
         ("threads", rayon::current_num_threads().to_string()),
         ("SIMD", enfilade::simd_level().to_owned()),
     ];
-    if comparison.args.how.flat {
+    if comparison.args.how.portals.flat {
         facts.push(("openings", "plain holes".to_owned()));
     }
     if comparison.args.how.no_coherence {

@@ -91,6 +91,8 @@ struct FragmentEntry {
     items: usize,
     triangles: u64,
     openings: usize,
+    /// It has no top, as a garden.
+    open_above: bool,
 }
 
 /// One way through an opening.
@@ -112,11 +114,16 @@ pub(crate) fn run(args: &InfoArgs) -> Result<Outcome> {
         &args.scene.scene,
         For::Answers,
         Choice::Own,
-        false,
+        args.portals,
         &args.limits,
         &mut files,
     )?;
-    let inventory = Inventory::of(opened);
+    let mut inventory = Inventory::of(opened);
+    if args.portals.flat {
+        // A built-in scene still has its portals, but nothing follows them.
+        inventory.portals = 0;
+        inventory.ways.clear();
+    }
     if !args.json.takes_stdout() {
         out::print(&inventory.for_people())?;
     }
@@ -257,13 +264,15 @@ impl Inventory {
                 items,
                 triangles,
                 openings,
+                open_above,
             } = fragment;
             let openings = plural(*openings, "opening");
+            let top = if *open_above { ", open above" } else { "" };
             let items = plural(*items, "item");
             say(
                 "fragment",
                 format!(
-                    "{name}: {items}, {} triangles, {openings}, by {method}",
+                    "{name}: {items}, {} triangles, {openings}{top}, by {method}",
                     count(*triangles)
                 ),
             );
@@ -372,6 +381,7 @@ fn fragments(scene: &Scene) -> Vec<FragmentEntry> {
             items: content.map_or(fragment.item_count() as usize, |content| content.items().len()),
             triangles: scene.triangles_of(id),
             openings: fragment.openings().len(),
+            open_above: scene.is_open_above(id),
         }
     };
     scene.fragments().map(entry).collect()

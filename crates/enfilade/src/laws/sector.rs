@@ -13,17 +13,31 @@ pub(super) fn fragment_of_eye(scene: &Scene, view: &View) -> Option<FragmentId> 
     let solid = || {
         let all = scene.fragments().map(|id| (id, scene.bounds(id)));
         all.filter(|(_, bounds)| !bounds.is_empty()).map(|(id, bounds)| {
-            let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
+            let [min, mut max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
+            if scene.is_open_above(id) {
+                max.y = f64::INFINITY;
+            }
             (id, min, max)
         })
     };
     let strictly = solid().filter(|&(_, min, max)| eye.cmpgt(min).all() && eye.cmplt(max).all());
     let touching = solid().filter(|&(_, min, max)| eye.cmpge(min).all() && eye.cmple(max).all());
     let volume = |(_, min, max): &(FragmentId, DVec3, DVec3)| (max - min).element_product();
-    let ahead = |(_, min, max): &(FragmentId, DVec3, DVec3)| (0.5 * (min + max) - eye).dot(toward - eye);
+    let ground = |(_, min, max): &(FragmentId, DVec3, DVec3)| (max.x - min.x) * (max.z - min.z);
+    let ahead = |(_, min, max): &(FragmentId, DVec3, DVec3)| {
+        let middle = 0.5 * (min + max);
+        let finite = |axis: usize| middle[axis].is_finite();
+        let axes = (0..3).filter(|&axis| finite(axis));
+        axes.map(|axis| (middle[axis] - eye[axis]) * (toward[axis] - eye[axis]))
+            .sum::<f64>()
+    };
     let away = |(_, min, max): &(FragmentId, DVec3, DVec3)| (eye.clamp(*min, *max) - eye).length_squared();
     strictly
-        .min_by(|a, b| volume(a).total_cmp(&volume(b)))
+        .min_by(|a, b| {
+            volume(a)
+                .total_cmp(&volume(b))
+                .then(ground(a).total_cmp(&ground(b)))
+        })
         .or_else(|| touching.max_by(|a, b| ahead(a).total_cmp(&ahead(b))))
         .or_else(|| solid().min_by(|a, b| away(a).total_cmp(&away(b))))
         .map(|(id, ..)| id)

@@ -4,7 +4,7 @@ use super::locate::Boxes;
 use super::{Body, Exit, FragmentId, Light, LightId, Placed, Portal, PortalId, Scene, SceneError, Way};
 use crate::content::{Content, Opening, OpeningId};
 use crate::fragment::Fragment;
-use crate::geom::{Aabb, Transform, is_in_range};
+use crate::geom::{Transform, is_in_range};
 use crate::method::Method;
 use std::sync::Arc;
 
@@ -16,6 +16,7 @@ pub struct SceneBuilder {
     portals: Vec<(End, End, Transform)>,
     exits: Vec<(String, End)>,
     lights: Vec<Light>,
+    open_above: Vec<FragmentId>,
     limit_bytes: Option<u64>,
 }
 
@@ -134,6 +135,13 @@ impl SceneBuilder {
         LightId(self.lights.len() as u32 - 1)
     }
 
+    /// States that a fragment has no top, as a garden or a courtyard: [`Scene::locate`] extends its box upwards (+Y) without end.
+    /// Affects nothing else.
+    pub fn open_above(&mut self, fragment: FragmentId) -> &mut Self {
+        self.open_above.push(fragment);
+        self
+    }
+
     /// Builds every fragment's method and joins everything.
     ///
     /// # Errors
@@ -144,6 +152,15 @@ impl SceneBuilder {
         let mut fragments = Vec::with_capacity(own_fragments);
         for waiting in self.fragments {
             fragments.push(place(waiting, limit)?);
+        }
+        for id in self.open_above {
+            let placed = fragments.get_mut(id.0 as usize);
+            let placed = placed.ok_or(SceneError::NoSuchFragment {
+                way: Way::OpenAbove,
+                fragment: id.0,
+                fragments: own_fragments,
+            })?;
+            placed.open_above = true;
         }
         let mut joined = Joined {
             own_fragments,
@@ -210,6 +227,7 @@ fn place(waiting: Waiting, limit: u64) -> Result<Placed, SceneError> {
             Placed {
                 name,
                 body: Body::Own(fragment),
+                open_above: false,
                 builds: 0,
             }
         }
@@ -219,6 +237,7 @@ fn place(waiting: Waiting, limit: u64) -> Result<Placed, SceneError> {
             Placed {
                 name,
                 body: Body::Ours { method, fragment },
+                open_above: false,
                 builds: 1,
             }
         }
@@ -325,7 +344,7 @@ impl Joined {
                 });
             }
         }
-        let boxes = self.fragments.iter().map(Placed::bounds).collect();
+        let boxes = self.fragments.iter().map(Placed::space).collect();
         Ok(Scene {
             boxes: Boxes::new(boxes),
             fragments: self.fragments,
@@ -343,9 +362,5 @@ impl Joined {
 impl Placed {
     fn openings(&self) -> &[Opening] {
         self.fragment().openings()
-    }
-
-    fn bounds(&self) -> Aabb {
-        self.fragment().bounds()
     }
 }

@@ -252,8 +252,8 @@ impl Scene {
         };
         let edited = own.edit(changes, limit)?;
         placed.builds += edited.rebuilt;
-        let bounds = own.bounds();
-        self.boxes.change(id, bounds);
+        let space = placed.space();
+        self.boxes.change(id, space);
         Ok(edited)
     }
 }

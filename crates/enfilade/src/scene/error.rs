@@ -135,6 +135,8 @@ pub enum Way {
     PortalWithin,
     /// An exit, by its name.
     Exit(String),
+    /// A call of [`SceneBuilder::open_above`](crate::SceneBuilder::open_above).
+    OpenAbove,
 }
 
 impl fmt::Display for Way {
@@ -143,6 +145,7 @@ impl fmt::Display for Way {
             Way::Portal(number) => write!(f, "portal {number}"),
             Way::PortalWithin => f.write_str("a portal of a nested scene"),
             Way::Exit(name) => write!(f, "exit `{name}`"),
+            Way::OpenAbove => f.write_str("open_above"),
         }
     }
 }

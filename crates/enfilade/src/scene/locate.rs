@@ -7,6 +7,7 @@
 use super::FragmentId;
 use crate::geom::{Aabb, Octree, Step};
 use glam::DVec3;
+use std::cmp::Ordering;
 
 /// The boxes of a scene's fragments.
 #[derive(Clone)]
@@ -25,6 +26,16 @@ fn in_the_tree(held: &Aabb) -> Aabb {
     } else {
         Aabb::EMPTY
     }
+}
+
+/// The size of a box: its volume, and where that is infinite the ground that it covers.
+fn size(bounds: &Aabb) -> [f64; 2] {
+    let side = |axis: usize| f64::from(bounds.max[axis]) - f64::from(bounds.min[axis]);
+    [bounds.volume(), side(0) * side(2)]
+}
+
+fn compare(a: [f64; 2], b: [f64; 2]) -> Ordering {
+    a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]))
 }
 
 /// Boxes in a node of the tree, at most.
@@ -75,19 +86,22 @@ impl Boxes {
         let [eye, toward] = [point, toward].map(|point| DVec3::from(point.map(f64::from)));
         let ahead = |bounds: &Aabb| -> f64 {
             let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
-            (0.5 * (min + max) - eye).dot(toward - eye)
+            let middle = 0.5 * (min + max);
+            // Along an axis without end there is no middle.
+            let to_middle = DVec3::select(middle.is_finite_mask(), middle - eye, DVec3::ZERO);
+            to_middle.dot(toward - eye)
         };
         let inside = |bounds: &Aabb| (0..3).all(|a| bounds.min[a] < point[a] && point[a] < bounds.max[a]);
-        let mut smallest: Option<(f64, u32)> = None;
+        let mut smallest: Option<([f64; 2], u32)> = None;
         let mut farthest_ahead: Option<(f64, u32)> = None;
         self.each(
             point,
             |bounds| bounds.contains(point),
             |number, bounds| {
                 if inside(bounds) {
-                    let this = (bounds.volume(), number);
-                    let less = smallest
-                        .is_none_or(|best| this.0.total_cmp(&best.0).then(number.cmp(&best.1)).is_lt());
+                    let this = (size(bounds), number);
+                    let less =
+                        smallest.is_none_or(|best| compare(this.0, best.0).then(number.cmp(&best.1)).is_lt());
                     smallest = if less { Some(this) } else { smallest };
                 } else if smallest.is_none() {
                     let this = (ahead(bounds), number);
@@ -97,7 +111,8 @@ impl Boxes {
                 }
             },
         );
-        smallest.or(farthest_ahead).map(|(_, number)| number)
+        let smallest = smallest.map(|(_, number)| number);
+        smallest.or(farthest_ahead.map(|(_, number)| number))
     }
 
     /// The box nearest to a point that none holds.
@@ -159,15 +174,18 @@ mod tests {
         let inside = |held: &Aabb| (0..3).all(|a| held.min[a] < point[a] && point[a] < held.max[a]);
         let ahead = |held: &Aabb| -> f64 {
             let step = |a: usize| f64::from(held.center()[a] - point[a]) * f64::from(toward[a] - point[a]);
-            (0..3).map(step).sum()
+            (0..3).filter(|&a| held.center()[a].is_finite()).map(step).sum()
         };
         let away = |held: &Aabb| -> f64 {
             let step = |a: usize| (held.min[a] - point[a]).max(point[a] - held.max[a]).max(0.0);
             (0..3).map(|a| f64::from(step(a)).powi(2)).sum()
         };
-        let smallest = solid()
-            .filter(|(_, held)| inside(held))
-            .min_by(|a, b| a.1.volume().total_cmp(&b.1.volume()));
+        let ground = |held: &Aabb| (held.max[0] - held.min[0]) * (held.max[2] - held.min[2]);
+        let smallest = solid().filter(|(_, held)| inside(held)).min_by(|a, b| {
+            a.1.volume()
+                .total_cmp(&b.1.volume())
+                .then(ground(a.1).total_cmp(&ground(b.1)))
+        });
         smallest
             .or_else(|| {
                 let ends = solid().filter(|(_, held)| held.contains(point));
@@ -202,7 +220,8 @@ mod tests {
         for count in [0, 1, 7, 300] {
             let mut now: Vec<Aabb> = (0..count).map(|_| by_chance(&mut state)).collect();
             if count > 7 {
-                now[5].max[1] = f32::INFINITY;
+                let open_above = now.iter_mut().step_by(5).filter(|bounds| !bounds.is_empty());
+                open_above.for_each(|bounds| bounds.max[1] = f32::INFINITY);
             }
             let mut boxes = Boxes::new(now.clone());
             for round in 0..300 {

@@ -49,6 +49,8 @@ pub struct Scene {
 struct Placed {
     name: String,
     body: Body,
+    /// It has no top: its box goes up without end.
+    open_above: bool,
     /// How often its method was built.
     builds: u64,
 }
@@ -148,7 +150,8 @@ impl Scene {
             return Err(SceneError::Openings { fragment, had, has });
         }
         self.rebuild(id, content, method)?;
-        self.boxes.change(id, self.bounds(id));
+        let space = self.fragments[id.0 as usize].space();
+        self.boxes.change(id, space);
         Ok(())
     }
 
@@ -247,6 +250,9 @@ impl Scene {
     /// The fragment that a point stands in: of those whose boxes hold it, the smallest; else the one whose box is
     /// nearest. `None` only where the scene has no fragment.
     ///
+    /// The box of a fragment that is [open above](SceneBuilder::open_above) has no top: whoever is on a roof or a balcony is in
+    /// the garden. Of several such boxes, the smallest is the one that covers the least ground.
+    ///
     /// Boxes that end in a doorway both hold an eye that stands in it: then the one whose middle is nearer to where
     /// the eye looks (`toward`) is taken, so that the doorway is behind the eye.
     ///
@@ -261,6 +267,11 @@ impl Scene {
             Some(id) => ((id.0 as usize) < self.fragments.len()).then_some(id),
             None => self.locate(view.eye, view.toward),
         }
+    }
+
+    /// Whether [`SceneBuilder::open_above`] was called for a fragment.
+    pub fn is_open_above(&self, id: FragmentId) -> bool {
+        self.fragments[id.0 as usize].open_above
     }
 
     /// The smallest box around a fragment's content, in the fragment's own space.
@@ -318,6 +329,15 @@ impl Placed {
             Body::Ours { fragment, .. } => &**fragment,
             Body::Own(fragment) => &**fragment,
         }
+    }
+
+    /// The box by which an eye is located.
+    fn space(&self) -> Aabb {
+        let mut space = self.fragment().bounds();
+        if self.open_above && !space.is_empty() {
+            space.max[1] = f32::INFINITY;
+        }
+        space
     }
 
     /// Has this content seen by this method, or stays as it was.

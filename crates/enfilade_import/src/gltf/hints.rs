@@ -4,8 +4,9 @@
 //! `extras.enfilade.kind` says goes before the name.
 
 use super::document::{Document, Node, short};
+use crate::AuthoringError;
+use crate::faults::{Faults, Subject};
 use crate::warning::{WarningKind, Warnings};
-use crate::{AuthoringError, BrokenRule};
 use enfilade::Method;
 use serde::Deserialize;
 use serde_json::value::RawValue;
@@ -23,6 +24,8 @@ pub(super) enum Hint {
         /// By name alone, as also a node may be called whose author has never heard of rooms.
         by_name: bool,
     },
+    /// An opening whose author's notes make no sense: its mesh is not drawn, and it leads nowhere.
+    Hole,
     /// Its mesh is a grid of heights.
     Terrain,
 }
@@ -53,15 +56,26 @@ const KINDS: [(&str, Kind); 4] = [
     ("terrain", Kind::Terrain),
 ];
 
-/// The hints of all nodes that have one, by their numbers.
-pub(super) fn read(document: &Document, warnings: &mut Warnings) -> Result<BTreeMap<u32, Hint>, BrokenRule> {
+/// The hints of all nodes that have one, by their numbers. A node whose notes make no sense is reported, and has the hint of
+/// its kind without them, so that the rest of the file can be checked too.
+pub(super) fn read(document: &Document, faults: &mut Faults, warnings: &mut Warnings) -> BTreeMap<u32, Hint> {
     let mut hints = BTreeMap::new();
     for (number, node) in (0_u32..).zip(&document.nodes) {
-        if let Some(hint) = hint(document, number, node, warnings)? {
+        let hint = hint(document, number, node, warnings).unwrap_or_else(|(kind, why)| {
+            let (subject, hint) = match kind {
+                Some(Kind::Portal | Kind::Mirror) => (Subject::Portal, Some(Hint::Hole)),
+                Some(Kind::Room) => (Subject::Room, Some(Hint::Room { method: None })),
+                Some(Kind::Terrain) => (Subject::Room, Some(Hint::Terrain)),
+                None => (Subject::Room, None),
+            };
+            faults.report(subject, why, warnings);
+            hint
+        });
+        if let Some(hint) = hint {
             hints.insert(number, hint);
         }
     }
-    Ok(hints)
+    hints
 }
 
 /// The method that the scene says for what stands in no room: `extras.enfilade.method`.
@@ -73,48 +87,24 @@ pub(super) fn method_of_scene(document: &Document) -> Result<Option<Method>, Aut
     }
 }
 
+/// The hint of one node; where its notes make no sense, what is wrong and the kind that it has all the same.
 fn hint(
     document: &Document,
     number: u32,
     node: &Node,
     warnings: &mut Warnings,
-) -> Result<Option<Hint>, AuthoringError> {
-    let mut notes = Notes::of(document, number, node)?;
-    let has_notes = !notes.values.is_empty();
+) -> Result<Option<Hint>, (Option<Kind>, AuthoringError)> {
     let by_name = kind_by_name(&node.name);
-    let written = match notes.text("kind")? {
-        None => None,
-        Some(kind) => {
-            let known = KINDS.iter().find(|(name, _)| *name == kind);
-            let (_, known) = known.ok_or_else(|| AuthoringError::UnknownKind {
-                node: notes.spoken.clone(),
-                kind: short(&kind),
-            })?;
-            Some(*known)
-        }
-    };
+    let mut notes = Notes::of(document, number, node).map_err(|why| (by_name, why))?;
+    let has_notes = !notes.values.is_empty();
+    let written = notes.kind().map_err(|why| (by_name, why))?;
     let Some(kind) = written.or(by_name) else {
         if has_notes {
             warnings.name(WarningKind::UnreadNotes, || notes.spoken.clone());
         }
         return Ok(None);
     };
-    let opening = |way| Hint::Opening {
-        way,
-        by_name: !has_notes,
-    };
-    let hint = match kind {
-        Kind::Room => Hint::Room {
-            method: notes.method()?,
-        },
-        Kind::Portal => opening(Way::Portal {
-            to: notes.text("to")?,
-            one_way: notes.truth("one_way")?,
-            exit: notes.text("exit")?,
-        }),
-        Kind::Mirror => opening(Way::Mirror),
-        Kind::Terrain => Hint::Terrain,
-    };
+    let hint = notes.hint(kind, !has_notes).map_err(|why| (Some(kind), why))?;
     if !notes.values.is_empty() {
         warnings.name(WarningKind::UnreadNotes, || notes.spoken.clone());
     }
@@ -180,6 +170,39 @@ impl Notes {
                 wanted: "an object such as {\"kind\": \"room\"}",
             }),
         }
+    }
+
+    fn kind(&mut self) -> Result<Option<Kind>, AuthoringError> {
+        let Some(kind) = self.text("kind")? else {
+            return Ok(None);
+        };
+        let known = KINDS.iter().find(|(name, _)| *name == kind);
+        let (_, known) = known.ok_or_else(|| AuthoringError::UnknownKind {
+            node: self.spoken.clone(),
+            kind: short(&kind),
+        })?;
+        Ok(Some(*known))
+    }
+
+    fn hint(&mut self, kind: Kind, by_name: bool) -> Result<Hint, AuthoringError> {
+        Ok(match kind {
+            Kind::Room => Hint::Room {
+                method: self.method()?,
+            },
+            Kind::Portal => {
+                let way = Way::Portal {
+                    to: self.text("to")?,
+                    one_way: self.truth("one_way")?,
+                    exit: self.text("exit")?,
+                };
+                Hint::Opening { way, by_name }
+            }
+            Kind::Mirror => Hint::Opening {
+                way: Way::Mirror,
+                by_name,
+            },
+            Kind::Terrain => Hint::Terrain,
+        })
     }
 
     fn text(&mut self, key: &'static str) -> Result<Option<String>, AuthoringError> {

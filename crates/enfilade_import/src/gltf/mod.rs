@@ -36,6 +36,7 @@ pub(crate) use hints::is_called_like_an_opening_or_a_room;
 pub(crate) use pin::with_methods;
 
 use crate::budget::Budget;
+use crate::faults::Faults;
 use crate::warning::{WarningKind, Warnings};
 use crate::{BrokenRule, Import, ReadOptions};
 use accessor::Row;
@@ -62,14 +63,30 @@ pub(crate) fn import(
     folder: Option<&Path>,
     name: &str,
     options: &ReadOptions,
+    budget: Budget,
+) -> Result<Import, BrokenRule> {
+    let mut faults = Faults::new(options);
+    let import = import_with(bytes, folder, name, options, budget, &mut faults);
+    // Authoring errors were found before whatever ended the reading, so they are reported first.
+    faults.into_result()?;
+    import
+}
+
+/// Reads the bytes, and reports what is wrong in what an author marked.
+fn import_with(
+    bytes: &[u8],
+    folder: Option<&Path>,
+    name: &str,
+    options: &ReadOptions,
     mut budget: Budget,
+    faults: &mut Faults,
 ) -> Result<Import, BrokenRule> {
     let mut warnings = Warnings::default();
     let container = Container::split(bytes)?;
     let document = Document::parse(container.json, &mut budget)?;
     extensions::check(&document, &mut warnings)?;
     warn_of_the_unread(&document, &mut warnings);
-    let plan = Plan::new(&document, options.flat, &mut warnings)?;
+    let plan = Plan::new(&document, options.flat, faults, &mut warnings)?;
     let shown = plan.shown();
     budget.take(shown.len() as u64 * BYTES_PER_NODE, || "the nodes".to_owned())?;
     let mut surfaces = materials::read(&document, options.textures)?;
@@ -88,7 +105,7 @@ pub(crate) fn import(
     budget.take(mesh::bytes_to_build(&plans), || {
         "the building of meshes".to_owned()
     })?;
-    let terrains = TerrainPlan::new(&document, &plan, &plans, &mut budget)?;
+    let terrains = TerrainPlan::new(&document, &plan, &plans, &mut budget, faults, &mut warnings)?;
     let instances = InstancePlan::new(&document, &plan, &mut budget, &mut warnings)?;
     let ids = ids::read(&document, shown, &mut budget)?;
     let used_materials = plans.iter().flat_map(MeshPlan::materials).collect();
@@ -113,7 +130,7 @@ pub(crate) fn import(
     let materials: Vec<Material> = surfaces.into_iter().map(|surface| surface.material).collect();
     let meshes = Meshes { used, built };
     let things = Things {
-        terrains: terrains.read(&document, &meshes)?,
+        terrains: terrains.read(&document, &meshes, faults, &mut warnings),
         meshes,
         materials: materials.into(),
         textures: textures.into(),
@@ -122,7 +139,7 @@ pub(crate) fn import(
     };
     let names = Names::of(&document, |node| node.mesh.is_some());
     let (rooms, portals) = plan
-        .rooms(name, &things, &names, &mut warnings)
+        .rooms(name, &things, &names, faults, &mut warnings)
         .map_err(|why| name_the_node(why, &document, plan.shown(), &names))?;
     let cameras = camera::read(&document, &plan, &rooms, &mut warnings)?;
     let lights = lights::read(&document, &plan, &rooms, &mut warnings)?;

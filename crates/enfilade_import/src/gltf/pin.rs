@@ -3,9 +3,10 @@
 use super::container::{Container, is_binary, joined};
 use super::document::Document;
 use super::plan::Plan;
-use crate::BrokenRule;
 use crate::budget::Budget;
+use crate::faults::Faults;
 use crate::warning::Warnings;
+use crate::{BrokenRule, ReadOptions};
 use enfilade::Method;
 use serde_json::{Map, Value, json};
 
@@ -18,7 +19,13 @@ pub(crate) fn with_methods(
 ) -> Result<Option<Vec<u8>>, BrokenRule> {
     let container = Container::split(bytes)?;
     let document = Document::parse(container.json, &mut budget)?;
-    let plan = Plan::new(&document, false, &mut Warnings::default())?;
+    // Only rooms matter here. Whether bad portals are tolerated was decided when the file was read.
+    let mut faults = Faults::new(&ReadOptions {
+        skip_bad_portals: true,
+        ..ReadOptions::default()
+    });
+    let plan = Plan::new(&document, false, &mut faults, &mut Warnings::default())?;
+    faults.into_result()?;
     let rooms = plan.room_nodes();
     // As large as it can be once read, with every number a value of its own.
     budget.take(container.json.len() as u64 * BYTES_OF_VALUES, || {

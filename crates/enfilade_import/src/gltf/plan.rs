@@ -5,6 +5,7 @@ use super::document::{Document, short};
 use super::hints::{self, Hint, Way};
 use super::names::Names;
 use super::nodes::{self, Placed};
+use crate::faults::{Faults, Subject};
 use crate::rooms::{self, Frame, Marked, Shell, Teleport};
 use crate::warning::{WarningKind, Warnings};
 use crate::{AuthoringError, BrokenRule, Room, SourceNodes};
@@ -31,9 +32,10 @@ impl<'d> Plan<'d> {
     pub(super) fn new(
         document: &'d Document<'d>,
         flat: bool,
+        faults: &mut Faults,
         warnings: &mut Warnings,
     ) -> Result<Plan<'d>, BrokenRule> {
-        let hints = hints::read(document, warnings)?;
+        let hints = hints::read(document, faults, warnings);
         let exits: BTreeSet<&str> = hints.values().filter_map(exit).collect();
         let is_room = |node: u32| matches!(hints.get(&node), Some(Hint::Room { .. }));
         let wanted =
@@ -44,6 +46,10 @@ impl<'d> Plan<'d> {
             .map(|placed| placed.node)
             .filter(|&node| is_room(node));
         let rooms: Vec<u32> = rooms.collect();
+        let method_of_rest = hints::method_of_scene(document).unwrap_or_else(|why| {
+            faults.report(Subject::Room, why, warnings);
+            None
+        });
         let mut called: HashMap<&'d str, [Option<usize>; 2]> = HashMap::new();
         for (place, placed) in placed.iter().enumerate() {
             let name = &*document.nodes[placed.node as usize].name;
@@ -59,9 +65,9 @@ impl<'d> Plan<'d> {
             hints,
             rooms,
             flat,
-            method_of_rest: hints::method_of_scene(document)?,
+            method_of_rest,
         };
-        plan.check_rooms(warnings)?;
+        plan.check_rooms(faults, warnings);
         for placed in plan.placed.iter().filter(|placed| plan.is_item(placed)) {
             if placed.world.inverse().is_none() {
                 warnings.name(WarningKind::Flattened, || document.node_name(placed.node));
@@ -87,26 +93,32 @@ impl<'d> Plan<'d> {
     }
 
     /// Names must tell rooms apart; and where there is no room, openings are none.
-    fn check_rooms(&mut self, warnings: &mut Warnings) -> Result<(), AuthoringError> {
+    fn check_rooms(&mut self, faults: &mut Faults, warnings: &mut Warnings) {
         let document = self.document;
         let mut named: HashMap<&str, u32> = HashMap::new();
-        for &room in &self.rooms {
+        let named_rooms = self.rooms.iter().filter(|_| !self.flat);
+        for &room in named_rooms {
             let name = &*document.nodes[room as usize].name;
             if !name.is_empty()
                 && let Some(first) = named.insert(name, room)
             {
                 let [first, second] = [first, room].map(|node| document.node_name(node));
-                return Err(AuthoringError::RoomsShareName { first, second });
+                faults.report(
+                    Subject::Room,
+                    AuthoringError::RoomsShareName { first, second },
+                    warnings,
+                );
             }
         }
         if !self.rooms.is_empty() {
-            return Ok(());
+            return;
         }
         for placed in &self.placed {
             match self.hints.get(&placed.node) {
                 Some(Hint::Opening { by_name: false, .. }) if !self.flat => {
                     let node = document.node_name(placed.node);
-                    return Err(AuthoringError::NoRooms { node });
+                    faults.report(Subject::Portal, AuthoringError::NoRooms { node }, warnings);
+                    self.hints.insert(placed.node, Hint::Hole);
                 }
                 Some(Hint::Opening { by_name: true, .. }) => {
                     warnings.name(WarningKind::OpeningsWithoutRooms, || {
@@ -118,7 +130,6 @@ impl<'d> Plan<'d> {
         }
         self.hints
             .retain(|_, hint| !matches!(hint, Hint::Opening { by_name: true, .. }));
-        Ok(())
     }
 
     /// Builds the rooms; `name` is that of all that stands in none.
@@ -127,6 +138,7 @@ impl<'d> Plan<'d> {
         name: &str,
         things: &Things,
         names: &Names<'d>,
+        faults: &mut Faults,
         warnings: &mut Warnings,
     ) -> Result<(Vec<Room>, Vec<Portal>), BrokenRule> {
         let (items, stray): (Vec<&Placed>, Vec<&Placed>) = self
@@ -165,9 +177,9 @@ impl<'d> Plan<'d> {
         let marked = if self.flat {
             Vec::new()
         } else {
-            self.marked(things, names)?
+            self.marked(things, names, faults, warnings)
         };
-        let (rooms, portals) = rooms::join(shells, &marked)?;
+        let (rooms, portals) = rooms::join(shells, marked, faults, warnings)?;
         let is_seen = portals.iter().any(|portal| portal.to.0 as usize == marked_rooms);
         if marked_rooms > 0 && !is_seen {
             for placed in stray {
@@ -197,6 +209,7 @@ impl<'d> Plan<'d> {
         has_mesh
             && match self.hints.get(&placed.node) {
                 Some(Hint::Opening { way, .. }) => self.flat && *way == Way::Mirror,
+                Some(Hint::Hole) => false,
                 _ => true,
             }
     }
@@ -272,27 +285,46 @@ impl<'d> Plan<'d> {
     }
 
     /// Every opening, with where its author says that it leads.
-    fn marked(&self, things: &Things, names: &Names<'d>) -> Result<Vec<Marked>, AuthoringError> {
-        let mut marked = Vec::new();
+    fn marked(
+        &self,
+        things: &Things,
+        names: &Names<'d>,
+        faults: &mut Faults,
+        warnings: &mut Warnings,
+    ) -> Vec<Marked> {
+        let mut all = Vec::new();
         for placed in &self.placed {
             let Some(Hint::Opening { way, .. }) = self.hints.get(&placed.node) else {
                 continue;
             };
-            let node = &self.document.nodes[placed.node as usize];
-            let spoken = self.document.node_name(placed.node);
-            let Some(mesh) = node.mesh else {
-                return Err(AuthoringError::NoMesh { node: spoken });
-            };
-            marked.push(Marked {
-                name: names.name(placed.node, node).into_owned(),
-                mesh: Arc::clone(things.meshes.get(mesh)),
-                world: placed.world,
-                owner: self.room(placed),
-                way: self.way(placed, way, &spoken)?,
-                spoken,
-            });
+            match self.marked_at(placed, way, things, names) {
+                Ok(marked) => all.push(marked),
+                Err(why) => faults.report(Subject::Portal, why, warnings),
+            }
         }
-        Ok(marked)
+        all
+    }
+
+    fn marked_at(
+        &self,
+        placed: &Placed,
+        way: &Way,
+        things: &Things,
+        names: &Names<'d>,
+    ) -> Result<Marked, AuthoringError> {
+        let node = &self.document.nodes[placed.node as usize];
+        let spoken = self.document.node_name(placed.node);
+        let Some(mesh) = node.mesh else {
+            return Err(AuthoringError::NoMesh { node: spoken });
+        };
+        Ok(Marked {
+            name: names.name(placed.node, node).into_owned(),
+            mesh: Arc::clone(things.meshes.get(mesh)),
+            world: placed.world,
+            owner: self.room(placed),
+            way: self.way(placed, way, &spoken)?,
+            spoken,
+        })
     }
 
     fn way(&self, placed: &Placed, way: &Way, spoken: &str) -> Result<rooms::Way, AuthoringError> {

@@ -7,11 +7,12 @@ use super::mesh::MeshPlan;
 use super::plan::Plan;
 use super::{BYTES_PER_NODE, Meshes};
 use crate::budget::Budget;
+use crate::faults::{Faults, Subject};
 use crate::terrain::grid;
-use crate::{AuthoringError, BrokenRule};
+use crate::warning::Warnings;
+use crate::{AuthoringError, BrokenRule, GridError};
 use enfilade::HeightField;
 use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
 use std::sync::Arc;
 
 /// The nodes that are terrain, with their meshes, checked as far as it can be without the bytes.
@@ -34,43 +35,20 @@ impl TerrainPlan {
         plan: &Plan,
         plans: &[MeshPlan],
         budget: &mut Budget,
+        faults: &mut Faults,
+        warnings: &mut Warnings,
     ) -> Result<TerrainPlan, BrokenRule> {
         let mut terrains = Vec::new();
         for number in plan.terrains() {
             let node = &document.nodes[number as usize];
             let spoken = || document.node_name(number);
-            let planned = node.mesh.and_then(|mesh| {
-                let place = plans.binary_search_by_key(&mesh, MeshPlan::number).ok()?;
-                Some(&plans[place]).filter(|plan| plan.triangles() > 0)
-            });
-            let Some(planned) = planned else {
-                return Err(AuthoringError::TerrainWithoutMesh { node: spoken() }.into());
-            };
-            let primitives = &document.meshes[planned.number() as usize].primitives;
-            let moves = [
-                ("a skeleton", node.skin.is_some()),
-                (
-                    "morph targets",
-                    primitives.iter().any(|primitive| !primitive.targets.is_empty()),
-                ),
-            ];
-            if let Some((what, _)) = moves.into_iter().find(|(_, moves)| *moves) {
-                return Err(AuthoringError::TerrainMoves { node: spoken(), what }.into());
-            }
-            let has_instances = node.instancing().is_some_and(|instances| {
-                let lists = [instances.translation, instances.rotation, instances.scale];
-                lists.iter().any(Option::is_some)
-            });
-            if has_instances {
-                return Err(AuthoringError::TerrainInstanced { node: spoken() }.into());
-            }
-            if let Some(primitives) = planned.of_two_materials() {
-                return Err(AuthoringError::TerrainMaterials {
-                    node: spoken(),
-                    primitives,
+            let planned = match mesh_of_terrain(document, number, plans) {
+                Ok(planned) => planned,
+                Err(why) => {
+                    faults.report(Subject::Terrain, why, warnings);
+                    continue;
                 }
-                .into());
-            }
+            };
             let triangles = planned.triangles();
             let blocks = triangles / TRIANGLES_PER_BLOCK + 1;
             let bytes = [
@@ -88,24 +66,71 @@ impl TerrainPlan {
     }
 
     /// Recognises the grids, those of nodes that share a mesh once.
-    pub(super) fn read(&self, document: &Document, meshes: &Meshes) -> Result<Terrains, AuthoringError> {
-        let mut fields = BTreeMap::new();
+    pub(super) fn read(
+        &self,
+        document: &Document,
+        meshes: &Meshes,
+        faults: &mut Faults,
+        warnings: &mut Warnings,
+    ) -> Terrains {
+        let mut fields: BTreeMap<u32, Result<Arc<HeightField>, GridError>> = BTreeMap::new();
         let mut terrains = BTreeMap::new();
         for &(node, mesh) in &self.0 {
-            let field = match fields.entry(mesh) {
-                Entry::Occupied(field) => Arc::clone(field.get()),
-                Entry::Vacant(place) => {
-                    let field = grid::field_of(meshes.get(mesh)).map_err(|why| AuthoringError::NoGrid {
-                        node: document.node_name(node),
-                        why,
-                    })?;
-                    Arc::clone(place.insert(Arc::new(field)))
+            let field = fields
+                .entry(mesh)
+                .or_insert_with(|| grid::field_of(meshes.get(mesh)).map(Arc::new));
+            match field {
+                Ok(field) => {
+                    terrains.insert(node, Arc::clone(field));
                 }
-            };
-            terrains.insert(node, field);
+                Err(why) => {
+                    let (node, why) = (document.node_name(node), why.clone());
+                    faults.report(Subject::Terrain, AuthoringError::NoGrid { node, why }, warnings);
+                }
+            }
         }
-        Ok(Terrains(terrains))
+        Terrains(terrains)
     }
+}
+
+/// The mesh that a node shows as terrain, checked as far as it can be without the bytes.
+fn mesh_of_terrain<'p>(
+    document: &Document,
+    number: u32,
+    plans: &'p [MeshPlan],
+) -> Result<&'p MeshPlan, AuthoringError> {
+    let node = &document.nodes[number as usize];
+    let spoken = || document.node_name(number);
+    let planned = node.mesh.and_then(|mesh| {
+        let place = plans.binary_search_by_key(&mesh, MeshPlan::number).ok()?;
+        Some(&plans[place]).filter(|plan| plan.triangles() > 0)
+    });
+    let planned = planned.ok_or_else(|| AuthoringError::TerrainWithoutMesh { node: spoken() })?;
+    let primitives = &document.meshes[planned.number() as usize].primitives;
+    let moves = [
+        ("a skeleton", node.skin.is_some()),
+        (
+            "morph targets",
+            primitives.iter().any(|primitive| !primitive.targets.is_empty()),
+        ),
+    ];
+    if let Some((what, _)) = moves.into_iter().find(|(_, moves)| *moves) {
+        return Err(AuthoringError::TerrainMoves { node: spoken(), what });
+    }
+    let has_instances = node.instancing().is_some_and(|instances| {
+        let lists = [instances.translation, instances.rotation, instances.scale];
+        lists.iter().any(Option::is_some)
+    });
+    if has_instances {
+        return Err(AuthoringError::TerrainInstanced { node: spoken() });
+    }
+    if let Some(primitives) = planned.of_two_materials() {
+        return Err(AuthoringError::TerrainMaterials {
+            node: spoken(),
+            primitives,
+        });
+    }
+    Ok(planned)
 }
 
 impl Terrains {

@@ -139,6 +139,7 @@ fn read(
             content,
             nodes: SourceNodes::default(),
             method: None,
+            open_above: false,
             large: None,
         }],
         portals: Vec::new(),

@@ -1,15 +1,16 @@
 //! Which room is around a point, by boxes: for what no author put into one.
 
+use super::sky::{by_size, space};
 use crate::Room;
 use enfilade::FragmentId;
 
-/// The room with the smallest box that holds a point.
+/// The room with the smallest box that holds a point. The box of a room without a top has none either.
 pub(crate) fn room_around(rooms: &[Room], point: [f32; 3]) -> Option<FragmentId> {
     let numbered = (0_u32..).zip(rooms);
     numbered
-        .map(|(number, room)| (FragmentId(number), room.content.bounds()))
+        .map(|(number, room)| (FragmentId(number), space(&room.content, room.open_above)))
         .filter(|(_, bounds)| bounds.contains(point))
-        .min_by(|(a, one), (b, other)| one.volume().total_cmp(&other.volume()).then(a.cmp(b)))
+        .min_by(|(a, one), (b, other)| by_size(one, other).then(a.cmp(b)))
         .map(|(room, _)| room)
 }
 

@@ -1,13 +1,17 @@
 //! Joins rooms: every marked mesh becomes openings of rooms, and portals that lead out of them.
 
 use super::outline::outline;
-use super::overlap::overlap;
-use super::sides::{self, LEAST, Side, sides};
+use super::overlap::overlaps;
+use super::sides::{self, LEAST, Rooms, Side, sides};
+use super::sky::open_above;
 use super::{Marked, Shell, Teleport, Way};
+use crate::faults::{Faults, Subject};
+use crate::warning::Warnings;
 use crate::{AuthoringError, BrokenRule, Room};
 use enfilade::{Content, ConvexPolygon, FragmentId, OpeningId, Portal, Ray, Transform};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// An opening of a room and where it leads.
@@ -20,50 +24,105 @@ struct Lead {
     there_from_here: Transform,
 }
 
-/// Builds the rooms with their openings, and the portals between them.
-pub(crate) fn join(shells: Vec<Shell>, marked: &[Marked]) -> Result<(Vec<Room>, Vec<Portal>), BrokenRule> {
+/// Builds the rooms with their openings, and the portals between them. Marked meshes that make no sense are reported and left
+/// out.
+pub(crate) fn join(
+    shells: Vec<Shell>,
+    mut marked: Vec<Marked>,
+    faults: &mut Faults,
+    warnings: &mut Warnings,
+) -> Result<(Vec<Room>, Vec<Portal>), BrokenRule> {
     // Most files are one room without openings: nothing is to be asked of it.
     if shells.len() == 1 && marked.is_empty() {
-        return finish(shells, marked, Vec::new());
+        return finish(shells, &marked, Found::default());
     }
     let bare: Vec<Content> = shells
         .iter()
         .map(|shell| shell.builder.clone().build().map_err(BrokenRule::Content))
         .collect::<Result<_, _>>()?;
-    let spoken = |room: usize| shells[room].spoken.clone();
-    if let Some((first, second, point)) = overlap(&bare) {
-        let [first, second] = [first, second].map(spoken);
-        return Err(AuthoringError::RoomsOverlap { first, second, point }.into());
-    }
     let spoken: Vec<&str> = shells.iter().map(|shell| &*shell.spoken).collect();
-    let found: Vec<Result<Vec<Lead>, AuthoringError>> = (0..marked.len())
-        .into_par_iter()
-        .map(|number| leads(&bare, &spoken, number, &marked[number]))
-        .collect();
-    // In order, so that of several errors the first is told, whichever thread was done first.
-    let leads: Vec<Lead> = found
-        .into_iter()
-        .collect::<Result<Vec<_>, _>>()?
-        .into_iter()
-        .flatten()
-        .collect();
-    if let Some((a, b)) = same_place(&leads) {
-        let [first, second] = [a, b].map(|lead| marked[lead.marked].spoken.clone());
-        let room = shells[a.from].spoken.clone();
-        return Err(AuthoringError::SamePlace { first, second, room }.into());
+    for (first, second, point) in overlaps(&bare) {
+        let [first, second] = [first, second].map(|room| spoken[room].to_owned());
+        let why = AuthoringError::RoomsOverlap { first, second, point };
+        faults.report(Subject::Room, why, warnings);
+    }
+    let mut found = find(&bare, &spoken, &marked);
+    while !found.bad.is_empty() {
+        let bad = std::mem::take(&mut found.bad);
+        let mut is_bad = vec![false; marked.len()];
+        for (number, why) in bad {
+            is_bad[number] = true;
+            faults.report(Subject::Portal, why, warnings);
+        }
+        if !faults.skips_portals() {
+            break;
+        }
+        // Asked again without them: one that is gone can neither cover another nor close a room.
+        let mut is_bad = is_bad.into_iter();
+        marked.retain(|_| !is_bad.next().unwrap_or_default());
+        found = find(&bare, &spoken, &marked);
     }
     drop(bare);
-    finish(shells, marked, leads)
+    finish(shells, &marked, found)
+}
+
+/// What marked meshes come to.
+#[derive(Default)]
+struct Found {
+    leads: Vec<Lead>,
+    /// Which rooms have no top.
+    open_above: Vec<bool>,
+    /// The marked meshes that make no sense, in order, and why.
+    bad: Vec<(usize, AuthoringError)>,
+}
+
+fn find(rooms: &[Content], spoken: &[&str], marked: &[Marked]) -> Found {
+    let outlines: Vec<Result<ConvexPolygon, AuthoringError>> = marked
+        .par_iter()
+        .map(|marked| outline(&marked.mesh, &marked.world, &marked.spoken))
+        .collect();
+    let lids: Vec<ConvexPolygon> = outlines.iter().flatten().cloned().collect();
+    let open_above = open_above(rooms, &lids);
+    let rooms = Rooms {
+        all: rooms,
+        open_above: &open_above,
+    };
+    let found: Vec<Result<Vec<Lead>, AuthoringError>> = outlines
+        .into_par_iter()
+        .enumerate()
+        .map(|(number, outline)| leads(rooms, spoken, number, &marked[number], outline?))
+        .collect();
+    let (mut leads, mut bad) = (Vec::new(), Vec::new());
+    for (number, found) in found.into_iter().enumerate() {
+        match found {
+            Ok(found) => leads.extend(found),
+            Err(why) => bad.push((number, why)),
+        }
+    }
+    for (first, second, room) in same_places(&leads) {
+        let why = AuthoringError::SamePlace {
+            first: marked[first].spoken.clone(),
+            second: marked[second].spoken.clone(),
+            room: spoken[room].to_owned(),
+        };
+        bad.push((second, why));
+    }
+    bad.sort_by_key(|&(number, _)| number);
+    Found {
+        leads,
+        open_above,
+        bad,
+    }
 }
 
 /// Adds the openings to their rooms and builds these.
 fn finish(
     mut shells: Vec<Shell>,
     marked: &[Marked],
-    leads: Vec<Lead>,
+    found: Found,
 ) -> Result<(Vec<Room>, Vec<Portal>), BrokenRule> {
-    let mut portals = Vec::with_capacity(leads.len());
-    for lead in leads {
+    let mut portals = Vec::with_capacity(found.leads.len());
+    for lead in found.leads {
         let opening: OpeningId = shells[lead.from]
             .builder
             .opening(&marked[lead.marked].name, lead.outline);
@@ -76,12 +135,13 @@ fn finish(
         });
     }
     let mut rooms = Vec::with_capacity(shells.len());
-    for shell in shells {
+    for (number, shell) in shells.into_iter().enumerate() {
         rooms.push(Room {
             name: shell.name,
             content: Arc::new(shell.builder.build().map_err(BrokenRule::Content)?),
             nodes: shell.nodes,
             method: shell.method,
+            open_above: found.open_above.get(number).copied().unwrap_or_default(),
             large: None,
         });
     }
@@ -90,12 +150,12 @@ fn finish(
 
 /// The openings that one marked mesh makes.
 fn leads(
-    rooms: &[Content],
+    rooms: Rooms,
     spoken: &[&str],
     number: usize,
     marked: &Marked,
+    outline: ConvexPolygon,
 ) -> Result<Vec<Lead>, AuthoringError> {
-    let outline = outline(&marked.mesh, &marked.world, &marked.spoken)?;
     let around = Around {
         rooms,
         spoken,
@@ -159,7 +219,7 @@ fn leads(
 
 /// A marked mesh and what stands at its two sides.
 struct Around<'a> {
-    rooms: &'a [Content],
+    rooms: Rooms<'a>,
     spoken: &'a [&'a str],
     marked: &'a Marked,
     /// Before its front and behind it.
@@ -171,7 +231,7 @@ impl Around<'_> {
     fn two_rooms(&self, to: Option<usize>, one_way: bool) -> Result<(usize, usize, bool), AuthoringError> {
         let [front, back] = &self.sides;
         let owner = self.marked.owner;
-        let near: Vec<usize> = (0..self.rooms.len())
+        let near: Vec<usize> = (0..self.rooms.all.len())
             .filter(|&room| front.part(room).max(back.part(room)) >= LEAST || to == Some(room))
             .collect();
         let mut best: Option<(bool, f64, usize, usize)> = None;
@@ -223,12 +283,17 @@ impl Around<'_> {
     fn no_two_rooms(&self, to: Option<usize>) -> AuthoringError {
         let node = self.marked.spoken.clone();
         let touched = self.sides.iter().filter_map(Side::first).next();
-        match touched.or(to) {
-            Some(room) => AuthoringError::TouchesOneRoom {
-                node,
-                room: self.spoken[room].to_owned(),
-            },
-            None => AuthoringError::TouchesNoRoom { node },
+        let Some(room) = touched.or(to) else {
+            return AuthoringError::TouchesNoRoom { node };
+        };
+        let room = self.spoken[room].to_owned();
+        match &self.sides {
+            [front, back] if front.is_sky && back.is_sky => AuthoringError::OnlySky { node, room },
+            [front, back] if front.is_sky || back.is_sky => AuthoringError::OwnSky { node, room },
+            [front, back] if front.first().is_none() || back.first().is_none() => {
+                AuthoringError::LeadsNowhere { node, room }
+            }
+            _ => AuthoringError::TouchesOneRoom { node, room },
         }
     }
 
@@ -249,7 +314,7 @@ impl Around<'_> {
             Some(owner) => owner,
             None => self.before(false).or_else(|_| self.before(true))?,
         };
-        let [front, back] = [1.0, -1.0].map(|side| free_rays(&self.rooms[room], outline, side));
+        let [front, back] = [1.0, -1.0].map(|side| free_rays(&self.rooms.all[room], outline, side));
         Ok((room, back > front))
     }
 }
@@ -280,13 +345,15 @@ fn free_rays(room: &Content, outline: &ConvexPolygon, side: f64) -> usize {
         .sum()
 }
 
-/// Two openings of one room that face the same way and cover each other for the most part.
-fn same_place(leads: &[Lead]) -> Option<(&Lead, &Lead)> {
+/// Marked meshes whose openings are those of earlier ones: they face the same way in one room, and cover each other for the
+/// most part. The earlier one, the later one, which is named once, and the room.
+fn same_places(leads: &[Lead]) -> Vec<(usize, usize, usize)> {
     let mut by_room: Vec<&Lead> = leads.iter().collect();
     by_room.sort_by(|a, b| {
         let low = |lead: &Lead| lead.outline.bounds().min[0];
         a.from.cmp(&b.from).then(low(a).total_cmp(&low(b)))
     });
+    let mut found = BTreeMap::new();
     for (place, a) in by_room.iter().enumerate() {
         let bounds = a.outline.bounds();
         let end = bounds.max[0] + bounds.longest_side();
@@ -294,12 +361,19 @@ fn same_place(leads: &[Lead]) -> Option<(&Lead, &Lead)> {
             .iter()
             .take_while(|b| b.from == a.from && b.outline.bounds().min[0] <= end);
         for b in near {
-            if covers_most(&a.outline, &b.outline) {
-                return Some(if a.marked < b.marked { (a, b) } else { (b, a) });
+            if found.contains_key(&a.marked) {
+                break;
+            }
+            let [first, second] = [a.marked.min(b.marked), a.marked.max(b.marked)];
+            if !found.contains_key(&second) && covers_most(&a.outline, &b.outline) {
+                found.insert(second, (first, a.from));
             }
         }
     }
-    None
+    let named = found.into_iter();
+    named
+        .map(|(second, (first, room))| (first, second, room))
+        .collect()
 }
 
 /// Do two outlines that face the same way lie over each other, nearly in one plane?

@@ -1,7 +1,7 @@
 //! Rooms that portals join: from marked meshes and frames to openings, portals and their sides.
 //!
 //! Nothing here knows a file format. What stands at the two sides of an opening is found by rays, for boxes overlap:
-//! a garden's box holds the whole house.
+//! a garden's box holds the whole house. Rays that meet nothing end in the sky, which belongs to rooms without a top.
 
 mod around;
 mod frame;
@@ -9,6 +9,7 @@ mod join;
 mod outline;
 mod overlap;
 mod sides;
+mod sky;
 
 pub(crate) use around::{room_around, room_nearest};
 pub(crate) use frame::Frame;

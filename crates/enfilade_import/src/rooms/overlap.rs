@@ -16,8 +16,13 @@ const BOTH: f64 = 0.25;
 const GRID: usize = 3;
 const SURE: usize = 2;
 
-/// Two rooms that overlap, and a point inside both, if there are any.
-pub(super) fn overlap(rooms: &[Content]) -> Option<(usize, usize, [f32; 3])> {
+/// Pairs that are named, at most. Many rooms in one place would make more than anybody reads.
+const MOST_PAIRS: usize = 20;
+/// Pairs that are asked about before it is known whether enough were found.
+const AT_ONCE: usize = 256;
+
+/// Pairs of rooms that overlap, each with a point inside both.
+pub(super) fn overlaps(rooms: &[Content]) -> Vec<(usize, usize, [f32; 3])> {
     let mut by_x: Vec<usize> = (0..rooms.len())
         .filter(|&room| !rooms[room].bounds().is_empty())
         .collect();
@@ -31,9 +36,18 @@ pub(super) fn overlap(rooms: &[Content]) -> Option<(usize, usize, [f32; 3])> {
         pairs.extend(later.map(|&b| (a.min(b), a.max(b))));
     }
     pairs.sort_unstable();
-    pairs
-        .par_iter()
-        .find_map_first(|&(a, b)| Some((a, b, in_both(&rooms[a], &rooms[b])?)))
+    let mut found = Vec::new();
+    for pairs in pairs.chunks(AT_ONCE) {
+        let in_both = pairs
+            .par_iter()
+            .filter_map(|&(a, b)| Some((a, b, in_both(&rooms[a], &rooms[b])?)));
+        found.par_extend(in_both);
+        if found.len() >= MOST_PAIRS {
+            break;
+        }
+    }
+    found.truncate(MOST_PAIRS);
+    found
 }
 
 fn in_both(a: &Content, b: &Content) -> Option<[f32; 3]> {

@@ -2,8 +2,10 @@
 //!
 //! From places a little before it, rays go ahead in a cone; each votes for the room whose face it meets first. So a
 //! garden whose box holds the house has no say in a parlour, a thick wall of one room has little in the next, and
-//! a door's leaf, which hangs nearer than the places are, has none.
+//! a door's leaf, which hangs nearer than the places are, has none. A ray that meets nothing votes for the room without a top
+//! that it begins in or above: that is whose sky it ends in.
 
+use super::sky::{by_size, space};
 use enfilade::{Aabb, Content, ConvexPolygon, Hit, Ray};
 use glam::DVec3;
 
@@ -15,20 +17,45 @@ const BEFORE: [f64; 2] = [0.1, 0.3];
 const AROUND: usize = 6;
 const CONES: [f64; 2] = [0.55, 1.4];
 
-/// One side of an opening: what part of the rays meets which room first.
+/// Rooms before they have openings, and which of them have no top.
+#[derive(Clone, Copy)]
+pub(super) struct Rooms<'a> {
+    pub(super) all: &'a [Content],
+    pub(super) open_above: &'a [bool],
+}
+
+impl Rooms<'_> {
+    fn space(&self, room: usize) -> Aabb {
+        space(&self.all[room], self.open_above[room])
+    }
+
+    /// The room without a top that a point is in or above; of several the one that covers the least ground.
+    fn sky_over(&self, near: &[usize], point: DVec3) -> Option<usize> {
+        let point = point.as_vec3().into();
+        let open = near.iter().copied().filter(|&room| self.open_above[room]);
+        let holding = open.filter(|&room| self.space(room).contains(point));
+        holding.min_by(|&a, &b| by_size(&self.space(a), &self.space(b)))
+    }
+}
+
+/// One side of an opening: what part of the rays meets which room first, or ends in its sky.
 #[derive(Debug, Default)]
-pub(super) struct Side(Vec<(usize, f64)>);
+pub(super) struct Side {
+    parts: Vec<(usize, f64)>,
+    /// All rays end in the sky of rooms without a top.
+    pub(super) is_sky: bool,
+}
 
 impl Side {
     /// The part of a room, 0 to 1.
     pub(super) fn part(&self, room: usize) -> f64 {
-        let entry = self.0.iter().find(|(other, _)| *other == room);
+        let entry = self.parts.iter().find(|(other, _)| *other == room);
         entry.map_or(0.0, |(_, part)| *part)
     }
 
     /// The rooms that stand there.
     pub(super) fn rooms(&self) -> impl Iterator<Item = usize> {
-        self.0
+        self.parts
             .iter()
             .filter(|(_, part)| *part >= LEAST)
             .map(|(room, _)| *room)
@@ -42,7 +69,7 @@ impl Side {
 }
 
 /// Both sides of an opening: its front, then its back. Rooms that are not near it have no say.
-pub(super) fn sides(rooms: &[Content], outline: &ConvexPolygon) -> [Side; 2] {
+pub(super) fn sides(rooms: Rooms, outline: &ConvexPolygon) -> [Side; 2] {
     let corners: Vec<DVec3> = outline
         .corners()
         .iter()
@@ -53,17 +80,17 @@ pub(super) fn sides(rooms: &[Content], outline: &ConvexPolygon) -> [Side; 2] {
         .iter()
         .map(|corner| (*corner - middle).length())
         .fold(0.0, f64::max);
-    let near: Vec<usize> = (0..rooms.len())
-        .filter(|&room| meets(&rooms[room].bounds(), &outline.bounds(), 2.0 * reach))
+    let near: Vec<usize> = (0..rooms.all.len())
+        .filter(|&room| meets(&rooms.space(room), &outline.bounds(), 2.0 * reach))
         .collect();
     let normal = DVec3::from(outline.normal().map(f64::from));
     [normal, -normal].map(|ahead| side(rooms, &near, &corners, middle, ahead))
 }
 
 /// The room that most rays in all directions from a point meet first.
-pub(super) fn around(rooms: &[Content], point: DVec3) -> Option<usize> {
+pub(super) fn around(rooms: Rooms, point: DVec3) -> Option<usize> {
     let mut votes = Votes::default();
-    let all: Vec<usize> = (0..rooms.len()).collect();
+    let all: Vec<usize> = (0..rooms.all.len()).collect();
     for i in 0..26 {
         votes.cast(rooms, &all, point, spread(i, 26));
     }
@@ -78,7 +105,7 @@ pub(super) fn spread(i: usize, count: usize) -> DVec3 {
     DVec3::new(radius * angle.cos(), height, radius * angle.sin())
 }
 
-fn side(rooms: &[Content], near: &[usize], corners: &[DVec3], middle: DVec3, ahead: DVec3) -> Side {
+fn side(rooms: Rooms, near: &[usize], corners: &[DVec3], middle: DVec3, ahead: DVec3) -> Side {
     let area: f64 = (0..corners.len())
         .map(|i| {
             let [a, b] = [corners[i] - middle, corners[(i + 1) % corners.len()] - middle];
@@ -110,14 +137,17 @@ fn side(rooms: &[Content], near: &[usize], corners: &[DVec3], middle: DVec3, ahe
     if votes.rays > 0 {
         return votes.side();
     }
-    // Nothing is met: the open air of the smallest box that holds it.
+    // Nothing is met, and the sky is no room's: the open air of the smallest box that holds it.
     let outside = (middle + ahead * (BEFORE[1] * area.sqrt())).as_vec3().into();
-    let volume = |room: &usize| rooms[*room].bounds().volume();
+    let volume = |room: &usize| rooms.all[*room].bounds().volume();
     let holds = near
         .iter()
-        .filter(|&&room| rooms[room].bounds().contains(outside));
+        .filter(|&&room| rooms.all[room].bounds().contains(outside));
     let smallest = holds.min_by(|a, b| volume(a).total_cmp(&volume(b)));
-    Side(smallest.map(|&room| (room, LEAST)).into_iter().collect())
+    Side {
+        parts: smallest.map(|&room| (room, LEAST)).into_iter().collect(),
+        is_sky: false,
+    }
 }
 
 fn meets(a: &Aabb, b: &Aabb, margin: f64) -> bool {
@@ -132,19 +162,30 @@ fn meets(a: &Aabb, b: &Aabb, margin: f64) -> bool {
 struct Votes {
     rays: usize,
     first: Vec<(usize, usize)>,
+    /// How many of the rays end in a sky.
+    in_sky: usize,
 }
 
 impl Votes {
-    /// Lets one ray vote, if it meets anything. Of rooms whose walls meet in one plane the one whose front is met counts.
-    fn cast(&mut self, rooms: &[Content], near: &[usize], origin: DVec3, direction: DVec3) {
+    /// Lets one ray vote, if it meets anything or ends in a sky. Of rooms whose walls meet in one plane the one whose front is met
+    /// counts.
+    fn cast(&mut self, rooms: Rooms, near: &[usize], origin: DVec3, direction: DVec3) {
         let ray = Ray {
             origin: origin.as_vec3().into(),
             direction: direction.as_vec3().into(),
         };
         let met: Vec<(usize, Hit)> = near
             .iter()
-            .filter_map(|&room| Some((room, rooms[room].cast(&ray)?)))
+            .filter_map(|&room| Some((room, rooms.all[room].cast(&ray)?)))
             .collect();
+        if met.is_empty() {
+            if let Some(room) = rooms.sky_over(near, origin) {
+                self.rays += 1;
+                self.in_sky += 1;
+                self.count(room);
+            }
+            return;
+        }
         let nearest = met
             .iter()
             .map(|(_, hit)| hit.distance)
@@ -154,24 +195,28 @@ impl Votes {
             .iter()
             .filter(|(_, hit)| first(hit))
             .all(|(_, hit)| hit.from_behind);
-        self.rays += usize::from(!met.is_empty());
+        self.rays += 1;
         for (room, hit) in met {
             if first(&hit) && hit.from_behind == from_behind {
-                match self.first.iter_mut().find(|(other, _)| *other == room) {
-                    Some((_, votes)) => *votes += 1,
-                    None => self.first.push((room, 1)),
-                }
+                self.count(room);
             }
         }
     }
 
     fn side(&self) -> Side {
         let part = |votes: usize| votes as f64 / self.rays as f64;
-        Side(
-            self.first
-                .iter()
-                .map(|&(room, votes)| (room, part(votes)))
-                .collect(),
-        )
+        let parts = self.first.iter().map(|&(room, votes)| (room, part(votes)));
+        Side {
+            parts: parts.collect(),
+            is_sky: self.rays > 0 && self.in_sky == self.rays,
+        }
+    }
+
+    /// Gives a room one vote more.
+    fn count(&mut self, room: usize) {
+        match self.first.iter_mut().find(|(other, _)| *other == room) {
+            Some((_, votes)) => *votes += 1,
+            None => self.first.push((room, 1)),
+        }
     }
 }

@@ -139,6 +139,7 @@ pub(crate) fn import(
             content: Arc::new(description.meshes(&raw, format)?),
             nodes: SourceNodes::default(),
             method,
+            open_above: false,
             large: None,
         }
     } else {
@@ -152,6 +153,7 @@ pub(crate) fn import(
             content: Arc::new(nothing.map_err(BrokenRule::Content)?),
             nodes: SourceNodes::default(),
             method,
+            open_above: false,
             large: Some(Arc::new(description.large(mapped, format)?)),
         }
     };

@@ -1,7 +1,8 @@
 //! What authors do wrong with rooms and portals: every message names the node and the remedy.
 
-use crate::file::{File, refusal};
-use crate::rooms::{door, house, two_rooms};
+use crate::file::{File, refusal, warnings};
+use crate::rooms::{door, house, two_rooms, ways};
+use enfilade_import::{BrokenRule, Import, ReadOptions, WarningKind, read_bytes};
 use serde_json::{Value, json};
 
 #[track_caller]
@@ -228,4 +229,154 @@ fn extras_of_the_wrong_type_or_with_unknown_words() {
         refuses(&file, &["node 4 \"Door-portal\""]);
         refuses(&file, words);
     }
+}
+
+/// Two rooms with one good door and a portal or more for each of several mistakes.
+fn full_of_mistakes() -> File {
+    let portal = |name: &str, extras: Value, at: [f64; 3]| {
+        let mut node = door(name, extras);
+        node["translation"] = json!(at);
+        node
+    };
+    two_rooms(&[
+        door("Good-portal", Value::Null),
+        portal("Lost-portal", Value::Null, [50.0, 0.0, 0.0]),
+        portal("Wrong-portal", json!({ "one_way": 2 }), [0.0, 0.0, 0.0]),
+        portal("Nowhere-portal", json!({ "to": "Attic-room" }), [0.0, 0.0, 0.0]),
+        portal("Exitless-portal", json!({ "exit": "Out" }), [0.0, 0.0, 0.0]),
+        portal("Second-portal", Value::Null, [0.0, 0.1, 0.0]),
+        json!({ "name": "Empty-mirror" }),
+    ])
+}
+
+const MISTAKES: [(&str, &str); 6] = [
+    ("Wrong-portal", "true or false"),
+    ("Nowhere-portal", "rooms are A-room, B-room"),
+    ("Exitless-portal", "correct the exit"),
+    ("Empty-mirror", "give it a flat convex mesh"),
+    ("Lost-portal", "touches no room"),
+    ("Second-portal", "remove one of them"),
+];
+
+fn reads_with(file: &File, options: ReadOptions) -> Import {
+    read_bytes(&file.glb(), None, &options).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn all_mistakes_of_a_file_are_named_at_once_each_with_its_node_and_remedy() {
+    let text = refusal(&full_of_mistakes().glb()).expect("it is refused");
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines.len(), 1 + MISTAKES.len(), "{text}");
+    assert!(lines[0].contains("6 things are wrong with its rooms"), "{text}");
+    for (node, remedy) in MISTAKES {
+        let named = |line: &&&str| line.contains(&format!("\"{node}\"")) && line.contains(remedy);
+        assert_eq!(lines[1..].iter().filter(named).count(), 1, "{node} in {text}");
+    }
+}
+
+#[test]
+fn mistakes_of_rooms_portals_and_terrain_are_named_together() {
+    let mut file = full_of_mistakes();
+    file.json["nodes"][0]["extras"] = json!({ "enfilade": { "method": "bps" } });
+    file.node(json!({ "name": "A-room", "mesh": 2, "translation": [0, 9, 0] }));
+    file.node(json!({ "name": "Hill-terrain" }));
+    let glb = file.glb();
+    let error = read_bytes(&glb, None, &ReadOptions::default()).expect_err("it is refused");
+    let BrokenRule::Authoring(errors) = &error.rule else {
+        panic!("{error}")
+    };
+    assert_eq!(errors.count(), MISTAKES.len() + 3, "{error}");
+    let text = error.to_string();
+    for words in ["`bps`", "rename one of them", "no triangles to be terrain"] {
+        assert!(text.contains(words), "{text}");
+    }
+    assert!(!errors.can_be_skipped() && !errors.flat_ignores_them());
+    // Without the portals the rest is still wrong.
+    let skipping = ReadOptions {
+        skip_bad_portals: true,
+        ..ReadOptions::default()
+    };
+    let error = read_bytes(&glb, None, &skipping).expect_err("rooms are wrong");
+    assert!(matches!(error.rule, BrokenRule::Authoring(errors) if errors.count() == 3));
+}
+
+#[test]
+fn a_thousand_mistakes_are_a_page_and_a_count() {
+    let far = |number: usize| {
+        let mut node = door(&format!("Far-portal.{number:03}"), Value::Null);
+        node["translation"] = json!([50 + number, 0, 0]);
+        node
+    };
+    let nodes: Vec<Value> = (0..1200).map(far).collect();
+    let text = refusal(&two_rooms(&nodes).glb()).expect("it is refused");
+    assert_eq!(text.lines().count(), 22, "{text}");
+    assert!(text.contains("1200 things are wrong") && text.ends_with("\n  and 1180 more"));
+}
+
+#[test]
+fn bad_portals_can_be_skipped_and_are_plain_holes_then() {
+    let skipping = ReadOptions {
+        skip_bad_portals: true,
+        ..ReadOptions::default()
+    };
+    let import = reads_with(&full_of_mistakes(), skipping.clone());
+    assert_eq!(
+        ways(&import),
+        ["Good-portal: A-room -> B-room", "Good-portal: B-room -> A-room"]
+    );
+    let items: usize = import.rooms.iter().map(|room| room.content.items().len()).sum();
+    assert_eq!(items, 2, "no portal is drawn");
+    let skipped = import.warnings.iter();
+    let skipped = skipped.filter(|warning| warning.kind == WarningKind::SkippedPortal);
+    assert_eq!(skipped.count(), MISTAKES.len());
+    let texts = warnings(&import);
+    for (node, remedy) in MISTAKES {
+        let named = |text: &&String| {
+            text.starts_with("a portal is skipped and becomes a plain hole")
+                && text.contains(&format!("\"{node}\""))
+                && text.contains(remedy)
+        };
+        assert_eq!(texts.iter().filter(named).count(), 1, "{node} in {texts:?}");
+    }
+    // A sound file is read as ever.
+    let sound = two_rooms(&[door("Door-portal", Value::Null)]);
+    let import = reads_with(&sound, skipping);
+    assert_eq!((import.portals.len(), import.warnings.len()), (2, 0));
+}
+
+#[test]
+fn skipped_portals_beyond_twenty_are_counted() {
+    let far = |number: usize| {
+        let mut node = door(&format!("Far-portal.{number:03}"), Value::Null);
+        node["translation"] = json!([50 + number, 0, 0]);
+        node
+    };
+    let nodes: Vec<Value> = (0..33).map(far).collect();
+    let skipping = ReadOptions {
+        skip_bad_portals: true,
+        ..ReadOptions::default()
+    };
+    let texts = warnings(&reads_with(&two_rooms(&nodes), skipping));
+    assert_eq!(texts.len(), 21);
+    assert_eq!(texts[20], "more portals are skipped and become plain holes (13)");
+}
+
+#[test]
+fn a_file_read_as_flat_ignores_what_is_wrong_with_rooms_and_portals() {
+    let mut file = full_of_mistakes();
+    file.json["nodes"][0]["extras"] = json!({ "enfilade": { "method": "bps" } });
+    file.node(json!({ "name": "A-room", "mesh": 0 }));
+    let flat = ReadOptions {
+        flat: true,
+        ..ReadOptions::default()
+    };
+    let import = reads_with(&file, flat);
+    assert_eq!((import.rooms.len(), import.portals.len()), (1, 0));
+    assert_eq!(import.rooms[0].content.items().len(), 3);
+    let texts = warnings(&import);
+    assert_eq!(texts.len(), 1, "{texts:?}");
+    assert!(
+        texts[0].contains("`bps`") && texts[0].contains("true or false"),
+        "{texts:?}"
+    );
 }

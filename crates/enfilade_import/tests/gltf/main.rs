@@ -23,6 +23,7 @@ mod queries;
 mod rooms;
 mod scenes;
 mod shapes;
+mod sky;
 mod stored;
 mod surfaces;
 mod terrain;

@@ -249,6 +249,7 @@ fn rolling() -> (Value, Vec<u8>) {
 const LITTLE: ReadOptions = ReadOptions {
     limit_bytes: 20_000,
     flat: false,
+    skip_bad_portals: false,
     textures: true,
 };
 

@@ -16,7 +16,7 @@ mod truth;
 mod walk;
 
 use crate::Outcome;
-use crate::args::BenchArgs;
+use crate::args::{BenchArgs, PortalArgs};
 use crate::measure::median;
 use crate::open::{For, open, settle};
 use crate::out;
@@ -109,7 +109,10 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome> {
             scene,
             For::Answers,
             Choice::One(Method::ZBuffer),
-            true,
+            PortalArgs {
+                flat: true,
+                ..PortalArgs::default()
+            },
             &args.how.limits,
             &mut files,
         )?;

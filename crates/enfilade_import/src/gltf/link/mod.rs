@@ -18,6 +18,7 @@ use super::document::{BufferView, Document, estimated_bytes};
 use super::hints::{self, Hint};
 use super::{extensions, nodes};
 use crate::budget::Budget;
+use crate::faults::Faults;
 use crate::warning::Warnings;
 use crate::{BrokenRule, Import, ImportError, ReadOptions, read_regular_file};
 use merge::Merged;
@@ -171,7 +172,9 @@ impl Linker {
         let container = Container::split(&bytes)?;
         let document = Document::parse(container.json, &mut budget)?;
         extensions::check(&document, &mut unread)?;
-        let hints = hints::read(&document, &mut unread)?;
+        let mut faults = Faults::new(&self.options);
+        let hints = hints::read(&document, &mut faults, &mut unread);
+        faults.into_result()?;
         let is_room = |node: u32| matches!(hints.get(&node), Some(Hint::Room { .. }));
         let placed = nodes::place(&document, is_room, is_room, &mut unread)?;
         let has_rooms = placed.iter().any(|placed| placed.room.is_some());

@@ -138,6 +138,7 @@ pub(crate) fn import(
             content: Arc::new(content),
             nodes: SourceNodes::default(),
             method: None,
+            open_above: false,
             large: None,
         }],
         portals: Vec::new(),

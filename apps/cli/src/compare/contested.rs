@@ -100,7 +100,8 @@ mod tests {
         scene.add("plane", content.build().expect("sound"), Method::ZBuffer);
         let scene = scene.build().expect("sound");
         // With an odd width, the middle of the middle column is on the square's left edge.
-        let view = View::new([0.0, 0.0, 3.0], [0.0; 3], [15, 9]);
+        let mut view = View::new([0.0, 0.0, 3.0], [0.0; 3], [15, 9]);
+        view.sample = View::GENERIC_OFFSET.map(|offset| -offset as f32);
         let mut canvas = Neighbours::new(view.size);
         let mut viewer = Viewer::new();
         viewer.draw(&scene, &view, &mut canvas);

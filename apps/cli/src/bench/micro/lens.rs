@@ -55,8 +55,9 @@ impl Lens {
         })
     }
 
+    /// Where on the screen the line of sight is; samples are in the middles of pixels there.
     fn middle(&self) -> [f64; 2] {
-        self.size.map(|side| 0.5 * f64::from(side))
+        [0, 1].map(|axis| 0.5 * f64::from(self.size[axis]) - View::GENERIC_OFFSET[axis])
     }
 }
 

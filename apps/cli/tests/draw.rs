@@ -15,7 +15,11 @@ fn size(folder: &Folder, name: &str) -> [u32; 2] {
 
 fn drawn(folder: &Folder, arguments: &str) {
     let run = folder.run(&format!("draw scene.glb --size 80x45 {arguments}"));
-    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""), "{arguments}");
+    assert_eq!(
+        (run.code, run.complaints()),
+        (Some(0), String::new()),
+        "{arguments}"
+    );
 }
 
 #[test]

@@ -41,7 +41,7 @@ fn examples_run_in(folder: &Folder, verb: &str) {
     for example in examples {
         let run = folder.run(&example);
         assert_eq!(run.code, Some(0), "enfilade{example}: {}", run.stderr);
-        assert_eq!(run.stderr, "", "enfilade{example}");
+        assert_eq!(run.complaints(), "", "enfilade{example}");
         assert!(!run.stdout.is_empty(), "enfilade{example}");
     }
 }

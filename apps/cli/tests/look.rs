@@ -67,6 +67,8 @@ fn the_report_has_its_stable_shape() {
     assert_eq!(
         keys(&report["views"][0]["check"]),
         [
+            "certain",
+            "contested",
             "extra",
             "missed",
             "pixels_contested",
@@ -75,6 +77,7 @@ fn the_report_has_its_stable_shape() {
         ]
     );
     let summary = [
+        "certain",
         "items_in_frustum_mean",
         "items_visible_mean",
         "missed",

@@ -37,7 +37,7 @@ const INSIDE: [(&str, u8, usize); 12] = [
     ("porcelain cabinet", 2, 6),
     ("porcelain cabinet", 3, 20),
     ("treasury", 0, 169),
-    ("treasury", 1, 34),
+    ("treasury", 1, 35),
     ("green salon", 1, 25),
     ("green salon", 2, 5),
     ("green salon", 3, 8),

@@ -19,6 +19,14 @@ pub(crate) struct Run {
     pub(crate) stderr: String,
 }
 
+impl Run {
+    /// What was said on standard error, but for how views were found.
+    pub(crate) fn complaints(&self) -> String {
+        let lines = self.stderr.lines().filter(|line| !line.starts_with("survey: "));
+        lines.collect::<Vec<_>>().join("\n")
+    }
+}
+
 impl Folder {
     pub(crate) fn new() -> Folder {
         let folder = Folder::empty();

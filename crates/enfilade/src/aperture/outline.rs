@@ -44,6 +44,10 @@ pub(super) fn within(parent: &Outline, opening: impl Iterator<Item = DVec3>) -> 
     hull.into_iter().collect()
 }
 
+/// What a hull may lose of its points, in pixels: less than screen positions are good to. Edges shorter than this run in any
+/// direction, and what is left out may be told by the directions of edges.
+const LOST: f64 = 1e-9;
+
 /// The convex hull of points, counter-clockwise on a screen whose y points down.
 ///
 /// Source: Andrew, Another Efficient Algorithm for Convex Hulls in Two Dimensions, Information Processing Letters 9, 1979.
@@ -56,8 +60,8 @@ fn convex_hull(mut points: Points) -> Points {
         let first = hull.len();
         for &point in points {
             while let [.., a, b] = hull[first..] {
-                let turn = (DVec2::from(b) - DVec2::from(a)).perp_dot(DVec2::from(point) - DVec2::from(b));
-                if turn < 0.0 {
+                let [a, b, point] = [a, b, point].map(DVec2::from);
+                if (b - a).perp_dot(point - a) < -LOST * a.distance(point) {
                     break;
                 }
                 hull.pop();
@@ -123,6 +127,28 @@ mod tests {
         let outline = within(&screen, bent.into_iter());
         assert_eq!(outline[..], [[20.0, 20.0], [20.0, 80.0], [80.0, 20.0]]);
         assert_eq!(within(&screen, bent.into_iter().rev()), outline);
+    }
+
+    #[test]
+    fn a_hull_has_no_edges_as_short_as_rounding() {
+        let corner = |i: usize| {
+            let angle = -(i as f64) * std::f64::consts::TAU / 20.0;
+            [100.0 + 50.0 * angle.cos(), 80.0 + 30.0 * angle.sin()]
+        };
+        // Each corner several times, as triangles that share it leave it where they are clipped.
+        let noise = |i: usize| [(i % 3) as f64 * 1e-14, (i % 2) as f64 * 1.5e-14];
+        let points = (0..80).map(|i| [0, 1].map(|axis| corner(i / 4)[axis] + noise(i)[axis]));
+        let mut hull = convex_hull(points.collect());
+        assert_eq!(hull.len(), 20);
+        widen(&mut hull, MOST_CORNERS);
+        for i in 0..20 {
+            let point = DVec2::from(corner(i));
+            for (side, &from) in hull.iter().enumerate() {
+                let [from, to] = [from, hull[(side + 1) % hull.len()]].map(DVec2::from);
+                let off = (to - from).normalize().perp_dot(point - from);
+                assert!(off <= 1e-8, "corner {point:?} is {off} outside");
+            }
+        }
     }
 
     #[test]

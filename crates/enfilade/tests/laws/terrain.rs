@@ -209,5 +209,5 @@ fn what_has_no_ground_and_ground_that_was_moved_are_refused() {
         .expect("it is there");
     let refused = edit.finish().expect_err("the ground stays");
     assert!(matches!(refused, SceneError::NoTerrain { .. }), "{refused}");
-    assert!(refused.to_string().contains("has been changed"), "{refused}");
+    assert!(refused.to_string().contains("was edited"), "{refused}");
 }

@@ -125,9 +125,12 @@ fn in_frustum(view: &View, corners: &[DVec3; 8]) -> Option<bool> {
     let up = right.cross(ahead);
     let tangent = (0.5 * f64::from(view.fov_y)).tan();
     let across = tangent * f64::from(view.size[0]) / f64::from(view.size[1]);
+    let pixel = 2.0 * tangent / f64::from(view.size[1]);
+    let [dx, dy] = View::GENERIC_OFFSET.map(|offset| offset * pixel);
     let heights = |point: DVec3| {
         let off = point - eye;
         let [x, y, w] = [right, up, ahead].map(|axis| axis.dot(off));
+        let [x, y] = [x - w * dx, y + w * dy];
         [
             w * across - x,
             w * across + x,

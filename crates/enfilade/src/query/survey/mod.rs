@@ -62,13 +62,13 @@ pub struct Survey {
 /// Fewer are returned where no more are found, or where thousands of items overlap; none where the scene has no open space.
 pub fn survey(scene: &Scene, count: usize) -> Survey {
     let seed = 0x656E_6669_6C61_6465;
-    Surveyor::new(scene, scene.fragments(), count, seed).survey(count)
+    Surveyor::new(scene, scene.fragments(), seed).survey(count)
 }
 
 /// The same in one fragment alone, at other places than [`survey`] finds there.
 pub fn survey_in(scene: &Scene, fragment: FragmentId, count: usize) -> Survey {
     let seed = u64::from(fragment.0);
-    Surveyor::new(scene, std::iter::once(fragment), count, seed).survey(count)
+    Surveyor::new(scene, std::iter::once(fragment), seed).survey(count)
 }
 
 /// Height of an eye above the floor, in metres; lower under low ceilings.
@@ -80,8 +80,10 @@ const HIGHEST_EYE: f64 = 3.0;
 const CLEARANCE: f64 = 0.25;
 /// Candidates for each place wanted.
 const TRIES: usize = 64;
-/// Faces and clusters that may be met for a candidate, on average over all that may be tried. Real scenes need a tenth.
-const MET_PER_TRY: u64 = 4096;
+/// Faces and clusters that rays may meet on average. Real scenes need a tenth.
+const MET_PER_RAY: u64 = 512;
+/// So many are met before the average counts.
+const MET_AT_FIRST: u64 = 1 << 20;
 /// Floors by which a room is judged.
 const JUDGED: usize = 12;
 /// Part of the rays that must meet fronts.
@@ -109,12 +111,7 @@ struct Surveyor<'a> {
 }
 
 impl<'a> Surveyor<'a> {
-    fn new(
-        scene: &'a Scene,
-        fragments: impl Iterator<Item = FragmentId>,
-        count: usize,
-        seed: u64,
-    ) -> Surveyor<'a> {
+    fn new(scene: &'a Scene, fragments: impl Iterator<Item = FragmentId>, seed: u64) -> Surveyor<'a> {
         let contents = fragments
             .filter_map(|id| scene.content(id).map(|content| (id, &**content)))
             .filter(|(_, content)| content.items().iter().any(|item| !item.bounds.is_empty()))
@@ -124,10 +121,7 @@ impl<'a> Surveyor<'a> {
             contents,
             metre: 1.0,
             dice: Dice(seed),
-            work: Work {
-                met: Cell::new(0),
-                limit: MET_PER_TRY * (TRIES * (count + 1)) as u64,
-            },
+            work: Work::default(),
         }
     }
 
@@ -367,6 +361,7 @@ fn is_near_a_face(content: &Content, point: DVec3, radius: f64, work: &Work) -> 
         max: (point + radius).as_vec3().to_array(),
     };
     let mut is_near = false;
+    work.begin();
     content.items_in_box(&around, |item| {
         let mesh = content.mesh_of(item);
         let transform = content.item(item).transform();
@@ -394,15 +389,20 @@ fn is_near_a_face(content: &Content, point: DVec3, radius: f64, work: &Work) -> 
     is_near
 }
 
-/// How many clusters rays have met, and may meet.
+/// How many rays were followed, or questions asked, and how many clusters they have met.
+#[derive(Default)]
 struct Work {
+    rays: Cell<u64>,
     met: Cell<u64>,
-    limit: u64,
 }
 
 impl Work {
+    fn begin(&self) {
+        self.rays.set(self.rays.get() + 1);
+    }
+
     fn is_too_much(&self) -> bool {
-        self.met.get() > self.limit
+        self.met.get() > MET_AT_FIRST + MET_PER_RAY * self.rays.get()
     }
 
     /// The first face along a ray; nothing is met any more once too much was met.
@@ -412,6 +412,7 @@ impl Work {
             direction: direction.as_vec3().into(),
         };
         let line = line_of(&ray).filter(|_| !self.is_too_much())?;
+        self.begin();
         content.first_along(&line, f64::INFINITY, |_| {
             self.met.set(self.met.get() + 1);
             true
@@ -493,10 +494,12 @@ mod tests {
     fn a_survey_of_items_at_one_position_meets_a_bounded_number_of_clusters() {
         for items in [10, 30_000] {
             let scene = pyramids(items);
-            let surveyor = Surveyor::new(&scene, scene.fragments(), 4, 1);
-            let limit = surveyor.work.limit + items as u64;
-            let (_, met) = surveyor.survey_and_met(4);
-            assert!(met > 0 && met <= limit, "{items} items: {met} clusters");
+            let surveyor = Surveyor::new(&scene, scene.fragments(), 1);
+            let met = surveyor.survey_and_met(4).1;
+            assert!(
+                met > 0 && met <= 2 * MET_AT_FIRST,
+                "{items} items: {met} clusters"
+            );
         }
     }
 }

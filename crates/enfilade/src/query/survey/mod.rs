@@ -188,7 +188,7 @@ impl<'a> Surveyor<'a> {
         let seems_inverted = balance < 0.0;
         let wanted = judged.into_iter().filter_map(|(site, room, fronts)| {
             let fronts = if seems_inverted { 1.0 - fronts } else { fronts };
-            (fronts >= FRONTS).then(|| Wanted {
+            (fronts >= FRONTS).then_some(Wanted {
                 site,
                 room,
                 taken: 0,
@@ -255,7 +255,7 @@ impl<'a> Surveyor<'a> {
     /// Of some floors of a room the one that is farthest from other places, if one can stand there.
     fn place_in(&mut self, wanted: &Wanted<'_, 'a>, found: &Survey) -> Option<Standpoint> {
         let Wanted { site, room, .. } = wanted;
-        let high = wanted.taken % 3 == 0;
+        let high = wanted.taken.is_multiple_of(3);
         let clear = |floor: u32| f64::from(site.clearance[floor as usize]);
         let most = room.floors.iter().map(|&floor| clear(floor)).fold(0.0, f64::max);
         let chosen: [u32; TRIES] = std::array::from_fn(|_| room.floors[self.dice.below(room.floors.len())]);

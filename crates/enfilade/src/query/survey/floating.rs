@@ -74,7 +74,7 @@ fn place_in_the_open(surveyor: &mut Surveyor, content: &Content, item: ItemId) -
     let start = start + direction * (1e-5 * size);
     let free = surveyor.work.cast(content, start, direction)?.distance;
     let place = start + direction * (free * (0.01 + 0.98 * surveyor.dice.fraction()));
-    let [fronts, hits] = surveyor.seen_from(content, place);
+    let [fronts, hits] = surveyor.seen_from(content, place, |_| {});
     let clearance = (CLEAR_OF_SIZE * size).min(CLEARANCE * surveyor.metre);
     let is_open = 2 * fronts >= hits && !super::is_near_a_face(content, place, clearance, &surveyor.work);
     is_open.then_some(place)

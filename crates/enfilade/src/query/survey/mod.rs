@@ -16,7 +16,7 @@ mod rooms;
 pub use hard::survey_hard;
 
 use super::cast::line_of;
-use crate::content::Content;
+use crate::content::{Content, ItemId};
 use crate::fragment::{Hit, Ray};
 use crate::geom::{Aabb, Step, nearest_points};
 use crate::scene::{FragmentId, Scene};
@@ -24,6 +24,7 @@ use floors::{Floors, Kind};
 use glam::DVec3;
 use rooms::{Room, rooms};
 use std::cell::Cell;
+use std::collections::BTreeSet;
 
 /// A place in open space, and where to look from there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,6 +87,8 @@ const MET_PER_RAY: u64 = 512;
 const MET_AT_FIRST: u64 = 1 << 20;
 /// Floors by which a room is judged.
 const JUDGED: usize = 12;
+/// As much of a room's area counts for each item that is seen from it, in square metres.
+const AREA_OF_ITEM: f64 = 20.0;
 /// Part of the rays that must meet fronts.
 const FRONTS: f64 = 0.6;
 /// Heights of rooms that people may be in, in scene units, where one is a metre.
@@ -175,22 +178,22 @@ impl<'a> Surveyor<'a> {
         let mut balance = 0.0;
         for site in sites {
             for room in &site.rooms {
-                let fronts = self.fronts(site, room);
-                if let Some(fronts) = fronts {
+                if let Some((fronts, items)) = self.seen_in(site, room) {
                     // The top of a map that is seen from inside alone is all roofs, and below it is nothing.
                     if room.kind == Kind::Floor {
                         balance += room.area * (2.0 * fronts - 1.0);
                     }
-                    judged.push((site, room, fronts));
+                    judged.push((site, room, fronts, items));
                 }
             }
         }
         let seems_inverted = balance < 0.0;
-        let wanted = judged.into_iter().filter_map(|(site, room, fronts)| {
+        let wanted = judged.into_iter().filter_map(|(site, room, fronts, items)| {
             let fronts = if seems_inverted { 1.0 - fronts } else { fronts };
             (fronts >= FRONTS).then_some(Wanted {
                 site,
                 room,
+                items,
                 taken: 0,
                 failed: 0,
             })
@@ -198,24 +201,28 @@ impl<'a> Surveyor<'a> {
         (wanted.collect(), seems_inverted)
     }
 
-    /// The part of the rays from a room that meet fronts, as the file has them; `None` where too few meet anything.
-    fn fronts(&mut self, site: &Site, room: &Room) -> Option<f64> {
-        let mut all = [0, 0];
+    /// The part of the rays from a room that meet fronts, as the file has them, and how many items they meet; `None` where
+    /// they meet none.
+    fn seen_in(&mut self, site: &Site, room: &Room) -> Option<(f64, usize)> {
+        let (mut all, mut items) = ([0, 0], BTreeSet::new());
         for _ in 0..JUDGED {
             let floor = room.floors[self.dice.below(room.floors.len())];
             let eye = self.eye(site, floor, false);
-            let [fronts, hits] = self.seen_from(site.content, eye);
+            let [fronts, hits] = self.seen_from(site.content, eye, |item| {
+                items.insert(item);
+            });
             all = [all[0] + fronts, all[1] + hits];
         }
-        (all[1] > 0).then(|| f64::from(all[0]) / f64::from(all[1]))
+        (all[1] > 0).then(|| (f64::from(all[0]) / f64::from(all[1]), items.len()))
     }
 
     /// How many of the rays in all directions meet fronts, and how many meet anything.
-    fn seen_from(&self, content: &Content, eye: DVec3) -> [u32; 2] {
+    fn seen_from(&self, content: &Content, eye: DVec3, mut met: impl FnMut(ItemId)) -> [u32; 2] {
         let mut seen = [0, 0];
         for i in 0..DIRECTIONS {
             if let Some(hit) = self.work.cast(content, eye, spread(i)) {
                 seen = [seen[0] + u32::from(!hit.from_behind), seen[1] + 1];
+                met(hit.item);
             }
         }
         seen
@@ -278,7 +285,7 @@ impl<'a> Surveyor<'a> {
         candidates.into_iter().take(TRIES / 4).find_map(|(_, floor)| {
             let eye = self.eye(site, floor, high).as_vec3();
             let place = eye.as_dvec3();
-            let [fronts, hits] = self.seen_from(site.content, place);
+            let [fronts, hits] = self.seen_from(site.content, place, |_| {});
             let fronts = if found.seems_inverted {
                 hits - fronts
             } else {
@@ -323,15 +330,19 @@ impl<'a> Surveyor<'a> {
 struct Wanted<'s, 'a> {
     site: &'s Site<'a>,
     room: &'s Room,
+    /// How many items were met from it.
+    items: usize,
     taken: usize,
     failed: usize,
 }
 
 impl Wanted<'_, '_> {
-    /// Large rooms come more often, but each early: as Sainte-Laguë gives seats, to the root of the area.
+    /// Large rooms come more often, but each early: as Sainte-Laguë gives seats, to the root of the area. An empty plain around a
+    /// house counts for no more than what is seen from it.
     fn urgency(&self) -> f64 {
+        let area = self.room.area.min(AREA_OF_ITEM * self.items as f64);
         let weight = if self.room.kind == Kind::Roof { 0.3 } else { 1.0 };
-        weight * self.room.area.sqrt() / (0.5 + self.taken as f64)
+        weight * area.sqrt() / (0.5 + self.taken as f64)
     }
 }
 

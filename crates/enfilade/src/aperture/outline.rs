@@ -53,7 +53,8 @@ const STEPS: f64 = (1 << 26) as f64;
 /// Source: Andrew, Another Efficient Algorithm for Convex Hulls in Two Dimensions, Information Processing Letters 9, 1979.
 fn convex_hull(mut points: Points) -> Points {
     for point in &mut points {
-        *point = point.map(|place| (place * STEPS).round() / STEPS);
+        // No negative zero, which the order would put before zero.
+        *point = point.map(|place| (place * STEPS).round() / STEPS + 0.0);
     }
     points.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     points.dedup();

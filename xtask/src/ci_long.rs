@@ -14,7 +14,7 @@ pub(crate) struct Args {
     views: usize,
 }
 
-/// The other commands and the tests that `cargo test` ignores, each in a process of its own: one that dies is told apart.
+/// Runs the other commands and the ignored tests, each in its own process, so that a crash fails only its step.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let [scenes, views] = [args.scenes.to_string(), args.views.to_string()];
     let steps: [&[&str]; 3] = [

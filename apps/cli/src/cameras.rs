@@ -172,7 +172,7 @@ fn named(name: &str, args: &CameraArgs, opened: &Opened) -> Result<View> {
 fn surveyed(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>> {
     let found = survey(scene, count);
     match found.places.len() {
-        0 => out::warn("the survey finds no open space to stand in; use --eye and --toward"),
+        0 => out::warn("the survey found no open space for a camera; use --eye and --toward"),
         fewer if fewer < count => out::warn(format_args!(
             "the survey finds only {fewer} of {count} places to stand"
         )),
@@ -232,7 +232,7 @@ fn first_picture(args: &CameraArgs, opened: &Opened) -> Result<View> {
     let found = survey(scene, PLACES);
     if found.places.is_empty() {
         out::warn(
-            "the survey finds no open space to stand in, so the eye is outside; use --eye and --toward",
+            "the survey found no open space, so the camera is outside the scene; use --eye and --toward",
         );
         return Ok(from_outside(args, scene));
     }

@@ -334,7 +334,7 @@ fn bad_portals_are_named_all_at_once_with_the_options_that_open_the_file() {
     ];
     refused(&folder, "info bad.glb", &words);
     refused(&folder, "look bad.glb --size 64x36", &words);
-    // The remedy is one that helps: without rooms that can be told apart only --flat does.
+    // --skip-bad-portals would not help without room markup, so the message suggests --flat.
     let mut yard = yard_with_bad_portals();
     let nodes = yard["nodes"].as_array_mut().expect("a list");
     nodes.push(json!({ "name": "Yard-room" }));

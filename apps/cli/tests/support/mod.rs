@@ -22,7 +22,8 @@ pub(crate) struct Run {
 impl Run {
     /// What was said on standard error, but for how views were found.
     pub(crate) fn complaints(&self) -> String {
-        let lines = self.stderr.lines().filter(|line| !line.starts_with("survey: "));
+        let is_note = |line: &str| line.starts_with("survey: ") || line.contains(" is approximate: ");
+        let lines = self.stderr.lines().filter(|line| !is_note(line));
         lines.collect::<Vec<_>>().join("\n")
     }
 }

@@ -41,7 +41,7 @@ pub(super) struct Told {
     certain: Vec<(Chain, ItemId)>,
     imaginable: Vec<(Chain, ItemId)>,
     contests: Vec<(Vec<(Chain, ItemId)>, u64)>,
-    /// Of the sample at hand alone; kept for their memory.
+    /// For the current sample only; fields so that their memory is reused.
     here: Vec<Possible>,
     glass: Vec<(Chain, ItemId)>,
 }
@@ -93,7 +93,7 @@ impl Told {
         }
     }
 
-    /// Adds the items that may own the sample at hand.
+    /// Adds the possible owners of the current sample.
     fn contest(&mut self) {
         let item = |p: &Possible| p.owner.and_then(Owner::item).map(|item| (p.chain, item));
         let mut items: Vec<_> = self.here.iter().filter_map(item).collect();

@@ -68,7 +68,7 @@ fn scene(blocks: &[Block], scale: f32, inverted: bool) -> Scene {
     scene.build().expect("one fragment")
 }
 
-/// Two rooms side by side, with a wall between them that is wide enough to stand in.
+/// Two rooms side by side; the wall between them is a cavity wider than the minimum clearance.
 fn two_rooms() -> [Block; 2] {
     [
         room([0.0, 0.0, 0.0], [5.0, 2.8, 4.0]),

@@ -1,14 +1,14 @@
-//! Places in the open space of contents without a floor.
+//! Camera positions in the open space of contents without floors.
 //!
-//! Idea: stand on the free segment between a point of a surface and the next surface, and look level. A place inside
-//!     a solid is told by rays in many directions: most of them end at the backs of faces.
+//! Idea: choose a random point on the free segment between a point on a surface and the next surface, and look level. A position
+//!     is rejected as inside a solid if most rays from it hit back faces.
 //! Source: after the random walks of visibility sampling.
 
 use super::{CLEARANCE, Standpoint, Surveyor, TRIES};
 use crate::content::{Content, ItemId};
 use glam::DVec3;
 
-/// Free space around an eye, relative to the content's size.
+/// Minimum distance of an eye from all faces, relative to the content's size.
 const CLEAR_OF_SIZE: f64 = 1e-3;
 
 pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<Standpoint> {
@@ -20,7 +20,7 @@ pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<Standpoint> {
         return found;
     }
     for _ in 0..TRIES * count {
-        if found.len() == count || surveyor.work.is_too_much() {
+        if found.len() == count || surveyor.budget.is_spent() {
             break;
         }
         let mut item = surveyor.dice.below(items);
@@ -38,7 +38,7 @@ pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<Standpoint> {
         let eye = place.as_vec3().to_array();
         // Where fragments overlap the eye belongs to the smallest: it must be open there too.
         if let Some(toward) = surveyor.look_level(content, place).map(|toward| toward.as_vec3())
-            && !surveyor.work.is_too_much()
+            && !surveyor.budget.is_spent()
             && surveyor.scene.locate(eye, toward.to_array()) == Some(fragment)
         {
             found.push(Standpoint {
@@ -52,7 +52,7 @@ pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<Standpoint> {
     found
 }
 
-/// A point on the free segment from a face of an item to the next surface.
+/// Returns a random point on the free segment from a face of an item to the next surface.
 fn place_in_the_open(surveyor: &mut Surveyor, content: &Content, item: ItemId) -> Option<DVec3> {
     let mesh = content.mesh_of(item);
     if mesh.face_count() == 0 {
@@ -72,10 +72,10 @@ fn place_in_the_open(surveyor: &mut Surveyor, content: &Content, item: ItemId) -
     let size = f64::from(content.bounds().longest_side());
     // Off the surface by what f32 loses, so that the ray does not end where it begins.
     let start = start + direction * (1e-5 * size);
-    let free = surveyor.work.cast(content, start, direction)?.distance;
+    let free = surveyor.budget.cast(content, start, direction)?.distance;
     let place = start + direction * (free * (0.01 + 0.98 * surveyor.dice.fraction()));
-    let [fronts, hits] = surveyor.seen_from(content, place, |_| {});
+    let [fronts, hits] = surveyor.cast_around(content, place, |_| {});
     let clearance = (CLEAR_OF_SIZE * size).min(CLEARANCE * surveyor.metre);
-    let is_open = 2 * fronts >= hits && !super::is_near_a_face(content, place, clearance, &surveyor.work);
+    let is_open = 2 * fronts >= hits && !super::is_near_a_face(content, place, clearance, &surveyor.budget);
     is_open.then_some(place)
 }

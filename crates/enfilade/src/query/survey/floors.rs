@@ -1,36 +1,36 @@
-//! Where one can stand: the floors of a content, in columns of a grid seen from above.
+//! Walkable floors of a content, voxelized into vertical spans on a horizontal grid.
 //!
-//! Idea: every face is cut into the columns of a horizontal grid; what is between a surface that is level enough and the
-//!     next one above it, if high enough, can be stood in. Floors of neighbouring columns with a step between them that can
-//!     be walked are connected.
+//! Idea: each triangle is clipped to the columns of the grid and added to their solid spans. The top of a span is a floor if its
+//!     slope is small and the free height above it is sufficient. Floors of neighbouring columns are connected if the step between them is
+//!     small.
 //! Source: Mononen, Recast Navigation, 2009 (height field of spans); Snook, Simplified 3D Movement and Pathfinding Using
 //!     Navigation Meshes, Game Programming Gems, 2000.
-//! Cost: O(faces + columns that they reach), at most [`MOST_COLUMNS`] columns and [`MOST_PARTS`] parts of faces.
+//! Cost: O(faces + columns covered by them), at most [`MOST_COLUMNS`] columns and [`MOST_PARTS`] parts of faces.
 
 use crate::content::{Alpha, Content, ItemId};
 use glam::DVec3;
 use smallvec::SmallVec;
 
-/// Columns of a grid, at most.
+/// Maximum number of columns.
 const MOST_COLUMNS: f64 = (1 << 20) as f64;
-/// Parts of faces that are put into columns, at most.
+/// Maximum number of clipped triangles.
 const MOST_PARTS: f64 = 5e7;
-/// Side of a column where there are not too many of them, in metres.
+/// Minimum side of a column, in metres.
 const COLUMN: f64 = 0.1;
-/// Height above a floor that must be free, in metres.
+/// Minimum free height above a floor, in metres.
 const HEADROOM: f64 = 1.4;
-/// The highest step that is walked, in metres.
+/// Maximum step between connected floors, in metres.
 const STEP: f64 = 0.45;
-/// A floor that is open to the sky is a roof if so much is free below it, in metres.
+/// Minimum free height below a roof, in metres.
 const BELOW_ROOF: f64 = 1.8;
-/// How level a floor is, as the cosine of its slope.
+/// Cosine of the maximum slope of a floor.
 const LEVEL: f64 = 0.7;
 
-/// A place in one column where one can stand.
+/// A walkable floor of one column.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Floor {
     pub(super) height: f32,
-    /// What is free above it; infinite under the open sky.
+    /// Free height above it; infinite under open sky.
     pub(super) headroom: f32,
     pub(super) kind: Kind,
     column: u32,
@@ -40,9 +40,9 @@ pub(super) struct Floor {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Floor,
-    /// The top of something hollow, under the open sky.
+    /// Under open sky and above free space.
     Roof,
-    /// Where nothing is down to the lowest point of the content: many buildings come without their ground.
+    /// Not in the file: at the lowest point of the content, below a column's first span. Many buildings lack their ground.
     Assumed,
 }
 
@@ -60,19 +60,19 @@ pub(super) struct Floors {
     starts: Vec<u32>,
 }
 
-/// Part of a column that faces reach into.
+/// A solid interval of a column.
 #[derive(Clone, Copy)]
 struct Span {
     low: f32,
     high: f32,
-    /// Whether its upper end can be stood on.
+    /// Whether the slope at its top is small enough for a floor.
     is_level: bool,
 }
 
 type Spans = SmallVec<[Span; 2]>;
 
 impl Floors {
-    /// All floors, by what a metre is in scene units.
+    /// Finds all floors. `metre` is the length of a metre in scene units.
     pub(super) fn of(content: &Content, metre: f64) -> Floors {
         let bounds = content.bounds();
         let [min, max] = [bounds.min, bounds.max].map(|corner| corner.map(f64::from));
@@ -106,7 +106,7 @@ impl Floors {
         floors
     }
 
-    /// Puts a triangle into the columns that it reaches.
+    /// Adds a triangle to the columns that it covers.
     fn add(&self, triangle: &[DVec3; 3], columns: &mut [Spans]) {
         let [a, b, c] = *triangle;
         let normal = (b - a).cross(c - a);
@@ -149,7 +149,7 @@ impl Floors {
         }
     }
 
-    /// Where a row or line of columns starts and ends.
+    /// Returns the coordinates at which a row of columns starts and ends.
     fn limits(&self, place: usize, axis: usize) -> [f64; 2] {
         [place, place + 1].map(|place| self.origin[axis] + place as f64 * self.side)
     }
@@ -164,7 +164,7 @@ impl Floors {
                 column,
             });
         }
-        // Whether there is any room below; the top and the underside of a slab need not touch.
+        // Whether there is free space anywhere below. The top and the underside of a slab may be separate spans.
         let mut is_hollow = false;
         for (at, span) in spans.iter().enumerate() {
             is_hollow |= at > 0 && span.low - spans[at - 1].high >= below_roof;
@@ -184,7 +184,7 @@ impl Floors {
         }
     }
 
-    /// The middle of a floor.
+    /// Returns the centre of a floor.
     pub(super) fn place(&self, floor: u32) -> DVec3 {
         let Floor { height, column, .. } = self.all[floor as usize];
         let [x, z] = [column as usize % self.size[0], column as usize / self.size[0]];
@@ -195,7 +195,7 @@ impl Floors {
         )
     }
 
-    /// The floors that one can step to, to the left, to the right, to the back and to the front.
+    /// Returns the connected floors in the four neighbouring columns.
     pub(super) fn neighbours(&self, floor: u32) -> [Option<u32>; 4] {
         let from = self.all[floor as usize];
         let [x, z] = [
@@ -227,10 +227,10 @@ impl Floors {
     }
 }
 
-/// Corners of a triangle, or of what is left of one between four planes.
+/// Corners of a clipped triangle.
 type Polygon = SmallVec<[DVec3; 8]>;
 
-/// Every triangle that hides what is behind it, and that is finite.
+/// Calls `take` with every triangle that is not alpha-blended, in the content's space.
 fn each_triangle(content: &Content, mut take: impl FnMut([DVec3; 3])) {
     for item in (0..content.items().len() as u32).map(ItemId) {
         let mesh = content.mesh_of(item);
@@ -255,7 +255,7 @@ fn around([a, b, c]: &[DVec3; 3]) -> [DVec3; 2] {
     [a.min(*b).min(*c), a.max(*b).max(*c)]
 }
 
-/// The least and the greatest of a coordinate; `None` where nothing is left.
+/// Returns the minimum and maximum of a coordinate; `None` for an empty polygon.
 fn extent_along(polygon: &Polygon, of: impl Fn(&DVec3) -> f64) -> Option<[f64; 2]> {
     let first = of(polygon.first()?);
     Some(
@@ -266,7 +266,7 @@ fn extent_along(polygon: &Polygon, of: impl Fn(&DVec3) -> f64) -> Option<[f64; 2
     )
 }
 
-/// What of a polygon is between two planes across an axis.
+/// Clips a polygon to the interval `limits` of an axis.
 fn between(polygon: &Polygon, axis: usize, limits: [f64; 2]) -> Polygon {
     let mut left = polygon.clone();
     for (limit, sign) in limits.into_iter().zip([1.0, -1.0]) {
@@ -286,7 +286,7 @@ fn between(polygon: &Polygon, axis: usize, limits: [f64; 2]) -> Polygon {
     left
 }
 
-/// Adds a span to those of a column, which are sorted and farther apart than `gap`.
+/// Adds a span to those of a column, which are sorted; merges spans not farther apart than `gap`.
 fn put(spans: &mut Spans, mut span: Span, gap: f32) {
     let first = spans.partition_point(|other| other.high + gap < span.low);
     let mut end = first;

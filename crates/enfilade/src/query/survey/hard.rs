@@ -1,14 +1,15 @@
-//! Views from where visibility is hard to decide: in doorways, in planes and corners of faces, along surfaces.
+//! Views that are numerically hard for visibility: eyes in portals, on vertices, on edges and in planes of faces.
 
 use super::{Dice, Standpoint};
 use crate::content::{Content, ItemId};
 use crate::scene::{FragmentId, Scene};
 use glam::DVec3;
 
-/// Up to `count` places where methods are most likely to be wrong, chosen by a fixed seed: in turn in an opening or just
-/// before or behind it, at a corner of a face, on an edge, and in the plane of a face, looking along it.
+/// Returns up to `count` views in which methods are most likely to be wrong, chosen by a fixed seed: in turn with the eye in or next
+/// to an opening, on a vertex, on an edge, and in the plane of a face, often looking along a face.
 ///
-/// They may be inside solids. Fewer are returned where no eye can be there, and none where there are no faces.
+/// Eyes may be inside solids. Returns fewer views if [`Scene::locate`] finds many of the eyes in other fragments, and none if the scene
+/// has no faces.
 pub fn survey_hard(scene: &Scene, count: usize) -> Vec<Standpoint> {
     let contents: Vec<(FragmentId, &Content)> = scene
         .fragments()
@@ -43,10 +44,10 @@ pub fn survey_hard(scene: &Scene, count: usize) -> Vec<Standpoint> {
     found
 }
 
-/// Candidates for each place wanted.
+/// Candidates for each view.
 const TRIES: usize = 16;
 
-/// Distances from an opening, in its size.
+/// Distances of eyes from an opening, relative to its size.
 const OFF: [f64; 7] = [0.0, 1e-6, -1e-6, 1e-3, -1e-3, 1e-2, -1e-2];
 
 enum Where {
@@ -55,7 +56,7 @@ enum Where {
     Plane,
 }
 
-/// In or near an opening, looking through it, askew, or along its plane.
+/// Returns an eye in or next to an opening, and a target through it, along its plane or in a random direction.
 fn in_opening(content: &Content, dice: &mut Dice) -> Option<[DVec3; 2]> {
     let openings = content.openings();
     if openings.is_empty() {
@@ -82,7 +83,7 @@ fn in_opening(content: &Content, dice: &mut Dice) -> Option<[DVec3; 2]> {
     Some([eye, eye + ahead * size])
 }
 
-/// At a corner, on an edge or in the plane of a face, looking along it.
+/// Returns an eye on a vertex, on an edge or in the plane of a face, and a target in that plane or in a random direction.
 fn at_face(content: &Content, dice: &mut Dice, place: Where) -> Option<[DVec3; 2]> {
     let item = ItemId(dice.below(content.items().len()) as u32);
     let mesh = content.mesh_of(item);
@@ -101,7 +102,7 @@ fn at_face(content: &Content, dice: &mut Dice, place: Where) -> Option<[DVec3; 2
     let eye = match place {
         Where::Corner => a,
         Where::Edge => a.lerp(b, dice.fraction()),
-        // Beyond an edge, as far as the face is large, or several times as far.
+        // On an edge, or outside the face by up to four times its size.
         Where::Plane => middle + (a.lerp(b, dice.fraction()) - middle) * (1.0 + 4.0 * dice.fraction()),
     };
     let toward = match dice.below(3) {

@@ -1,12 +1,12 @@
-//! Survey: views from where people stand, the same for the same scene.
+//! Survey: camera positions where people stand, the same for the same scene.
 //!
-//! Idea: find the floors of each content, part them into rooms, and stand in each of them, more often in large ones,
-//!     as far from the other places as is possible. A place is left out where rays in all directions mostly meet the backs of
-//!     faces: inside of solids, and around maps whose faces are seen from inside alone. Which side is the back is decided by
-//!     the floors of the whole scene, for some files have their winding inverted.
+//! Idea: find the walkable floors of each content, segment them into rooms, and distribute positions over the rooms, more in
+//!     large ones, each as far as possible from the others. A room from which most rays hit back faces is rejected: it is inside
+//!     a solid, or outside a map whose faces point inward. The floors of the whole scene decide which side is the back, because
+//!     some files have inverted winding.
 //! Source: Mononen, Recast Navigation, 2009, for floors and rooms.
-//! Cost: see `floors.rs`; then about a hundred rays a place.
-//! No promise: a scene may have open space that has no floor. Where no floor is found, places float; see `floating.rs`.
+//! Cost: see `floors.rs`; then about three hundred rays per room and a hundred per position.
+//! No promise: open space need not have a floor. Without any floor, positions float; see `floating.rs`.
 
 mod floating;
 mod floors;
@@ -26,76 +26,78 @@ use rooms::{Room, rooms};
 use std::cell::Cell;
 use std::collections::BTreeSet;
 
-/// A place in open space, and where to look from there.
+/// A camera position in open space and its target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Standpoint {
-    /// The fragment that it stands in.
+    /// The fragment that contains the eye.
     pub fragment: FragmentId,
-    /// Its place, in the space of the fragment.
+    /// Camera position, in the fragment's space.
     pub eye: [f32; 3],
-    /// A point straight ahead, level with the eye.
+    /// Camera target; level with the eye in [`survey`], anywhere in [`survey_hard`].
     pub toward: [f32; 3],
-    /// Whether it is above a roof.
+    /// Whether the eye is above a roof.
     pub on_roof: bool,
 }
 
-/// Places in the open space of a scene, and how they were found.
+/// Camera positions in the open space of a scene, and how they were found.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Survey {
-    /// The places, spread over the rooms.
+    /// The positions, distributed over the rooms.
     pub places: Vec<Standpoint>,
-    /// Rooms and streets that were found; 0 where there is no floor, and places float.
+    /// Number of rooms and streets found; 0 if the scene has no floors and the positions float.
     pub rooms: usize,
-    /// What was taken for a metre, in scene units.
+    /// Estimated length of a metre in scene units.
     pub metre: f64,
-    /// Whether most floors show their backs to those who stand on them: the winding of the file seems inverted.
+    /// Whether most rays from above the floors hit back faces: the winding of the file seems inverted.
     pub seems_inverted: bool,
 }
 
-/// Up to `count` places where people may stand in a scene, chosen by a fixed seed.
+/// Returns up to `count` camera positions where people may stand in a scene, chosen by a fixed seed.
 ///
-/// They are 1.6 m above floors and ground, or some halfway to a higher ceiling, at least a quarter of a metre from everything, spread over the rooms, and look
-/// level in a direction with some depth. At most an eighth are above roofs. A metre is one unit, unless rooms would be lower
-/// than 1.2 m or higher than 40 m.
+/// Eyes are 1.6 m above floors and ground, some of them halfway up to a higher ceiling, and at least 0.25 m from every face. They
+/// are distributed over the rooms and look level in a direction with some depth. At most an eighth are above roofs. A metre is one
+/// unit, unless rooms would be lower than 1.2 m or higher than 40 m.
 ///
-/// Fewer are returned where no more are found, or where thousands of items overlap; none where the scene has no open space.
+/// Returns fewer positions if it finds no more or if thousands of items overlap, and none if the scene has no open space.
 pub fn survey(scene: &Scene, count: usize) -> Survey {
     let seed = 0x656E_6669_6C61_6465;
     Surveyor::new(scene, scene.fragments(), seed).survey(count)
 }
 
-/// The same in one fragment alone, at other places than [`survey`] finds there.
+/// Returns positions like [`survey`], but in one fragment only and with another seed.
 pub fn survey_in(scene: &Scene, fragment: FragmentId, count: usize) -> Survey {
     let seed = u64::from(fragment.0);
     Surveyor::new(scene, std::iter::once(fragment), seed).survey(count)
 }
 
-/// Height of an eye above the floor, in metres; lower under low ceilings.
+/// Eye height above the floor, in metres; lower under low ceilings.
 const EYE: f64 = 1.6;
-/// Some eyes are higher, in high rooms: those of cameras on walls, of who flies. And floors may lie lower than they seem, where a
-/// file has only the ceiling below.
+/// Maximum height of the eyes that are halfway up to a ceiling, in metres. They represent cameras on walls, and they are in the room
+/// above where a file has only the ceiling of the room below and no floor slab.
 const HIGHEST_EYE: f64 = 3.0;
-/// Distance of an eye from everything, in metres.
+/// Minimum distance of an eye from all faces, in metres.
 const CLEARANCE: f64 = 0.25;
-/// Candidates for each place wanted.
+/// Candidate floors for each position.
 const TRIES: usize = 64;
-/// Faces and clusters that rays may meet on average. Real scenes need a tenth.
-const MET_PER_RAY: u64 = 512;
-/// So many are met before the average counts.
-const MET_AT_FIRST: u64 = 1 << 20;
-/// Floors by which a room is judged.
-const JUDGED: usize = 12;
-/// As much of a room's area counts for each item that is seen from it, in square metres.
-const AREA_OF_ITEM: f64 = 20.0;
-/// Part of the rays that must meet fronts.
+/// Number of positions in a room that a new one keeps away from.
+const LATEST: usize = 256;
+/// Maximum mean number of clusters tested per ray. Real scenes need a tenth.
+const TESTED_PER_RAY: u64 = 512;
+/// Number of clusters tested before that mean counts.
+const TESTED_AT_FIRST: u64 = 1 << 20;
+/// Number of floors per room from which rays are cast to classify the room.
+const SAMPLED_FLOORS: usize = 12;
+/// Area that counts per item visible from a room, in square metres.
+const AREA_PER_ITEM: f64 = 20.0;
+/// Minimum fraction of rays that must hit front faces.
 const FRONTS: f64 = 0.6;
-/// Heights of rooms that people may be in, in scene units, where one is a metre.
+/// Range of plausible median room heights, in metres.
 const PLAUSIBLE_HEADROOM: [f64; 2] = [1.2, 40.0];
 const USUAL_HEADROOM: f64 = 3.0;
 
-/// A content that is surveyed.
+/// A content with its floors and rooms.
 struct Site<'a> {
     fragment: FragmentId,
     content: &'a Content,
@@ -110,7 +112,7 @@ struct Surveyor<'a> {
     contents: Vec<(FragmentId, &'a Content)>,
     metre: f64,
     dice: Dice,
-    work: Work,
+    budget: RayBudget,
 }
 
 impl<'a> Surveyor<'a> {
@@ -124,7 +126,7 @@ impl<'a> Surveyor<'a> {
             contents,
             metre: 1.0,
             dice: Dice(seed),
-            work: Work::default(),
+            budget: RayBudget::default(),
         }
     }
 
@@ -132,7 +134,7 @@ impl<'a> Surveyor<'a> {
         self.survey_and_met(count).0
     }
 
-    /// Also returns how many clusters rays have met.
+    /// Also returns the number of clusters tested.
     fn survey_and_met(mut self, count: usize) -> (Survey, u64) {
         let mut floors = self.floors();
         if let Some(metre) = metre_of(&floors) {
@@ -151,19 +153,19 @@ impl<'a> Surveyor<'a> {
                 }
             })
             .collect();
-        let (rooms, seems_inverted) = self.judged(&sites);
+        let (rooms, seems_inverted) = self.open_rooms(&sites);
         let mut found = Survey {
             places: Vec::new(),
             rooms: rooms.len(),
             metre: self.metre,
             seems_inverted,
         };
-        if rooms.is_empty() {
+        self.distribute(rooms, count, &mut found);
+        if found.places.is_empty() {
+            found.rooms = 0;
             found.places = floating::places(&mut self, count);
-        } else {
-            self.spread(rooms, count, &mut found);
         }
-        (found, self.work.met.get())
+        (found, self.budget.tested.get())
     }
 
     fn floors(&self) -> Vec<Floors> {
@@ -171,44 +173,43 @@ impl<'a> Surveyor<'a> {
         all.map(|(_, content)| Floors::of(content, self.metre)).collect()
     }
 
-    /// The rooms from which mostly fronts are seen, and whether those are what files call backs.
-    fn judged<'s>(&mut self, sites: &'s [Site<'a>]) -> (Vec<Wanted<'s, 'a>>, bool) {
-        let mut judged = Vec::new();
-        // Floor area from which fronts are seen, less that from which backs are.
+    /// Returns the rooms from which mostly front faces are visible, and whether the winding seems inverted.
+    fn open_rooms<'s>(&mut self, sites: &'s [Site<'a>]) -> (Vec<RoomQuota<'s, 'a>>, bool) {
+        let mut sampled = Vec::new();
+        // Floor area from which front faces are visible, minus that from which back faces are.
         let mut balance = 0.0;
         for site in sites {
             for room in &site.rooms {
-                if let Some((fronts, items)) = self.seen_in(site, room) {
-                    // The top of a map that is seen from inside alone is all roofs, and below it is nothing.
+                if let Some((fronts, items)) = self.sample_room(site, room) {
+                    // The outside of a map whose faces point inward consists of roofs and assumed floors.
                     if room.kind == Kind::Floor {
                         balance += room.area * (2.0 * fronts - 1.0);
                     }
-                    judged.push((site, room, fronts, items));
+                    sampled.push((site, room, fronts, items));
                 }
             }
         }
         let seems_inverted = balance < 0.0;
-        let wanted = judged.into_iter().filter_map(|(site, room, fronts, items)| {
+        let wanted = sampled.into_iter().filter_map(|(site, room, fronts, items)| {
             let fronts = if seems_inverted { 1.0 - fronts } else { fronts };
-            (fronts >= FRONTS).then_some(Wanted {
+            (fronts >= FRONTS).then_some(RoomQuota {
                 site,
                 room,
                 items,
-                taken: 0,
+                eyes: Vec::new(),
                 failed: 0,
             })
         });
         (wanted.collect(), seems_inverted)
     }
 
-    /// The part of the rays from a room that meet fronts, as the file has them, and how many items they meet; `None` where
-    /// they meet none.
-    fn seen_in(&mut self, site: &Site, room: &Room) -> Option<(f64, usize)> {
+    /// Returns the fraction of hits on front faces and the number of distinct items hit by rays from a room; `None` if no ray hits.
+    fn sample_room(&mut self, site: &Site, room: &Room) -> Option<(f64, usize)> {
         let (mut all, mut items) = ([0, 0], BTreeSet::new());
-        for _ in 0..JUDGED {
+        for _ in 0..SAMPLED_FLOORS {
             let floor = room.floors[self.dice.below(room.floors.len())];
             let eye = self.eye(site, floor, false);
-            let [fronts, hits] = self.seen_from(site.content, eye, |item| {
+            let [fronts, hits] = self.cast_around(site.content, eye, |item| {
                 items.insert(item);
             });
             all = [all[0] + fronts, all[1] + hits];
@@ -216,11 +217,11 @@ impl<'a> Surveyor<'a> {
         (all[1] > 0).then(|| (f64::from(all[0]) / f64::from(all[1]), items.len()))
     }
 
-    /// How many of the rays in all directions meet fronts, and how many meet anything.
-    fn seen_from(&self, content: &Content, eye: DVec3, mut met: impl FnMut(ItemId)) -> [u32; 2] {
+    /// Casts rays in all directions; returns the number of hits on front faces and the number of hits.
+    fn cast_around(&self, content: &Content, eye: DVec3, mut met: impl FnMut(ItemId)) -> [u32; 2] {
         let mut seen = [0, 0];
         for i in 0..DIRECTIONS {
-            if let Some(hit) = self.work.cast(content, eye, spread(i)) {
+            if let Some(hit) = self.budget.cast(content, eye, spread(i)) {
                 seen = [seen[0] + u32::from(!hit.from_behind), seen[1] + 1];
                 met(hit.item);
             }
@@ -228,7 +229,7 @@ impl<'a> Surveyor<'a> {
         seen
     }
 
-    /// The eye of someone who stands on a floor; or higher, halfway to a high ceiling.
+    /// Returns the position of an eye above a floor; with `high`, halfway up to a high ceiling.
     fn eye(&self, site: &Site, floor: u32, high: bool) -> DVec3 {
         let headroom = f64::from(site.floors.all[floor as usize].headroom) / self.metre;
         let above = if high && headroom.is_finite() {
@@ -239,19 +240,19 @@ impl<'a> Surveyor<'a> {
         site.floors.place(floor) + DVec3::Y * (self.metre * above.min(0.85 * headroom))
     }
 
-    /// Takes places in the rooms, the next one always where the area for each is the largest.
-    fn spread(&mut self, mut rooms: Vec<Wanted<'_, 'a>>, count: usize, found: &mut Survey) {
+    /// Adds positions one after the other, each in the room with the highest priority.
+    fn distribute(&mut self, mut rooms: Vec<RoomQuota<'_, 'a>>, count: usize, found: &mut Survey) {
         let mut on_roofs = 0;
-        while found.places.len() < count && !self.work.is_too_much() {
+        while found.places.len() < count && !self.budget.is_spent() {
             let roofs_left = 8 * (on_roofs + 1) <= count;
             let next = (rooms.iter_mut())
-                .filter(|wanted| wanted.failed < TRIES && (roofs_left || wanted.room.kind != Kind::Roof))
-                .max_by(|a, b| a.urgency().total_cmp(&b.urgency()));
+                .filter(|quota| quota.failed < TRIES && (roofs_left || quota.room.kind != Kind::Roof))
+                .max_by(|a, b| a.priority().total_cmp(&b.priority()));
             let Some(next) = next else { break };
             match self.place_in(next, found) {
                 Some(place) => {
                     on_roofs += usize::from(place.on_roof);
-                    next.taken += 1;
+                    next.eyes.push(DVec3::from(place.eye.map(f64::from)));
                     found.places.push(place);
                 }
                 None => next.failed += TRIES / 4,
@@ -259,10 +260,11 @@ impl<'a> Surveyor<'a> {
         }
     }
 
-    /// Of some floors of a room the one that is farthest from other places, if one can stand there.
-    fn place_in(&mut self, wanted: &Wanted<'_, 'a>, found: &Survey) -> Option<Standpoint> {
-        let Wanted { site, room, .. } = wanted;
-        let high = wanted.taken.is_multiple_of(3);
+    /// Returns a position above one of a few random floors of a room: the free one that is farthest from the latest others there.
+    fn place_in(&mut self, quota: &RoomQuota<'_, 'a>, found: &Survey) -> Option<Standpoint> {
+        let RoomQuota { site, room, eyes, .. } = quota;
+        let high = eyes.len().is_multiple_of(3);
+        let latest = &eyes[eyes.len().saturating_sub(LATEST)..];
         let clear = |floor: u32| f64::from(site.clearance[floor as usize]);
         let most = room.floors.iter().map(|&floor| clear(floor)).fold(0.0, f64::max);
         let chosen: [u32; TRIES] = std::array::from_fn(|_| room.floors[self.dice.below(room.floors.len())]);
@@ -270,14 +272,8 @@ impl<'a> Surveyor<'a> {
             .filter(|&floor| clear(floor) >= (2.0 * CLEARANCE).min(0.7 * most))
             .map(|floor| {
                 let eye = self.eye(site, floor, high);
-                let others = found
-                    .places
-                    .iter()
-                    .filter(|place| place.fragment == site.fragment);
-                let nearest = others
-                    .map(|place| eye.distance_squared(DVec3::from(place.eye.map(f64::from))))
-                    .fold(f64::INFINITY, f64::min);
-                (nearest, floor)
+                let distances = latest.iter().map(|&other| eye.distance_squared(other));
+                (distances.fold(f64::INFINITY, f64::min), floor)
             })
             .collect();
         candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -285,21 +281,21 @@ impl<'a> Surveyor<'a> {
         candidates.into_iter().take(TRIES / 4).find_map(|(_, floor)| {
             let eye = self.eye(site, floor, high).as_vec3();
             let place = eye.as_dvec3();
-            let [fronts, hits] = self.seen_from(site.content, place, |_| {});
+            let [fronts, hits] = self.cast_around(site.content, place, |_| {});
             let fronts = if found.seems_inverted {
                 hits - fronts
             } else {
                 fronts
             };
             let is_open = f64::from(fronts) >= FRONTS * f64::from(hits)
-                && !is_near_a_face(site.content, place, CLEARANCE * self.metre, &self.work);
+                && !is_near_a_face(site.content, place, CLEARANCE * self.metre, &self.budget);
             if !is_open {
                 return None;
             }
             let toward = self.look_level(site.content, place)?.as_vec3();
             // Where fragments overlap the eye belongs to the smallest.
             let at_home = self.scene.locate(eye.to_array(), toward.to_array()) == Some(site.fragment);
-            (at_home && !self.work.is_too_much()).then(|| Standpoint {
+            (at_home && !self.budget.is_spent()).then(|| Standpoint {
                 fragment: site.fragment,
                 eye: eye.to_array(),
                 toward: toward.to_array(),
@@ -308,14 +304,14 @@ impl<'a> Surveyor<'a> {
         })
     }
 
-    /// A level direction with some depth before it: of a few, the first that reaches as far as the median of them.
+    /// Returns a target level with the eye: of five random directions, the first whose free distance is at least their median.
     fn look_level(&mut self, content: &Content, place: DVec3) -> Option<DVec3> {
         let ahead: [DVec3; 5] = std::array::from_fn(|_| {
             let angle = std::f64::consts::TAU * self.dice.fraction();
             DVec3::new(angle.cos(), 0.0, angle.sin())
         });
         let depth = ahead.map(|direction| {
-            let hit = self.work.cast(content, place, direction);
+            let hit = self.budget.cast(content, place, direction);
             hit.map_or(f64::INFINITY, |hit| hit.distance)
         });
         let mut sorted = depth;
@@ -326,27 +322,27 @@ impl<'a> Surveyor<'a> {
     }
 }
 
-/// A room, and how many places are in it.
-struct Wanted<'s, 'a> {
+/// A room and its positions so far.
+struct RoomQuota<'s, 'a> {
     site: &'s Site<'a>,
     room: &'s Room,
-    /// How many items were met from it.
+    /// Number of distinct items visible from it.
     items: usize,
-    taken: usize,
+    eyes: Vec<DVec3>,
     failed: usize,
 }
 
-impl Wanted<'_, '_> {
-    /// Large rooms come more often, but each early: as Sainte-Laguë gives seats, to the root of the area. An empty plain around a
-    /// house counts for no more than what is seen from it.
-    fn urgency(&self) -> f64 {
-        let area = self.room.area.min(AREA_OF_ITEM * self.items as f64);
+impl RoomQuota<'_, '_> {
+    /// Returns the Sainte-Laguë quotient of the square root of the area: large rooms get more positions, and small ones get their
+    /// first early. The area that counts is limited by what is visible, for the empty plain around a house.
+    fn priority(&self) -> f64 {
+        let area = self.room.area.min(AREA_PER_ITEM * self.items as f64);
         let weight = if self.room.kind == Kind::Roof { 0.3 } else { 1.0 };
-        weight * area.sqrt() / (0.5 + self.taken as f64)
+        weight * area.sqrt() / (0.5 + self.eyes.len() as f64)
     }
 }
 
-/// A metre in scene units, where one unit cannot be: by the median height of what is above floors.
+/// Estimates a metre in scene units from the median headroom, weighted by area; `None` if one unit is plausible.
 fn metre_of(floors: &[Floors]) -> Option<f64> {
     let covered = floors.iter().flat_map(|floors| {
         let area = floors.side * floors.side;
@@ -365,22 +361,22 @@ fn metre_of(floors: &[Floors]) -> Option<f64> {
     (median > most || median < least).then_some(median / USUAL_HEADROOM)
 }
 
-/// Whether any face is nearer to a point than `radius`.
-fn is_near_a_face(content: &Content, point: DVec3, radius: f64, work: &Work) -> bool {
+/// Returns `true` if any face is nearer to a point than `radius`.
+fn is_near_a_face(content: &Content, point: DVec3, radius: f64, budget: &RayBudget) -> bool {
     let around = Aabb {
         min: (point - radius).as_vec3().to_array(),
         max: (point + radius).as_vec3().to_array(),
     };
     let mut is_near = false;
-    work.begin();
+    budget.begin();
     content.items_in_box(&around, |item| {
         let mesh = content.mesh_of(item);
         let transform = content.item(item).transform();
         mesh.walk([0.0; 3], |step| {
-            if is_near || work.is_too_much() {
+            if is_near || budget.is_spent() {
                 return false;
             }
-            work.met.set(work.met.get() + 1);
+            budget.tested.set(budget.tested.get() + 1);
             let cluster = match step {
                 Step::Node(bounds) => return bounds.placed(&transform.0).meets(&around),
                 Step::Thing(cluster) => &mesh.clusters()[cluster as usize],
@@ -400,32 +396,35 @@ fn is_near_a_face(content: &Content, point: DVec3, radius: f64, work: &Work) -> 
     is_near
 }
 
-/// How many rays were followed, or questions asked, and how many clusters they have met.
+/// Bounds the work per ray: where thousands of items overlap, a ray tests all of them.
 #[derive(Default)]
-struct Work {
+struct RayBudget {
     rays: Cell<u64>,
-    met: Cell<u64>,
+    /// Clusters tested.
+    tested: Cell<u64>,
 }
 
-impl Work {
+impl RayBudget {
+    /// Counts a ray or a query.
     fn begin(&self) {
         self.rays.set(self.rays.get() + 1);
     }
 
-    fn is_too_much(&self) -> bool {
-        self.met.get() > MET_AT_FIRST + MET_PER_RAY * self.rays.get()
+    /// Returns `true` if rays have tested too many clusters on average.
+    fn is_spent(&self) -> bool {
+        self.tested.get() > TESTED_AT_FIRST + TESTED_PER_RAY * self.rays.get()
     }
 
-    /// The first face along a ray; nothing is met any more once too much was met.
+    /// Returns the first hit along a ray; `None` once the budget is spent.
     fn cast(&self, content: &Content, origin: DVec3, direction: DVec3) -> Option<Hit> {
         let ray = Ray {
             origin: origin.as_vec3().into(),
             direction: direction.as_vec3().into(),
         };
-        let line = line_of(&ray).filter(|_| !self.is_too_much())?;
+        let line = line_of(&ray).filter(|_| !self.is_spent())?;
         self.begin();
         content.first_along(&line, f64::INFINITY, |_| {
-            self.met.set(self.met.get() + 1);
+            self.tested.set(self.tested.get() + 1);
             true
         })
     }
@@ -433,7 +432,7 @@ impl Work {
 
 const DIRECTIONS: usize = 26;
 
-/// Directions spread evenly over the sphere, by the golden angle.
+/// Returns direction `i` of a spherical Fibonacci lattice.
 fn spread(i: usize) -> DVec3 {
     let height = 1.0 - (2 * i + 1) as f64 / DIRECTIONS as f64;
     let around = i as f64 * 2.399_963_229_728_653;
@@ -508,7 +507,7 @@ mod tests {
             let surveyor = Surveyor::new(&scene, scene.fragments(), 1);
             let met = surveyor.survey_and_met(4).1;
             assert!(
-                met > 0 && met <= 2 * MET_AT_FIRST,
+                met > 0 && met <= 2 * TESTED_AT_FIRST,
                 "{items} items: {met} clusters"
             );
         }

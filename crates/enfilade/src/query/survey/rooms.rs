@@ -1,7 +1,7 @@
-//! Rooms: floors that are wide, parted where they are narrow.
+//! Segments floors into rooms, which end where the free width is small, as in doorways.
 //!
-//! Idea: floors are taken from the most open one down. One that touches no room starts one; where two rooms meet at a
-//!     place that is much narrower than both, such as a door, they stay apart; else they become one.
+//! Idea: watershed by clearance. Floors are visited in descending order of clearance. One that has no neighbour in a room starts a
+//!     room; where two rooms meet at a clearance much smaller than that of both, such as in a door, they stay separate; otherwise they merge.
 //! Source: Beucher, Meyer, The Morphological Approach to Segmentation: The Watershed Transformation, 1993; as Recast
 //!     parts its regions.
 //! Cost: O(n log n) for n floors.
@@ -9,23 +9,25 @@
 use super::floors::{Floors, Kind};
 use std::collections::VecDeque;
 
-/// Clearance that counts as open, in metres: halls are not parted.
+/// Maximum clearance, in metres: halls are not segmented.
 const OPEN: f64 = 2.0;
-/// How much narrower the way between two rooms is than both, in metres, and as a part of the narrower.
+/// Minimum difference of clearance that separates two rooms: in metres, and relative to the smaller room's.
 const NARROWER: [f64; 2] = [0.15, 0.2];
-/// Narrower places do not count, in metres.
+/// Minimum clearance of a floor in a room, in metres.
 const NARROWEST: f64 = 0.25;
+/// Minimum area of a room, in square metres: no shelves, steps or table tops.
+const SMALLEST: f64 = 0.5;
 
-/// Floors that belong together.
+/// Connected floors.
 pub(super) struct Room {
     pub(super) floors: Vec<u32>,
     /// In square metres.
     pub(super) area: f64,
-    /// What most of it is.
+    /// Kind of most of its floors.
     pub(super) kind: Kind,
 }
 
-/// The rooms of a content, and the clearance of each floor: how far what ends it is, in metres.
+/// Returns the rooms of a content and the clearance of each floor in metres.
 pub(super) fn rooms(floors: &Floors, metre: f64) -> (Vec<Room>, Vec<f32>) {
     let clearance = clearance(floors, metre);
     let mut order: Vec<u32> = (0..floors.all.len() as u32)
@@ -88,10 +90,12 @@ pub(super) fn rooms(floors: &Floors, metre: f64) -> (Vec<Room>, Vec<f32>) {
             }
         }
     }
+    rooms.retain(|room| room.area >= SMALLEST);
     (rooms, clearance)
 }
 
-/// How far each floor is from the nearest one with an end: the nearest end is handed on from floor to floor.
+/// Returns the distance of each floor from the nearest border floor, which lacks a neighbour: a distance transform that propagates
+/// the nearest border floor.
 fn clearance(floors: &Floors, metre: f64) -> Vec<f32> {
     let mut nearest = vec![u32::MAX; floors.all.len()];
     let mut waiting = VecDeque::new();
@@ -124,7 +128,7 @@ fn clearance(floors: &Floors, metre: f64) -> Vec<f32> {
     clearance
 }
 
-/// Floors by the basin that they are in.
+/// Disjoint sets of floors.
 struct Basins {
     parents: Vec<u32>,
 }

@@ -20,7 +20,7 @@ pub(crate) struct Run {
 }
 
 impl Run {
-    /// What was said on standard error, but for how views were found.
+    /// Standard error without notes: how the survey found its views, and what approximate methods miss.
     pub(crate) fn complaints(&self) -> String {
         let is_note = |line: &str| line.starts_with("survey: ") || line.contains(" is approximate: ");
         let lines = self.stderr.lines().filter(|line| !is_note(line));

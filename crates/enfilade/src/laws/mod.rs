@@ -8,7 +8,8 @@
 //!
 //! Positions are f32, so a face or an opening is where its corners are only up to half the spacing of f32 at its greatest
 //! coordinate. Where that decides which of two is nearer, both are possible: it matters for faces nearly in one plane, seen
-//! at a grazing angle or from very close, and far from the origin.
+//! at a grazing angle or from very close, and far from the origin. Where the corners of an opening are not quite in one plane,
+//! a ray that passes its edge within that bend may go in or not.
 
 mod bundle;
 mod chains;

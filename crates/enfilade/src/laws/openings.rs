@@ -7,6 +7,8 @@ use glam::DVec3;
 pub(super) struct Outline {
     corners: Vec<DVec3>,
     normal: DVec3,
+    /// Per corner, the direction in the plane from the next side inwards.
+    inwards: Vec<DVec3>,
     /// How far any corner is from the plane through the first.
     bend: f64,
     magnitude: f64,
@@ -29,8 +31,16 @@ impl Outline {
             .sum::<DVec3>()
             .normalize_or_zero();
         let bend = corners.iter().map(|corner| normal.dot(corner - corners[0]).abs());
+        let inwards = (0..count)
+            .map(|at| {
+                normal
+                    .cross(corners[(at + 1) % count] - corners[at])
+                    .normalize_or_zero()
+            })
+            .collect();
         Outline {
             normal,
+            inwards,
             bend: bend.fold(0.0, f64::max),
             magnitude: corners.iter().map(|c| c.abs().max_element()).fold(0.0, f64::max),
             corners,
@@ -47,28 +57,18 @@ impl Outline {
         let off = (self.bend + magnitude * 0.5 * f64::from(f32::EPSILON))
             / self.normal.dot(bundle.directions[ray]).abs();
         let before = |sure| {
-            let w = (distance > 0.5 * in_plane)
+            let (w, inside) = (distance > 0.5 * in_plane)
                 .then(|| self.hit(bundle, ray))
                 .flatten()?;
             Some(Entered {
                 w: [(w - off).max(0.0), w + off],
-                sure,
+                sure: sure && inside,
             })
         };
         if distance.abs() > 2.0 * in_plane {
             return before(true);
         }
-        // How far inside the outline the origin is; negative outside.
-        let count = self.corners.len();
-        let inside = (0..count)
-            .map(|at| {
-                let [start, end] = [self.corners[at], self.corners[(at + 1) % count]];
-                self.normal
-                    .cross(end - start)
-                    .normalize_or_zero()
-                    .dot(origin - start)
-            })
-            .fold(f64::INFINITY, f64::min);
+        let inside = self.inside(origin);
         let back = -self.normal.dot(bundle.directions[ray].normalize_or_zero());
         if inside < -2.0 * in_plane || back <= 0.0 {
             return before(false);
@@ -79,11 +79,31 @@ impl Outline {
         })
     }
 
-    /// Where a ray meets the outline's triangles from the front.
-    fn hit<const N: usize>(&self, bundle: &Bundle<N>, ray: usize) -> Option<f64> {
+    /// How far a point of the plane is inside the outline; negative outside.
+    fn inside(&self, point: DVec3) -> f64 {
+        let sides = self.inwards.iter().zip(&self.corners);
+        sides
+            .map(|(inwards, start)| inwards.dot(point - start))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Where a ray may meet the outline from the front, and whether it certainly does.
+    ///
+    /// The corners are flat to `bend` alone, so a ray at a grazing angle may pass the edge anywhere within the bend's length along it.
+    fn hit<const N: usize>(&self, bundle: &Bundle<N>, ray: usize) -> Option<(f64, bool)> {
         let fan =
             (2..self.corners.len()).map(|last| [self.corners[0], self.corners[last - 1], self.corners[last]]);
-        fan.filter_map(|triangle| bundle.meets(ray, triangle))
-            .find_map(|(w, from_behind)| (!from_behind).then_some(w))
+        let hit = fan
+            .filter_map(|triangle| bundle.meets(ray, triangle))
+            .find_map(|(w, from_behind)| (!from_behind).then_some(w));
+        let direction = bundle.directions[ray];
+        let back = -self.normal.dot(direction);
+        if self.bend == 0.0 || back <= 0.0 {
+            return hit.map(|w| (w, true));
+        }
+        let w = self.normal.dot(bundle.origin - self.corners[0]) / back;
+        let inside = self.inside(bundle.origin + direction * w);
+        let slide = self.bend * direction.length() / back;
+        (hit.is_some() || inside >= -slide).then_some((hit.unwrap_or(w), inside > slide))
     }
 }

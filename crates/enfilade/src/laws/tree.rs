@@ -292,16 +292,20 @@ impl Trees {
     }
 }
 
-/// By how much a ray's parameter changes where a triangle is moved along its normal by half the spacing of f32 at its
-/// greatest coordinate: no closer are its corners to where they were meant.
-fn spread(corners: [DVec3; 3], direction: DVec3) -> f64 {
-    let [a, b, c] = corners;
-    let greatest = corners
-        .iter()
-        .map(|corner| corner.abs().max_element())
-        .fold(0.0, f64::max);
-    let cosine = (b - a).cross(c - a).normalize_or_zero().dot(direction).abs();
-    (0.5 * f64::from(f32::EPSILON) * greatest / cosine).min(f64::MAX)
+/// By how much a ray's parameter changes where the corners of a triangle are moved by half the spacing of f32 at its greatest
+/// coordinate: no closer are they to where they were meant. That tilts a triangle too; one as thin as the spacing may face anywhere.
+fn spread([a, b, c]: [DVec3; 3], direction: DVec3) -> f64 {
+    let greatest = [a, b, c].map(|corner| corner.abs().max_element());
+    let moved = 0.5 * f64::from(f32::EPSILON) * greatest.into_iter().fold(0.0, f64::max);
+    let [ab, ac] = [b - a, c - a];
+    let normal = ab.cross(ac);
+    let tilt = 2.0 * moved * (ab.length() + ac.length()) * direction.length();
+    let facing = normal.dot(direction).abs() - tilt;
+    if facing > 0.0 {
+        (moved * normal.length() / facing).min(f64::MAX)
+    } else {
+        f64::MAX
+    }
 }
 
 /// Calls `leaf` with what lies in all boxes of a tree that a bundle may enter before the limit, roughly the nearest

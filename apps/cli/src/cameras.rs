@@ -292,23 +292,25 @@ fn from_outside(args: &CameraArgs, scene: &Scene) -> View {
     let lens = plain(args, [0.0; 3], [0.0, 0.0, -1.0]);
     let tan_y = (0.5 * f64::from(lens.fov_y)).tan();
     let tan_x = tan_y * width / height;
-    // So far away that each corner of the box is in the picture.
-    let reach = (0..8).map(|corner| {
-        let side = |axis: usize| {
-            let end = if corner >> axis & 1 == 0 {
-                bounds.min
+    let corners = (0..8).map(|corner| {
+        let end = |axis: usize| {
+            if corner >> axis & 1 == 0 {
+                bounds.min[axis]
             } else {
-                bounds.max
-            };
-            f64::from(end[axis])
+                bounds.max[axis]
+            }
         };
-        let corner = DVec3::new(side(0), side(1), side(2)) - center;
-        let beside = corner.dot(right).abs() / tan_x;
-        let above = corner.dot(away.cross(right)).abs() / tan_y;
-        corner.dot(away) + beside.max(above)
+        DVec3::from([0, 1, 2].map(|axis| f64::from(end(axis)))) - center
     });
-    let distance = 1.05 * reach.fold(1e-3, f64::max);
-    let eye = center + away * distance;
+    // Along each screen axis the planes of the frustum that touch the box meet where the eye is nearest and the box fills the picture.
+    let fit = |side: DVec3, tan: f64| {
+        let touch = |side: DVec3| corners.clone().map(|c| c.dot(side) / tan + c.dot(away));
+        let [one, other] = [side, -side].map(|side| touch(side).fold(1e-3, f64::max));
+        (side * (0.5 * tan * (one - other)), 0.5 * (one + other))
+    };
+    let [(sideways, across), (upward, high)] = [fit(right, tan_x), fit(away.cross(right), tan_y)];
+    let center = center + sideways + upward;
+    let eye = center + away * (1.05 * across.max(high));
     let view = plain(args, eye.as_vec3().to_array(), center.as_vec3().to_array());
     // Coordinates may be so large that the step away is lost in them.
     if view.check().is_ok() { view } else { nowhere() }

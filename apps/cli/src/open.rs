@@ -170,7 +170,9 @@ fn with_ways_on(why: ImportError) -> anyhow::Error {
         ways.push("--skip-bad-portals to make plain holes of these portals");
     }
     if errors.flat_ignores_them() {
-        ways.push("--flat to read everything as one room without portals");
+        ways.push(
+            "--flat (of look, draw, compare, bench and info) to read everything as one room without portals",
+        );
     }
     if ways.is_empty() {
         return why.into();

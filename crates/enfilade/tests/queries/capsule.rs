@@ -1,6 +1,6 @@
 //! A capsule that walks about: held against the distance to every face.
 
-use crate::{affine, triangles};
+use crate::{CUBE_SIDES, affine, triangles};
 use enfilade::{
     Aabb, Capsule, Content, ContentBuilder, ConvexPolygon, FragmentId, Material, MaterialId, Mesh, Method,
     OpeningId, Place, PortalId, Scene, SceneBuilder, Transform,
@@ -8,21 +8,12 @@ use enfilade::{
 use enfilade_scenes::{Random, built_in};
 use glam::DVec3;
 
-const SIDES: [[u32; 4]; 6] = [
-    [0, 4, 6, 2],
-    [1, 3, 7, 5],
-    [0, 1, 5, 4],
-    [2, 6, 7, 3],
-    [0, 2, 3, 1],
-    [4, 5, 7, 6],
-];
-
 fn block() -> Mesh {
     let unit = Aabb {
         min: [0.0; 3],
         max: [1.0; 3],
     };
-    let faces = SIDES.map(|[a, b, c, d]| [a, b, c, a, c, d]);
+    let faces = CUBE_SIDES.map(|[a, b, c, d]| [a, b, c, a, c, d]);
     Mesh::triangles(&unit.corners(), faces.as_flattened(), MaterialId(0)).expect("a cube")
 }
 

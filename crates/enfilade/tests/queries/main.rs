@@ -29,6 +29,16 @@ const SCENES: [&str; 7] = [
     "tiny",
 ];
 
+/// Corners of the sides of a box, counter-clockwise from outside; bit 0 of a corner's number says which x it has, and so on.
+const CUBE_SIDES: [[u32; 4]; 6] = [
+    [0, 4, 6, 2],
+    [1, 3, 7, 5],
+    [0, 1, 5, 4],
+    [2, 6, 7, 3],
+    [0, 2, 3, 1],
+    [4, 5, 7, 6],
+];
+
 /// The content with the most items of each scene, by name.
 fn contents() -> impl Iterator<Item = (&'static str, Arc<Content>)> {
     SCENES.into_iter().map(|name| {
@@ -45,15 +55,7 @@ fn city() -> Option<(&'static str, Arc<Content>)> {
         min: [0.0; 3],
         max: [1.0; 3],
     };
-    const SIDES: [[u32; 4]; 6] = [
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-    ];
-    let faces = SIDES.map(|[a, b, c, d]| [a, b, c, a, c, d]);
+    let faces = CUBE_SIDES.map(|[a, b, c, d]| [a, b, c, a, c, d]);
     let block = Mesh::triangles(&unit.corners(), faces.as_flattened(), MaterialId(0)).expect("a cube");
     let mut builder = ContentBuilder::new([Material::opaque([0.5; 3])]);
     let block = builder.mesh(block);

@@ -1,5 +1,6 @@
 //! Surveys stand where people do: in rooms and streets, never in walls.
 
+use crate::CUBE_SIDES;
 use enfilade::{
     ContentBuilder, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, Standpoint, Survey, Transform,
     survey, survey_hard,
@@ -42,16 +43,8 @@ fn scene(blocks: &[Block], scale: f32, inverted: bool) -> Scene {
             })
         };
         let corners: Vec<[f32; 3]> = (0..8).map(corner).collect();
-        let outward = [
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-        ];
         let mut faces = Vec::new();
-        for [a, b, c, d] in outward {
+        for [a, b, c, d] in CUBE_SIDES {
             let triangles = if block.inward == inverted {
                 [a, b, c, a, c, d]
             } else {

@@ -1,17 +1,9 @@
 //! What authors do wrong with rooms and portals: every message names the node and the remedy.
 
-use crate::file::{File, refusal, warnings};
+use crate::file::{File, refusal, refuses, warnings};
 use crate::rooms::{door, house, two_rooms, ways};
 use enfilade_import::{BrokenRule, Import, ReadOptions, WarningKind, read_bytes};
 use serde_json::{Value, json};
-
-#[track_caller]
-fn refuses(file: &File, words: &[&str]) {
-    let text = refusal(&file.glb()).expect("it is refused");
-    for word in words {
-        assert!(text.contains(word), "`{text}` does not say `{word}`");
-    }
-}
 
 #[test]
 fn a_portal_that_does_not_stand_between_two_rooms() {

@@ -212,6 +212,15 @@ pub(crate) fn refusal(bytes: &[u8]) -> Option<String> {
         .map(|error| error.to_string())
 }
 
+/// Asserts that reading fails with an error that contains all `words`.
+#[track_caller]
+pub(crate) fn refuses(file: &File, words: &[&str]) {
+    let text = refusal(&file.glb()).expect("it is refused");
+    for word in words {
+        assert!(text.contains(word), "`{text}` does not say `{word}`");
+    }
+}
+
 /// What a file holds, which must be sound.
 #[track_caller]
 pub(crate) fn reads(file: &File) -> Import {

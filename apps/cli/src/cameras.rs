@@ -304,8 +304,11 @@ fn from_outside(args: &CameraArgs, scene: &Scene) -> View {
     });
     // Along each screen axis the planes of the frustum that touch the box meet where the eye is nearest and the box fills the picture.
     let fit = |side: DVec3, tan: f64| {
-        let touch = |side: DVec3| corners.clone().map(|c| c.dot(side) / tan + c.dot(away));
-        let [one, other] = [side, -side].map(|side| touch(side).fold(1e-3, f64::max));
+        let touch = |side: DVec3| {
+            let each = corners.clone().map(|c| c.dot(side) / tan + c.dot(away));
+            each.fold(1e-3, f64::max)
+        };
+        let [one, other] = [touch(side), touch(-side)];
         (side * (0.5 * tan * (one - other)), 0.5 * (one + other))
     };
     let [(sideways, across), (upward, high)] = [fit(right, tan_x), fit(away.cross(right), tan_y)];

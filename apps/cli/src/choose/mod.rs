@@ -19,8 +19,8 @@ use std::time::Instant;
 pub(crate) use report::{ChoiceReport, in_words};
 use report::{Chosen, HeldBack};
 
-/// Places in each fragment that methods are tried from, and as many that are held back.
-const PLACES: usize = 8;
+/// Views in each fragment that methods are tried on, and as many that are held back.
+const PLACES: usize = 32;
 
 /// Runs `choose`.
 pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {

@@ -1,10 +1,11 @@
 //! The contracts hold at every size and everywhere that coordinates may be.
 
 use crate::every_method_keeps_its_contract;
-use crate::subject::{Subject, subject};
+use crate::subject::{LIMIT, Subject, limits, subject};
+use enfilade::laws::Contestants;
 use enfilade::{
     Aabb, Attributes, ContentBuilder, ConvexPolygon, FragmentId, ItemId, MAX_COORDINATE, Mesh, Part,
-    SceneBuilder, Transform,
+    SceneBuilder, Transform, View,
 };
 use enfilade_scenes::{BuiltIn, Camera};
 
@@ -107,6 +108,29 @@ fn holds_on(name: &'static str, scale: f32, shift: [f32; 3]) {
     every_method_keeps_its_contract(&Subject::new(name, built), SIZE);
 }
 
+/// A centimetre, the near distance, is most of a room there: the doorway is nearer, and what is behind it is not.
+#[test]
+fn doorways_nearer_than_the_near_plane_of_a_tiny_scene_are_looked_through() {
+    let mut visible = 0;
+    for scale in [1e-3, 2e-3, 3e-3] {
+        let built = moved(&subject("two-rooms").built, scale, [0.0; 3]);
+        let mut contestants = Contestants::new(&built.scene, limits(), LIMIT);
+        for (eye, toward) in [
+            ([-2.0, 1.0, 0.3], [5.0, 1.0, 0.0]),
+            ([-0.5, 1.2, 0.0], [5.0, 0.8, 1.0]),
+            ([-0.002, 1.05, 0.02], [5.0, 1.05, 0.02]),
+            ([2.5, 1.0, 0.4], [-5.0, 1.0, 0.0]),
+        ] {
+            let [eye, toward] = [eye, toward].map(|point: [f32; 3]| point.map(|value| value * scale));
+            let view = View::new(eye, toward, SIZE);
+            let (certain, broken) = contestants.check(&view);
+            assert!(broken.is_empty(), "{scale}, {view:?}: {}", broken[0]);
+            visible += certain;
+        }
+    }
+    assert!(visible > 8, "{visible} items are visible");
+}
+
 #[test]
 fn scenes_of_all_sizes_are_seen_as_they_are() {
     for name in SCENES {
@@ -120,7 +144,7 @@ fn scenes_of_all_sizes_are_seen_as_they_are() {
 #[test]
 fn scenes_far_from_the_origin_are_seen_as_they_are() {
     for name in SCENES {
-        for (scale, far) in [(1.0, 1e3), (1e5, 1e8), (1e9, 0.8 * MAX_COORDINATE)] {
+        for (scale, far) in [(1.0, 1e3), (606.0, 1e7), (1e5, 1e8), (1e9, 0.8 * MAX_COORDINATE)] {
             holds_on(name, scale, [far, -0.9 * far, 0.8 * far]);
         }
     }

@@ -82,8 +82,8 @@ pub struct MethodChoice {
     /// The cheapest method. Of methods at most 8 % slower than the fastest, the one that the fragment has, else the one that takes
     /// least memory. The fragment's own if nothing could be tried, or if the choice is not sure.
     pub method: Method,
-    /// Whether the method is at most 10 % slower than the fastest in both halves of the views, and would still be chosen if 4 % or
-    /// 12 % counted as equally fast.
+    /// Whether the method is at most 10 % slower than the fastest in both halves of the views, and would still be chosen if 6 % or
+    /// 10 % counted as equally fast.
     pub sure: bool,
     /// How many views it was tried on; 0 where none sees it.
     pub views: usize,
@@ -145,9 +145,9 @@ pub enum NotTried {
 /// furniture split many faces, those of terrain none.
 const SORTING_A_FACE: Duration = Duration::from_nanos(900);
 
-/// Methods at most so many times slower than the fastest count as equally fast. Measurements of one method differ by up to 4 %
-/// on a busy machine, so a choice that another threshold would change is unsure.
-const EQUALLY_FAST: [f64; 3] = [1.04, 1.08, 1.12];
+/// Methods at most so many times slower than the fastest count as equally fast. On a busy machine ratios of measurements differ by
+/// 2 % from run to run, so a choice that another threshold would change is unsure.
+const EQUALLY_FAST: [f64; 3] = [1.06, 1.08, 1.10];
 /// A choice is sure if it takes at most so many times as long as the best, in both halves of the views.
 const NEAR_THE_BEST: f64 = 1.1;
 /// Methods so many times slower than the best are not measured again: after the first round, and after later ones.
@@ -288,13 +288,13 @@ fn measure(tried: &mut Outcomes, through: &[Vec<&Passage>], terms: &Terms, clock
 }
 
 /// Returns the cheapest method; of those at most `within` times as slow as it the fragment's own, else the one that takes least
-/// memory.
+/// memory, else the first of [`Method::ALL`].
 fn cheapest(tried: &Outcomes, own: Method, terms: &Terms, within: f64) -> Option<Method> {
     let all = || frames(tried, Views::All, terms);
     let best = all().map(|(_, frame, _)| frame).min()?;
     let as_fast = all().filter(|&(_, frame, _)| frame <= best.mul_f64(within));
     as_fast
-        .min_by_key(|&(method, frame, bytes)| (method != own, bytes, frame))
+        .min_by_key(|&(method, _, bytes)| (method != own, bytes))
         .map(|(method, ..)| method)
 }
 

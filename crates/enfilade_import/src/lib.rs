@@ -61,7 +61,8 @@
 //! images of their textures lie in files of the game, so colors are made up by their names.
 //!
 //! Of a map for Quake or Quake 3 [`read_portals`] reads the `.prt` that its compiler leaves beside it: the convex cells that
-//! `enfilade_bake` computes the visible pairs of, which [`with_visibility`] puts into the map. Where the `.prt` is lost,
+//! `enfilade_bake` computes the visible pairs of, which [`with_visibility`] puts into the map, and [`with_ambient_sounds`] what is
+//! heard in each leaf. Where the `.prt` is lost,
 //! [`rebuild_portals`] makes it again out of the map.
 //!
 //! Terrain is a file of heights, of 16 bits or of 32, and a JSON file beside it, which is the one to be read; see [`TerrainError`] for what it must
@@ -117,8 +118,9 @@ pub use levels::{Levels, details_of};
 pub use obj::ObjError;
 pub use pin::{PinError, with_methods};
 pub use quake::{
-    BspError, ClustersFrom, MapSummary, PlacedPortals, PortalFile, PrtError, PrtKind, RebuiltPortals,
-    place_portals, read_portals, rebuild_portals, rebuild_portals_bytes, visibility_bytes, with_visibility,
+    AmbientLeafs, AmbientSounds, BspError, ClustersFrom, MapSummary, PlacedPortals, PortalFile, PrtError,
+    PrtKind, RebuiltPortals, place_portals, read_portals, rebuild_portals, rebuild_portals_bytes,
+    visibility_bytes, with_ambient_sounds, with_visibility,
 };
 pub use source_nodes::SourceNodes;
 pub use terrain::{GridError, GridPlace, TerrainError};

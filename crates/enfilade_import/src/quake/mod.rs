@@ -1,5 +1,6 @@
 //! Maps of Quake and Quake 3: what compilers leave beside them, and what engines read.
 
+mod ambient;
 mod bsp;
 mod error;
 mod portals;
@@ -7,6 +8,7 @@ mod prt;
 mod prt_text;
 mod scene;
 
+pub use ambient::{AmbientLeafs, AmbientSounds, with_ambient_sounds};
 pub use bsp::{BspError, PlacedPortals, place_portals, visibility_bytes, with_visibility};
 pub use error::PrtError;
 pub use portals::{ClustersFrom, RebuiltPortals, rebuild_portals, rebuild_portals_bytes};

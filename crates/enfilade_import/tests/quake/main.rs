@@ -1,5 +1,6 @@
 //! Files of portals and compiled maps: what is read, and what is refused.
 
+mod ambient;
 mod broken;
 mod carved;
 mod formats;

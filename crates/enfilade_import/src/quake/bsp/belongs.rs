@@ -58,7 +58,10 @@ pub fn place_portals(map: &[u8], portals: &PortalFile) -> Result<PlacedPortals, 
 }
 
 /// For each leaf of the map its cluster, as numbered by the portals.
-pub(super) fn clusters_of_leafs(map: &Map, portals: &PortalFile) -> Result<Vec<Option<u32>>, BspError> {
+pub(in crate::quake) fn clusters_of_leafs(
+    map: &Map,
+    portals: &PortalFile,
+) -> Result<Vec<Option<u32>>, BspError> {
     let count = portals.cells.count();
     let leafs = map.things(map.format.leafs, map.format.leaf_bytes)?;
     if map.format.is_quake3 {

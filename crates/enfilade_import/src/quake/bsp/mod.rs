@@ -10,8 +10,10 @@ mod lumps;
 mod tree;
 mod visibility;
 
+pub(super) use belongs::clusters_of_leafs;
 pub use belongs::{PlacedPortals, place_portals};
 pub use error::BspError;
 pub(super) use lumps::{Map, word};
 pub(super) use tree::{Child, Node, SplitPlane, Tree, in_range, int, number, short};
+pub(super) use visibility::check_pairs;
 pub use visibility::{visibility_bytes, with_visibility};

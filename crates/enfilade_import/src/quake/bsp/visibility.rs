@@ -18,13 +18,7 @@ use std::collections::HashMap;
 /// # Errors
 /// Where the map is of no such kind, damaged, or not the one that the portals and pairs are of.
 pub fn with_visibility(map: &[u8], portals: &PortalFile, pairs: &VisiblePairs) -> Result<Vec<u8>, BspError> {
-    let clusters = portals.cells.count();
-    if pairs.cell_count() != clusters {
-        return Err(BspError::OtherPairs {
-            pairs: pairs.cell_count(),
-            clusters,
-        });
-    }
+    check_pairs(portals, pairs)?;
     let mut map = Map::read(map)?;
     let lump = if map.format.is_quake3 {
         quake3_lump(&map, portals, pairs)?
@@ -32,6 +26,16 @@ pub fn with_visibility(map: &[u8], portals: &PortalFile, pairs: &VisiblePairs) -
         quake_lump(&mut map, portals, pairs)?
     };
     Ok(map.with_lump(map.format.visibility, &lump))
+}
+
+/// Checks that the pairs are of as many cells as the portals.
+pub(in crate::quake) fn check_pairs(portals: &PortalFile, pairs: &VisiblePairs) -> Result<(), BspError> {
+    let [pairs, clusters] = [pairs.cell_count(), portals.cells.count()];
+    if pairs == clusters {
+        Ok(())
+    } else {
+        Err(BspError::OtherPairs { pairs, clusters })
+    }
 }
 
 /// How many bytes of a map say what is visible; 0 where nobody has found it out yet.

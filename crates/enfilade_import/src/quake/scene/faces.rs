@@ -10,9 +10,10 @@ use crate::BrokenRule;
 use crate::budget::Budget;
 use crate::obj::polygon::Cutter;
 use crate::quake::BspError;
-use crate::quake::bsp::{Child, Map, Tree, in_range, int, number, short};
+use crate::quake::bsp::{Child, Map, SplitPlane, Tree, in_range, int, number, short};
 use enfilade::MaterialId;
 use glam::{DVec3, Vec3};
+use std::ops::Range;
 
 /// Lumps that faces are made of, and how many bytes a thing in them takes.
 const TEXTURES: usize = 2;
@@ -25,16 +26,112 @@ const WALKS: (usize, usize) = (13, 4);
 const SHORT: [usize; 2] = [20, 4];
 const LONG: [usize; 2] = [28, 8];
 
-/// What a texture is called, and its size in texels; 64 by 64, as most are, where the map does not say.
-struct Image {
-    name: String,
+/// What a texture is called, in lower case, and its size in texels; 64 by 64, as most are, where the map does not say.
+pub(in crate::quake) struct Image {
+    pub(in crate::quake) name: String,
     size: [f32; 2],
 }
 
 /// How a texture lies on a face: texels for a place are `axis · place + offset`, across and down.
-struct Placing {
+pub(in crate::quake) struct Placing {
     axes: [[f32; 4]; 2],
-    image: u32,
+    pub(in crate::quake) image: u32,
+}
+
+/// The lumps that say where the corners of faces are.
+pub(in crate::quake) struct Outlines<'a> {
+    map: &'a Map,
+    edges: std::slice::ChunksExact<'a, u8>,
+    vertices: std::slice::ChunksExact<'a, u8>,
+    walks: std::slice::ChunksExact<'a, u8>,
+}
+
+impl<'a> Outlines<'a> {
+    pub(in crate::quake) fn of(map: &'a Map) -> Result<Outlines<'a>, BspError> {
+        let [_, edge_bytes] = if map.format.is_short { SHORT } else { LONG };
+        Ok(Outlines {
+            map,
+            edges: map.things(EDGES, edge_bytes)?,
+            vertices: map.things(VERTICES.0, VERTICES.1)?,
+            walks: map.things(WALKS.0, WALKS.1)?,
+        })
+    }
+
+    /// Returns which walks along edges go around face number `at`.
+    fn walks_around(&self, at: usize, face: &[u8]) -> Result<Range<usize>, BspError> {
+        let [first, count] = match self.map.format.is_short {
+            true => [int(face, 4).into(), i64::from(short(face, 8))],
+            false => [8, 12].map(|place| i64::from(int(face, place))),
+        };
+        let end = first.checked_add(count).filter(|_| first >= 0 && count >= 0);
+        let end = end.filter(|&end| end <= self.walks.len() as i64);
+        match end {
+            Some(end) => Ok(first as usize..end as usize),
+            None => Err(BspError::NoSuch {
+                what: "face",
+                at,
+                names: "edges up to",
+                number: first.saturating_add(count),
+                count: self.walks.len(),
+            }),
+        }
+    }
+
+    /// Replaces `outline` by the corners of face number `at`, counter-clockwise seen from the front.
+    pub(in crate::quake) fn read(
+        &self,
+        at: usize,
+        face: &[u8],
+        outline: &mut Vec<[f32; 3]>,
+    ) -> Result<(), BspError> {
+        outline.clear();
+        for walk in self.walks_around(at, face)?.rev() {
+            outline.push(self.vertex(at, walk)?);
+        }
+        Ok(())
+    }
+
+    fn vertex(&self, face: usize, walk: usize) -> Result<[f32; 3], BspError> {
+        let edge = i64::from(int(self.map.lump(WALKS.0), 4 * walk));
+        let at = in_range("face", face, "edge", edge.abs(), self.edges.len())? as usize;
+        let is_short = self.map.format.is_short;
+        let [_, edge_bytes] = if is_short { SHORT } else { LONG };
+        let edge_at = &self.map.lump(EDGES)[at * edge_bytes..];
+        let end = usize::from(edge < 0);
+        let vertex = match is_short {
+            true => short(edge_at, 2 * end).into(),
+            false => i64::from(int(edge_at, 4 * end) as u32),
+        };
+        let vertex = in_range("edge", at, "vertex", vertex, self.vertices.len())? as usize;
+        let place = &self.map.lump(VERTICES.0)[vertex * 12..];
+        let place = [0, 4, 8].map(|axis| number(place, axis));
+        match place.iter().all(|value| value.is_finite()) {
+            true => Ok(place),
+            false => Err(BspError::NotFinite {
+                what: "vertex",
+                at: vertex,
+            }),
+        }
+    }
+}
+
+/// The faces of a map, each as its bytes.
+pub(in crate::quake) fn faces(map: &Map) -> Result<std::slice::ChunksExact<'_, u8>, BspError> {
+    let [face_bytes, _] = if map.format.is_short { SHORT } else { LONG };
+    map.things(FACES, face_bytes)
+}
+
+/// Returns the plane, the side of it and the texture placing that a face names.
+pub(in crate::quake) fn plane_side_placing(map: &Map, face: &[u8]) -> [i64; 3] {
+    match map.format.is_short {
+        true => [0, 2, 10].map(|place| i64::from(short(face, place))),
+        false => [0, 4, 16].map(|place| i64::from(int(face, place))),
+    }
+}
+
+/// The direction in which a face on this side of a plane looks.
+pub(in crate::quake) fn front(plane: &SplitPlane, side: i64) -> DVec3 {
+    DVec3::from(plane.normal) * if side == 0 { 1.0 } else { -1.0 }
 }
 
 /// Reads all faces.
@@ -45,72 +142,25 @@ pub(super) fn read(
     budget: &mut Budget,
 ) -> Result<Surfaces, BrokenRule> {
     let images = images(map)?;
-    let [face_bytes, edge_bytes] = if map.format.is_short { SHORT } else { LONG };
-    let edges = map.things(EDGES, edge_bytes)?;
-    let vertices = map.things(VERTICES.0, VERTICES.1)?;
-    let walks = map.things(WALKS.0, WALKS.1)?;
-    let faces = map.things(FACES, face_bytes)?;
-    let whole = |at: usize, face: &[u8]| {
-        let [first, count] = match map.format.is_short {
-            true => [int(face, 4).into(), i64::from(short(face, 8))],
-            false => [8, 12].map(|place| i64::from(int(face, place))),
-        };
-        let end = first.checked_add(count).filter(|_| first >= 0 && count >= 0);
-        let end = end.filter(|&end| end <= walks.len() as i64);
-        match end {
-            Some(end) => Ok(first as usize..end as usize),
-            None => Err(BspError::NoSuch {
-                what: "face",
-                at,
-                names: "edges up to",
-                number: first.saturating_add(count),
-                count: walks.len(),
-            }),
-        }
-    };
+    let outlines = Outlines::of(map)?;
+    let faces = faces(map)?;
     let mut corners = 0;
     for (at, face) in faces.clone().enumerate() {
-        corners += whole(at, face)?.len() as u64;
+        corners += outlines.walks_around(at, face)?.len() as u64;
     }
     Surfaces::afford(budget, faces.len() as u64, corners, corners)?;
 
     let placings = placings(map, images.len())?;
-    let vertex = |face: usize, walk: usize| {
-        let edge = i64::from(int(map.lump(WALKS.0), 4 * walk));
-        let at = in_range("face", face, "edge", edge.abs(), edges.len())? as usize;
-        let edge_at = &map.lump(EDGES)[at * edge_bytes..];
-        let end = usize::from(edge < 0);
-        let vertex = match map.format.is_short {
-            true => short(edge_at, 2 * end).into(),
-            false => i64::from(int(edge_at, 4 * end) as u32),
-        };
-        let vertex = in_range("edge", at, "vertex", vertex, vertices.len())? as usize;
-        let place = &map.lump(VERTICES.0)[vertex * 12..];
-        let place = [0, 4, 8].map(|axis| number(place, axis));
-        match place.iter().all(|value| value.is_finite()) {
-            true => Ok(place),
-            false => Err(BspError::NotFinite {
-                what: "vertex",
-                at: vertex,
-            }),
-        }
-    };
     let mut surfaces = Surfaces::default();
     let mut cutter = Cutter::default();
     let (mut outline, mut triangles) = (Vec::new(), Vec::new());
     for (at, face) in faces.enumerate() {
-        let [plane, side, placing] = match map.format.is_short {
-            true => [0, 2, 10].map(|place| i64::from(short(face, place))),
-            false => [0, 4, 16].map(|place| i64::from(int(face, place))),
-        };
+        let [plane, side, placing] = plane_side_placing(map, face);
         let plane = in_range("face", at, "plane", plane, tree.planes.len())?;
         let placing = &placings[in_range("face", at, "texture placing", placing, placings.len())? as usize];
-        outline.clear();
-        for walk in whole(at, face)?.rev() {
-            outline.push(vertex(at, walk)?);
-        }
+        outlines.read(at, face, &mut outline)?;
         let plane = tree.planes[plane as usize];
-        let front = DVec3::from(plane.normal) * if side == 0 { 1.0 } else { -1.0 };
+        let front = front(&plane, side);
         let Some(material) = material(placing, &images, looks, || behind(tree, &outline, front)) else {
             surfaces.faces.push(None);
             continue;
@@ -156,7 +206,7 @@ impl Placing {
     }
 }
 
-fn placings(map: &Map, images: usize) -> Result<Vec<Placing>, BspError> {
+pub(in crate::quake) fn placings(map: &Map, images: usize) -> Result<Vec<Placing>, BspError> {
     let read = |(at, placing): (usize, &[u8])| {
         let image = i64::from(int(placing, 32));
         // Compilers that find no image file write a map without one.
@@ -173,7 +223,7 @@ fn placings(map: &Map, images: usize) -> Result<Vec<Placing>, BspError> {
 }
 
 /// The names of the textures: how many there are, where each begins, and each with its name first.
-fn images(map: &Map) -> Result<Vec<Image>, BspError> {
+pub(in crate::quake) fn images(map: &Map) -> Result<Vec<Image>, BspError> {
     let lump = map.lump(TEXTURES);
     if lump.is_empty() {
         return Ok(Vec::new());
@@ -239,7 +289,7 @@ fn material(
 
 /// What the border is of that a face of the world stands on, by what is before it and behind: a wall, unless one of them is
 /// sky or a liquid and the other is not.
-fn behind(tree: &Tree, outline: &[[f32; 3]], front: DVec3) -> Kind {
+pub(in crate::quake) fn behind(tree: &Tree, outline: &[[f32; 3]], front: DVec3) -> Kind {
     let sum: DVec3 = outline
         .iter()
         .map(|place| DVec3::from(place.map(f64::from)))

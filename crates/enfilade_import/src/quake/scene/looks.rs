@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// What a face is, as far as it shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Kind {
+pub(in crate::quake) enum Kind {
     Wall,
     Glass,
     Water,

@@ -19,6 +19,9 @@ mod pattern;
 mod starts;
 mod surfaces;
 
+pub(super) use faces::{Image, Outlines, behind, faces, front, images, placings, plane_side_placing};
+pub(super) use looks::Kind;
+
 use super::bsp::{Map, Tree};
 use crate::budget::Budget;
 use crate::warning::{WarningKind, Warnings};

@@ -57,7 +57,7 @@ impl Outcome {
 }
 
 fn main() -> ExitCode {
-    let args = match Args::try_parse() {
+    let args = match Args::try_parse_from(vis::as_mappers_type(std::env::args_os())) {
         Ok(args) => args,
         Err(error) => return refuse(&error),
     };
@@ -69,7 +69,7 @@ fn main() -> ExitCode {
         Some(Verb::Bench(args)) => bench::run(args),
         Some(Verb::Choose(args)) => choose::run(&args),
         Some(Verb::Link(args)) => link::run(&args),
-        Some(Verb::Vis(args)) => vis::run(&args),
+        Some(Verb::Vis(args)) => vis::run(args),
         Some(Verb::Portals(args)) => portals::run(&args),
         Some(Verb::Info(args)) => info::run(&args),
     };

@@ -342,3 +342,45 @@ fn what_cannot_be_done_is_said_in_one_message_and_the_map_is_untouched() {
     assert_eq!(folder.run("vis map.bsp -o copy.bsp").code, Some(0));
     assert_eq!(folder.names(), ["copy.bsp", "lonely.bsp", "map.bsp", "map.prt"]);
 }
+
+#[test]
+fn command_lines_for_other_compilers_do_what_mappers_mean() {
+    let folder = folder_of(&Grid::row(3));
+    let ours = folder.json("vis map.bsp -o ours.bsp --fast");
+    assert_eq!(
+        ours["ambient"],
+        json!({ "water": 0, "sky": 0, "lava": 0, "by": "contents" })
+    );
+    let run = folder.run("vis -level 2 -threads 1 -fast -noambientsky map -o theirs.bsp");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(run.stderr.contains("-level 2: "), "{}", run.stderr);
+    assert!(
+        run.stdout.contains("fast upper bound") && run.stdout.contains("1 thread"),
+        "{}",
+        run.stdout
+    );
+    assert!(map(&folder, "theirs.bsp") == map(&folder, "ours.bsp"));
+    let run = folder.run("vis -level 4 map -o full.bsp");
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+    let quiet = folder.json("vis map -noambient -o quiet.bsp");
+    assert_eq!(quiet.get("ambient"), None);
+}
+
+#[test]
+fn a_map_whose_textures_are_damaged_still_gets_what_is_visible() {
+    let folder = folder_of(&Grid::row(3));
+    let mut damaged = map(&folder, "map.bsp");
+    // A lump of textures that ends in the middle of its number, which stands where the entities are.
+    let entities = damaged[4..8].to_vec();
+    damaged[4 + 8 * 2..][..4].copy_from_slice(&entities);
+    damaged[4 + 8 * 2 + 4..][..4].copy_from_slice(&3u32.to_le_bytes());
+    folder.add("map.bsp", damaged);
+    let run = folder.run("vis map.bsp");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("no ambient sounds are written"),
+        "{}",
+        run.stderr
+    );
+    assert!(seen_in_quake(&map(&folder, "map.bsp"), 1).contains(&1));
+}

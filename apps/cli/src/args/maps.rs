@@ -2,6 +2,7 @@
 
 use super::{JsonArg, LimitArgs};
 use crate::values;
+use enfilade_import::AmbientSounds;
 use std::path::PathBuf;
 
 /// Options of `vis`.
@@ -9,7 +10,8 @@ use std::path::PathBuf;
 #[command(after_help = "\
 Maps are BSP29, BSP2 and IBSP46; portals PRT1, PRT2 and what compilers for Quake 3 write. What is written hides nothing \
 that can be seen, is symmetric, and is the same for any number of threads, stopped in between or not. Clusters are \
-counted from 0. Of a .prt alone there is a report.
+counted from 0. Of a .prt alone there is a report. In maps of Quake each leaf also gets the levels of the ambient sounds of \
+water, sky and lava, from the names of textures, or, where a map has none, from the contents of leafs.
 
 Examples:
   enfilade vis map.bsp
@@ -31,6 +33,8 @@ pub(crate) struct VisArgs {
     /// Stop at the first bound: two to eight times as fast, and up to twice as many pairs
     #[arg(long)]
     pub(crate) fast: bool,
+    #[command(flatten)]
+    pub(crate) ambient: AmbientArgs,
     /// Stop after so many seconds; what is known by then hides nothing that can be seen, and --resume goes on
     #[arg(long, value_name = "N", value_parser = values::seconds)]
     pub(crate) seconds: Option<f64>,
@@ -52,6 +56,38 @@ pub(crate) struct VisArgs {
     pub(crate) json: JsonArg,
     #[command(flatten)]
     pub(crate) limits: LimitArgs,
+}
+
+/// Which ambient sounds are written.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(crate) struct AmbientArgs {
+    /// Leave the levels of ambient sounds in the leafs as they are (also -noambient)
+    #[arg(long = "no-ambient")]
+    pub(crate) none: bool,
+    /// No ambient sound for water (also -noambientwater, and so on)
+    #[arg(long = "no-ambient-water")]
+    pub(crate) no_water: bool,
+    /// No ambient sound for the sky
+    #[arg(long = "no-ambient-sky")]
+    pub(crate) no_sky: bool,
+    /// No ambient sound for slime, which sounds like water
+    #[arg(long = "no-ambient-slime")]
+    pub(crate) no_slime: bool,
+    /// No ambient sound for lava
+    #[arg(long = "no-ambient-lava")]
+    pub(crate) no_lava: bool,
+}
+
+impl AmbientArgs {
+    /// `None` if no levels are written.
+    pub(crate) fn sounds(&self) -> Option<AmbientSounds> {
+        let mut sounds = AmbientSounds::default();
+        sounds.water = !self.no_water;
+        sounds.sky = !self.no_sky;
+        sounds.slime = !self.no_slime;
+        sounds.lava = !self.no_lava;
+        (!self.none).then_some(sounds)
+    }
 }
 
 /// Options of `portals`.

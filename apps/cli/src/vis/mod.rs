@@ -1,6 +1,7 @@
 //! `vis`: what is visible in a map of Quake or Quake 3, written into the map.
 
 mod differ;
+mod habits;
 mod report;
 mod unfinished;
 
@@ -17,15 +18,19 @@ use anyhow::{Context, Result, anyhow, bail};
 use differ::Other;
 use enfilade_bake::{PairsWork, Stage, VisiblePairs, find_missing};
 use enfilade_import::{
-    PortalFile, ReadOptions, place_portals, read_portals, visibility_bytes, with_visibility,
+    PortalFile, ReadOptions, place_portals, read_portals, visibility_bytes, with_ambient_sounds,
+    with_visibility,
 };
+pub(crate) use habits::as_mappers_type;
 use report::{Checked, Found, Seconds, Visibility};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use unfinished::Unfinished;
 
 /// Runs `vis`.
-pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
+pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
+    args.map = with_ending(args.map);
+    let args = &args;
     let name = args.map.display();
     let target = match ending(&args.map).as_deref() {
         Some("bsp") => Some(args.output.as_deref().unwrap_or(&args.map)),
@@ -76,10 +81,19 @@ pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
     let differs = other.map(|other| other.compare(&portals, &work, &pairs));
     let missing = checked.as_ref().is_some_and(|checked| checked.missing.is_some());
 
+    let mut ambient = None;
     let written = match (&map, &destination) {
         (Some(map), Some(destination)) if !missing => {
             let start = Instant::now();
-            let bytes = with_visibility(map, &portals, &pairs).with_context(|| name.to_string())?;
+            let mut bytes = with_visibility(map, &portals, &pairs).with_context(|| name.to_string())?;
+            if let Some(sounds) = args.ambient.sounds() {
+                // What is visible may have taken hours: it is not lost because of a damaged texture.
+                match with_ambient_sounds(&bytes, &portals, &pairs, sounds) {
+                    Ok(Some((with_sounds, leafs))) => (bytes, ambient) = (with_sounds, Some(leafs)),
+                    Ok(None) => {}
+                    Err(why) => out::warn(format_args!("{name}: no ambient sounds are written: it {why}")),
+                }
+            }
             destination.write(&bytes)?;
             seconds.write = start.elapsed().as_secs_f64();
             Some(visibility_bytes(&bytes)? as u64)
@@ -108,6 +122,7 @@ pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
         seconds,
         checked,
         differs,
+        ambient,
     });
     if !args.json.takes_stdout() {
         out::print(&visibility.text())?;
@@ -124,6 +139,15 @@ pub(crate) fn run(args: &VisArgs) -> Result<Outcome> {
     } else {
         Outcome::Done
     })
+}
+
+/// The map, also if its name is given without `.bsp`.
+fn with_ending(map: PathBuf) -> PathBuf {
+    let mut name = map.clone().into_os_string();
+    name.push(".bsp");
+    let whole = PathBuf::from(name);
+    let is_whole = matches!(ending(&map).as_deref(), Some("bsp" | "prt"));
+    if !is_whole && whole.is_file() { whole } else { map }
 }
 
 fn ending(path: &Path) -> Option<String> {

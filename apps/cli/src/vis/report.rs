@@ -3,7 +3,7 @@
 use super::differ::Differs;
 use crate::text::{bytes, count, plural, short};
 use enfilade_bake::{Stage, VisiblePairs, Witness};
-use enfilade_import::PortalFile;
+use enfilade_import::{AmbientLeafs, PortalFile};
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter, Write};
 use std::path::Path;
@@ -37,6 +37,9 @@ pub(super) struct Visibility {
     average_leafs: f64,
     /// Of the lump of visibility.
     bytes: Option<u64>,
+    /// Number of leafs with each ambient sound.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ambient: Option<Ambient>,
     seconds: Seconds,
     threads: usize,
     /// Of the whole program, in bytes, where the system says.
@@ -45,6 +48,52 @@ pub(super) struct Visibility {
     check: Option<Checked>,
     #[serde(skip_serializing_if = "Option::is_none")]
     compare: Option<Differs>,
+}
+
+/// Leafs with ambient sounds.
+#[derive(Debug, Serialize)]
+struct Ambient {
+    water: usize,
+    sky: usize,
+    lava: usize,
+    /// What tells the classes of faces: `texture names` or `contents`.
+    by: &'static str,
+}
+
+impl From<AmbientLeafs> for Ambient {
+    fn from(leafs: AmbientLeafs) -> Ambient {
+        Ambient {
+            water: leafs.water,
+            sky: leafs.sky,
+            lava: leafs.lava,
+            by: if leafs.by_names {
+                "texture names"
+            } else {
+                "contents"
+            },
+        }
+    }
+}
+
+impl Ambient {
+    fn line(&self) -> String {
+        let parts = [("water", self.water), ("sky", self.sky), ("lava", self.lava)]
+            .into_iter()
+            .filter(|&(_, leafs)| leafs > 0)
+            .map(|(sound, leafs)| format!("{sound} in {}", plural(leafs, "leaf")));
+        let parts: Vec<String> = parts.collect();
+        let sounds = if parts.is_empty() {
+            "none".to_owned()
+        } else {
+            parts.join(", ")
+        };
+        let by = if self.by == "contents" {
+            " (the map has no texture names, so by the contents of leafs)"
+        } else {
+            ""
+        };
+        format!("ambient sounds: {sounds}{by}")
+    }
 }
 
 /// By the clock.
@@ -142,6 +191,7 @@ pub(super) struct Found<'a> {
     pub(super) seconds: Seconds,
     pub(super) checked: Option<Checked>,
     pub(super) differs: Option<Differs>,
+    pub(super) ambient: Option<AmbientLeafs>,
 }
 
 impl Visibility {
@@ -185,6 +235,7 @@ impl Visibility {
             symmetric,
             average_leafs: sum as f64 / leafs.max(1) as f64,
             bytes: found.lump_bytes,
+            ambient: found.ambient.map(Ambient::from),
             seconds: found.seconds,
             threads: found.threads,
             peak_memory: peak_memory(),
@@ -245,6 +296,9 @@ impl Visibility {
         }
         if let (Some(written), Some(size)) = (&self.written, self.bytes) {
             line(format!("written to {written}: {} of visibility", bytes(size)));
+        }
+        if let Some(ambient) = &self.ambient {
+            line(ambient.line());
         }
         let memory = self
             .peak_memory

@@ -1,0 +1,61 @@
+//! Options as mappers know them from other compilers: one hyphen, and the names that those have.
+
+use crate::out;
+use std::ffi::OsString;
+
+/// Options with one hyphen, and ours.
+const SAME: [(&str, &str); 7] = [
+    ("-fast", "--fast"),
+    ("-threads", "--threads"),
+    ("-noambient", "--no-ambient"),
+    ("-noambientwater", "--no-ambient-water"),
+    ("-noambientsky", "--no-ambient-sky"),
+    ("-noambientslime", "--no-ambient-slime"),
+    ("-noambientlava", "--no-ambient-lava"),
+];
+
+/// Returns a command line in which the options of other compilers are ours; one that is not for `vis` as it is.
+pub(crate) fn as_mappers_type(line: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let line: Vec<OsString> = line.collect();
+    if line.get(1).is_none_or(|verb| verb != "vis") {
+        return line;
+    }
+    let mut ours = Vec::with_capacity(line.len());
+    let mut words = line.into_iter();
+    while let Some(word) = words.next() {
+        if let Some((_, same)) = SAME.iter().find(|&&(theirs, _)| word == theirs) {
+            ours.push(same.into());
+        } else if word == "-level" {
+            // All levels of other compilers bound the same answer; the highest is what is computed here.
+            if let Some(level) = words.next().filter(|level| level != "4") {
+                out::note(format_args!(
+                    "-level {}: there is one level here, the highest; --fast is the quick one",
+                    level.display()
+                ));
+            }
+        } else {
+            ours.push(word);
+        }
+    }
+    ours
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn typed(line: &str) -> String {
+        let words = line.split(' ').map(OsString::from);
+        let ours = as_mappers_type(words).into_iter().map(|word| word.into_string());
+        ours.collect::<Result<Vec<_>, _>>().expect("text").join(" ")
+    }
+
+    #[test]
+    fn the_options_of_other_compilers_are_ours() {
+        assert_eq!(
+            typed("enfilade vis -level 4 -threads 2 -fast -noambientsky dm1 --json -"),
+            "enfilade vis --threads 2 --fast --no-ambient-sky dm1 --json -"
+        );
+        assert_eq!(typed("enfilade look -fast"), "enfilade look -fast");
+    }
+}

@@ -4,8 +4,8 @@
 //! views, and then each fragment is tried alone, through the passages by which it was seen.
 //! Source: Boreskov, Using portals to create aggregate scenes ("with each fragment its own most suitable method"); that it is
 //!     measured, and not told by rules, is ours.
-//! Cost: for each fragment, and each view of those it is tried on, one look and one drawing by every method that may be taken,
-//!     and some more by those that are not far from the best. Methods take turns at each view, so that what else the machine
+//! Cost: for each fragment, and each view of those it is tried on, one look (or drawing, by the aim) by every method that may be
+//!     taken, and some more by those that are not far from the best. Methods take turns at each view, so that what else the machine
 //!     does disturbs all of them alike, and the least time of a view counts. Where the two halves of the views disagree, or the
 //!     noise of the clock could decide, the choice is unsure, and the fragment keeps its method.
 
@@ -82,8 +82,8 @@ pub struct MethodChoice {
     /// The cheapest method. Of methods at most 8 % slower than the fastest, the one that the fragment has, else the one that takes
     /// least memory. The fragment's own if nothing could be tried, or if the choice is not sure.
     pub method: Method,
-    /// Whether the method is at most 10 % slower than the fastest in both halves of the views, and would still be chosen if 6 % or
-    /// 10 % counted as equally fast.
+    /// Whether the method is at most 10 % slower than the fastest in both halves of the views, and would still be chosen if 4 % or
+    /// 12 % counted as equally fast.
     pub sure: bool,
     /// How many views it was tried on; 0 where none sees it.
     pub views: usize,
@@ -109,10 +109,10 @@ pub struct Cost {
     pub build: Duration,
     /// Memory of what it built and of its buffers for the screen.
     pub bytes: u64,
-    /// To gather what is seen: the mean of the views. Where it is not the aim it is measured once.
+    /// Mean time to gather what is seen from a view. Where it is not the aim, measured once on every eighth view.
     pub look: Duration,
-    /// To hand a picture to a canvas that does next to nothing: the mean of the views. Where it is not the aim it is measured
-    /// once.
+    /// Mean time to hand the picture of a view to a canvas that does next to nothing. Where it is not the aim, measured once on
+    /// every eighth view.
     pub draw: Duration,
     /// To follow one item that moves; 0 where none does.
     pub edit: Duration,
@@ -146,8 +146,8 @@ pub enum NotTried {
 const SORTING_A_FACE: Duration = Duration::from_nanos(900);
 
 /// Methods at most so many times slower than the fastest count as equally fast. On a busy machine ratios of measurements differ by
-/// 2 % from run to run, so a choice that another threshold would change is unsure.
-const EQUALLY_FAST: [f64; 3] = [1.06, 1.08, 1.10];
+/// up to 4 % from run to run, so a choice that another threshold would change is unsure.
+const EQUALLY_FAST: [f64; 3] = [1.04, 1.08, 1.12];
 /// A choice is sure if it takes at most so many times as long as the best, in both halves of the views.
 const NEAR_THE_BEST: f64 = 1.1;
 /// Methods so many times slower than the best are not measured again: after the first round, and after later ones.

@@ -14,6 +14,8 @@ use std::time::Duration;
 
 /// A view that takes so many times as long as others with as much work was disturbed whenever it was measured.
 const DISTURBED: f64 = 2.0;
+/// What is not aimed at is measured on the first of so many views, once: it is reported, and decides nothing.
+const OTHER_AIM: usize = 8;
 /// Below this a build is measured again: a single disturbance would count.
 const SHORT_BUILD: Duration = Duration::from_millis(50);
 const SHORT_BUILDS: usize = 3;
@@ -75,16 +77,24 @@ impl Tried {
         })
     }
 
-    /// Does what is aimed at once from view number `view`; the first time also what is not.
+    /// Measures what is aimed at from view number `view`; the first time also what is not, if it is one of [`OTHER_AIM`] views.
     pub(super) fn run(&mut self, view: usize, passages: &[&Passage], aim: Aim, clock: &dyn Fn() -> Duration) {
-        let is_first = self.look.times.len() <= view;
-        if is_first || aim == Aim::Look {
-            let (time, work) = self.timed(passages, clock, Tried::look);
-            self.look.take(view, time, work);
+        let (time, work) = self.timed(passages, clock, aim);
+        self.measured(aim).take(view, time, work);
+        let other = match aim {
+            Aim::Look => Aim::Draw,
+            Aim::Draw => Aim::Look,
+        };
+        if view.is_multiple_of(OTHER_AIM) && self.measured(other).times.len() == view / OTHER_AIM {
+            let (time, work) = self.timed(passages, clock, other);
+            self.measured(other).take(view / OTHER_AIM, time, work);
         }
-        if is_first || aim == Aim::Draw {
-            let (time, work) = self.timed(passages, clock, Tried::draw);
-            self.draw.take(view, time, work);
+    }
+
+    fn measured(&mut self, aim: Aim) -> &mut Measured {
+        match aim {
+            Aim::Look => &mut self.look,
+            Aim::Draw => &mut self.draw,
         }
     }
 
@@ -96,12 +106,11 @@ impl Tried {
         }
     }
 
-    fn timed(
-        &mut self,
-        passages: &[&Passage],
-        clock: &dyn Fn() -> Duration,
-        run: fn(&mut Tried, &Passage),
-    ) -> (Duration, u64) {
+    fn timed(&mut self, passages: &[&Passage], clock: &dyn Fn() -> Duration, aim: Aim) -> (Duration, u64) {
+        let run = match aim {
+            Aim::Look => Tried::look,
+            Aim::Draw => Tried::draw,
+        };
         self.memory.stats = Stats::default();
         let start = clock();
         self.memory.recall.begin_look();

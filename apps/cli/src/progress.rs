@@ -37,6 +37,11 @@ impl Progress {
         self.bar.set_position((share * PARTS as f64) as u64);
     }
 
+    /// Changes what the bar is called.
+    pub(crate) fn rename(&self, what: &'static str) {
+        self.bar.set_message(what);
+    }
+
     /// One step is done.
     pub(crate) fn step(&self) {
         self.bar.inc(1);

@@ -4,7 +4,7 @@ mod support;
 
 use serde_json::{Value, json};
 use std::fs;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use std::time::Duration;
 use support::Folder;
 use support::quake::Grid;
@@ -236,13 +236,61 @@ fn a_run_that_is_killed_again_and_again_ends_like_one_that_is_not() {
     );
     let run = folder.run("vis map.bsp -o part.bsp --resume");
     assert_eq!(run.code, Some(0), "{}", run.stderr);
-    assert!(!run.stdout.contains("started anew"), "{}", run.stdout);
+    assert!(
+        run.stdout.contains("went on from the saved work"),
+        "{}",
+        run.stdout
+    );
     assert_eq!(map(&folder, "part.bsp"), map(&folder, "whole.bsp"));
     assert_eq!(
         folder.names(),
         ["map.bsp", "map.prt", "part.bsp", "whole.bsp"],
         "what the killed runs left is gone"
     );
+}
+
+#[cfg(unix)]
+#[test]
+fn a_run_that_is_interrupted_saves_its_work_and_says_how_to_go_on() {
+    let folder = folder_of(&Grid::row(12));
+    folder.json("vis map.bsp -o whole.bsp");
+    let saved = folder.path("part.bsp.vis-unfinished");
+    // A run may be over before the signal comes.
+    let is_caught = (0..10).any(|_| {
+        let mut run = folder
+            .command("vis map.bsp -o part.bsp --save-every 0")
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("it starts");
+        while !saved.exists() && run.try_wait().expect("a state").is_none() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let interrupt = Command::new("kill")
+            .args(["-INT", &run.id().to_string()])
+            .stderr(Stdio::null())
+            .status();
+        interrupt.expect("there is a command to send signals");
+        let output = run.wait_with_output().expect("it ends");
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        let is_caught = output.status.code() == Some(2);
+        assert!(
+            !is_caught || stderr.contains("the same command with --resume goes on"),
+            "{stderr}"
+        );
+        assert_ne!(is_caught, folder.path("part.bsp").exists());
+        // Where the run was over, it has written the copy.
+        let _ = fs::remove_file(folder.path("part.bsp"));
+        is_caught
+    });
+    assert!(is_caught, "no run was caught at work");
+    let run = folder.run("vis map.bsp -o part.bsp --resume");
+    assert!(
+        run.stdout.contains("went on from the saved work"),
+        "{}",
+        run.stdout
+    );
+    assert_eq!(map(&folder, "part.bsp"), map(&folder, "whole.bsp"));
 }
 
 #[test]

@@ -38,6 +38,9 @@ pub(crate) struct VisArgs {
     /// Stop after so many seconds; what is known by then hides nothing that can be seen, and --resume goes on
     #[arg(long, value_name = "N", value_parser = values::seconds)]
     pub(crate) seconds: Option<f64>,
+    /// No progress on standard error: neither a bar nor a line every ten seconds
+    #[arg(long)]
+    pub(crate) quiet: bool,
     /// Go on where a run was that was stopped or killed
     #[arg(long)]
     pub(crate) resume: bool,

@@ -2,6 +2,7 @@
 
 mod differ;
 mod habits;
+mod overall;
 mod report;
 mod unfinished;
 
@@ -14,7 +15,7 @@ use crate::read::read_file;
 use crate::report::Sink;
 use crate::run_files::{RunFiles, is_same, portals_beside};
 use crate::save::Destination;
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use differ::Other;
 use enfilade_bake::{PairsWork, Stage, VisiblePairs, find_missing};
 use enfilade_import::{
@@ -22,6 +23,7 @@ use enfilade_import::{
     with_visibility,
 };
 pub(crate) use habits::as_mappers_type;
+use overall::{Overall, is_stopped, stop_at_a_signal};
 use report::{Checked, Found, Seconds, Visibility};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -77,7 +79,8 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
     let pairs = work.pairs();
     let checked = args
         .check
-        .map(|lines| check(&portals, &pairs, lines, &mut seconds));
+        .map(|lines| check(&portals, &pairs, lines, &mut seconds))
+        .transpose()?;
     let differs = other.map(|other| other.compare(&portals, &work, &pairs));
     let missing = checked.as_ref().is_some_and(|checked| checked.missing.is_some());
 
@@ -221,21 +224,24 @@ fn work(
     unfinished: &mut Unfinished,
     seconds: &mut Seconds,
 ) -> Result<PairsWork> {
+    stop_at_a_signal();
     let start = Instant::now();
     let end = if args.fast { Stage::Sampling } else { Stage::Done };
+    let mut overall = Overall::new(end, args.quiet);
     let mut saved = start;
     while work.stage() < end {
         let stage = work.stage();
         let began = Instant::now();
-        let progress = Progress::share(in_words(stage));
         while work.stage() == stage {
             work.step();
-            if work.stage() == stage {
-                progress.set(work.share());
-            }
+            overall.show(&work);
             let is_over = args
                 .seconds
                 .is_some_and(|most| start.elapsed().as_secs_f64() >= most);
+            if is_stopped() {
+                unfinished.save(&work)?;
+                bail!("{}", stopped(&args.map, unfinished));
+            }
             if is_over || saved.elapsed().as_secs_f64() >= args.save_every {
                 unfinished.save(&work)?;
                 saved = Instant::now();
@@ -248,6 +254,16 @@ fn work(
         seconds.add(stage, began.elapsed());
     }
     Ok(work)
+}
+
+/// What to say where somebody has stopped the work.
+fn stopped(map: &Path, unfinished: &Unfinished) -> String {
+    let map = map.display();
+    if unfinished.is_held() {
+        format!("{map}: stopped; nothing is written into the map, and the same command with --resume goes on")
+    } else {
+        format!("{map}: stopped; nothing is written into the map, and so early nothing is saved")
+    }
 }
 
 /// New work, or that which was saved.
@@ -271,18 +287,7 @@ fn begin(
     })
 }
 
-fn in_words(stage: Stage) -> &'static str {
-    match stage {
-        Stage::FirstBound => "1 of 6: floods",
-        Stage::Passages => "2 of 6: passages",
-        Stage::Fixpoint => "3 of 6: fixpoint",
-        Stage::Sampling => "4 of 6: lines",
-        Stage::Flow => "5 of 6: flow",
-        Stage::Backflow | Stage::Done => "6 of 6: flow back",
-    }
-}
-
-fn check(portals: &PortalFile, pairs: &VisiblePairs, lines: u64, seconds: &mut Seconds) -> Checked {
+fn check(portals: &PortalFile, pairs: &VisiblePairs, lines: u64, seconds: &mut Seconds) -> Result<Checked> {
     /// Lines after which the bar moves.
     const PART: u64 = 1 << 20;
     let start = Instant::now();
@@ -294,7 +299,11 @@ fn check(portals: &PortalFile, pairs: &VisiblePairs, lines: u64, seconds: &mut S
         missing = find_missing(&portals.cells, pairs, part, shot);
         shot += part;
         progress.set(shot as f64 / lines as f64);
+        ensure!(
+            !is_stopped(),
+            "stopped while checking; nothing is written into the map"
+        );
     }
     seconds.check = start.elapsed().as_secs_f64();
-    Checked::new(shot, missing)
+    Ok(Checked::new(shot, missing))
 }

@@ -273,6 +273,9 @@ impl Visibility {
             "from a leaf {} are seen on average",
             short(self.average_leafs)
         ));
+        if self.resumed {
+            line("went on from the saved work of an unfinished run".to_owned());
+        }
         if self.is_anew {
             line("no unfinished run was there to go on with: started anew".to_owned());
         }

@@ -131,7 +131,7 @@ fn follows_the_rule(folder: &Path, name: &str) {
     let (by_contents, leafs) = heard(&nameless, &portals, &pairs, AmbientSounds::default());
     assert!(!leafs.by_names);
     let by_contents = different(&by_contents, count, &file("ambient"));
-    println!("{name}: {by_names} of {count} leafs differ by names, {by_contents} by contents");
+    eprintln!("{name}: {by_names} of {count} leafs differ by names, {by_contents} by contents");
     assert!(by_names <= 15, "{name}: {by_names}");
 }
 

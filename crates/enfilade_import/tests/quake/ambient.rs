@@ -1,4 +1,5 @@
 //! Ambient sounds: the rule over the rows that are written, and the levels of the usual compilers.
+#![allow(clippy::print_stderr, reason = "figures of real maps")]
 
 use crate::maps::{maps, pairs_of, read};
 use crate::rows::{lump, seen_in_quake, word};

@@ -188,7 +188,7 @@ fn surveyed(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>>
 fn describe(found: &Survey) -> String {
     let places = plural(found.places.len(), "view");
     if found.rooms == 0 {
-        return format!("survey: {places} in open space; no floor was found");
+        return format!("survey: {places} in open space; no room was found");
     }
     let metre = if found.metre == 1.0 {
         String::new()
@@ -286,7 +286,7 @@ fn from_outside(args: &CameraArgs, scene: &Scene) -> View {
         return nowhere();
     };
     let center = DVec3::from(bounds.center().map(f64::from));
-    let away = DVec3::new(0.35, 0.5, 0.8).normalize();
+    let away = DVec3::new(0.35, 0.7, 0.8).normalize();
     let right = DVec3::Y.cross(away).normalize();
     let [width, height] = args.size.map(f64::from);
     let lens = plain(args, [0.0; 3], [0.0, 0.0, -1.0]);
@@ -302,18 +302,34 @@ fn from_outside(args: &CameraArgs, scene: &Scene) -> View {
         };
         DVec3::from([0, 1, 2].map(|axis| f64::from(end(axis)))) - center
     });
-    // Along each screen axis the planes of the frustum that touch the box meet where the eye is nearest and the box fills the picture.
-    let fit = |side: DVec3, tan: f64| {
+    // Along each screen axis the planes of the frustum that touch the box meet where the eye is nearest.
+    let nearest = |side: DVec3, tan: f64| {
         let touch = |side: DVec3| {
             let each = corners.clone().map(|c| c.dot(side) / tan + c.dot(away));
             each.fold(1e-3, f64::max)
         };
-        let [one, other] = [touch(side), touch(-side)];
-        (side * (0.5 * tan * (one - other)), 0.5 * (one + other))
+        0.5 * (touch(side) + touch(-side))
     };
-    let [(sideways, across), (upward, high)] = [fit(right, tan_x), fit(away.cross(right), tan_y)];
-    let center = center + sideways + upward;
-    let eye = center + away * (1.05 * across.max(high));
+    let upward = away.cross(right);
+    let distance = 1.05 * nearest(right, tan_x).max(nearest(upward, tan_y));
+    // From there the box is in the middle of the picture if it is as far from both edges.
+    let middle = |side: DVec3| {
+        let ends = |shift: f64| {
+            let seen = (corners.clone()).map(|c| (c.dot(side) - shift) / (distance - c.dot(away)).max(1e-3));
+            seen.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| {
+                [low.min(at), high.max(at)]
+            })
+        };
+        let mut between = [-distance, distance];
+        for _ in 0..40 {
+            let shift = 0.5 * (between[0] + between[1]);
+            let [low, high] = ends(shift);
+            between[usize::from(low + high <= 0.0)] = shift;
+        }
+        side * between[0]
+    };
+    let center = center + middle(right) + middle(upward);
+    let eye = center + away * distance;
     let view = plain(args, eye.as_vec3().to_array(), center.as_vec3().to_array());
     // Coordinates may be so large that the step away is lost in them.
     if view.check().is_ok() { view } else { nowhere() }

@@ -21,13 +21,14 @@ pub(crate) fn as_mappers_type(line: impl Iterator<Item = OsString>) -> Vec<OsStr
         return line;
     }
     let mut ours = Vec::with_capacity(line.len());
-    let mut words = line.into_iter();
+    let mut words = line.into_iter().peekable();
     while let Some(word) = words.next() {
         if let Some((_, same)) = SAME.iter().find(|&&(theirs, _)| word == theirs) {
             ours.push(same.into());
         } else if word == "-level" {
             // All levels of other compilers bound the same answer; the highest is what is computed here.
-            if let Some(level) = words.next().filter(|level| level != "4") {
+            let is_number = |word: &OsString| word.to_str().is_some_and(|word| word.parse::<u32>().is_ok());
+            if let Some(level) = words.next_if(is_number).filter(|level| level != "4") {
                 out::note(format_args!(
                     "-level {}: there is one level here, the highest; --fast is the quick one",
                     level.display()
@@ -56,6 +57,7 @@ mod tests {
             typed("enfilade vis -level 4 -threads 2 -fast -noambientsky dm1 --json -"),
             "enfilade vis --threads 2 --fast --no-ambient-sky dm1 --json -"
         );
+        assert_eq!(typed("enfilade vis -level dm1"), "enfilade vis dm1");
         assert_eq!(typed("enfilade look -fast"), "enfilade look -fast");
     }
 }

@@ -107,3 +107,48 @@ impl Outline {
         (hit.is_some() || inside >= -slide).then_some((hit.unwrap_or(w), inside > slide))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether a ray from (0, 0, 1) to a point of the plane z = 0 enters a square of side 2 around the origin, and if so certainly;
+    /// one corner of it is `bend` before the plane.
+    fn enters(x: f64, y: f64, bend: f64) -> Option<bool> {
+        let corners = [
+            [-1.0, -1.0, 0.0],
+            [1.0, -1.0, 0.0],
+            [1.0, 1.0, bend],
+            [-1.0, 1.0, 0.0],
+        ];
+        let outline = Outline::new(corners.map(DVec3::from).to_vec());
+        let origin = DVec3::new(0.0, 0.0, 1.0);
+        let bundle = Bundle {
+            origin,
+            directions: [DVec3::new(x, y, 0.0) - origin],
+        };
+        outline.entered(&bundle, 0).map(|entered| entered.sure)
+    }
+
+    #[test]
+    fn rays_into_a_flat_opening_are_certain_up_to_its_edge() {
+        for x in [0.0, 0.5, 0.999_999, -0.999_999] {
+            assert_eq!(enters(x, 0.1, 0.0), Some(true), "{x}");
+        }
+        for x in [1.000_001, -1.000_001, 3.0] {
+            assert_eq!(enters(x, 0.1, 0.0), None, "{x}");
+        }
+    }
+
+    #[test]
+    fn rays_past_the_edge_of_a_bent_opening_are_open_within_the_bend_alone() {
+        let bend = 1e-4;
+        for x in [0.0, 0.9, 0.999] {
+            assert_eq!(enters(x, 0.1, bend), Some(true), "{x}");
+        }
+        assert_eq!(enters(1.0, 0.1, bend), Some(false));
+        for x in [1.001, -1.001, 3.0] {
+            assert_eq!(enters(x, 0.1, bend), None, "{x}");
+        }
+    }
+}

@@ -3,9 +3,9 @@
 use crate::CUBE_SIDES;
 use enfilade::{
     ContentBuilder, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, Standpoint, Survey, Transform,
-    survey, survey_hard,
+    View, Viewer, survey, survey_hard,
 };
-use enfilade_scenes::built_in;
+use enfilade_scenes::{NAMES, built_in};
 
 /// A box by its least and greatest corner; with `inward` its faces are seen from inside.
 struct Block {
@@ -129,6 +129,81 @@ fn in_a_city_a_survey_stands_in_streets_and_a_little_on_roofs() {
     }
     let on_roofs = found.places.iter().filter(|place| place.on_roof).count();
     assert!((1..=4).contains(&on_roofs), "{on_roofs} on roofs");
+}
+
+/// A hall without a bottom on a ground that goes on below it. Three of its walls are wound inwards, as some are in models of cities.
+#[test]
+fn where_the_ground_goes_on_below_a_hall_a_survey_stays_outside() {
+    let [min, max] = [[-30.0, 0.0, -20.0], [30.0, 9.0, 20.0_f32]];
+    let corner = |at: usize| [0, 1, 2].map(|axis| if at >> axis & 1 == 0 { min[axis] } else { max[axis] });
+    let ground = [
+        [-80.0, 0.0, -60.0],
+        [80.0, 0.0, -60.0],
+        [80.0, 0.0, 60.0],
+        [-80.0, 0.0, 60.0],
+    ];
+    let corners: Vec<[f32; 3]> = (0..8).map(corner).chain(ground).collect();
+    let mut faces = vec![8, 10, 9, 8, 11, 10];
+    let is_at =
+        |side: &[u32; 4], axis: usize, end: f32| side.iter().all(|&at| corners[at as usize][axis] == end);
+    for side in CUBE_SIDES.iter().filter(|side| !is_at(side, 1, 0.0)) {
+        let [a, b, c, d] = *side;
+        let is_outwards = is_at(side, 1, 9.0) || is_at(side, 2, 20.0);
+        faces.extend(if is_outwards {
+            [a, b, c, a, c, d]
+        } else {
+            [c, b, a, d, c, a]
+        });
+    }
+    let mut builder = ContentBuilder::new([Material::opaque([1.0; 3])]);
+    let mesh = builder.mesh(Mesh::triangles(&corners, &faces, MaterialId(0)).expect("twelve triangles"));
+    builder.item("hall", mesh, Transform::IDENTITY);
+    let mut scene = SceneBuilder::new();
+    scene.add("all", builder.build().expect("sound"), Method::ZBuffer);
+    let found = survey(&scene.build().expect("one fragment"), 24);
+    assert_eq!(found.places.len(), 24);
+    let hall = solid(min, max);
+    assert!(
+        !found.places.iter().any(|place| is_within(place, &hall, 0.0, 1.0)),
+        "{:?}",
+        places(&found)
+    );
+}
+
+#[test]
+fn a_survey_of_an_object_is_around_it() {
+    let chair = [
+        solid([0.0, 0.0, 0.0], [0.5, 0.45, 0.5]),
+        solid([0.0, 0.45, 0.0], [0.5, 0.9, 0.1]),
+    ];
+    let found = survey(&scene(&chair, 1.0, false), 16);
+    assert_eq!((found.places.len(), found.rooms), (16, 0));
+    let around = solid([0.0; 3], [0.5, 0.9, 0.5]);
+    assert!(
+        !found
+            .places
+            .iter()
+            .any(|place| is_within(place, &around, 0.0, 1.0))
+    );
+    for end in [false, true] {
+        let side = found.places.iter().filter(|place| (place.eye[0] > 0.25) == end);
+        assert!(side.count() >= 3, "{:?}", places(&found));
+    }
+}
+
+#[test]
+fn every_view_of_a_survey_sees_something() {
+    let mut viewer = Viewer::new();
+    for name in NAMES.into_iter().filter(|&name| name != "enfilade") {
+        let scene = built_in(name).expect("it is built in").scene;
+        for place in survey(&scene, 6).places {
+            let view = View::new(place.eye, place.toward, [64, 36]);
+            assert!(
+                !viewer.look(&scene, &view).items().is_empty(),
+                "@{name} from {place:?}"
+            );
+        }
+    }
 }
 
 #[test]

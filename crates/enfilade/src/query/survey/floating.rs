@@ -37,7 +37,9 @@ pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<Standpoint> {
         };
         let eye = place.as_vec3().to_array();
         // Where fragments overlap the eye belongs to the smallest: it must be open there too.
-        if let Some(toward) = surveyor.look_level(content, place).map(|toward| toward.as_vec3())
+        if let Some(toward) = surveyor
+            .target(fragment, content, place)
+            .map(|toward| toward.as_vec3())
             && !surveyor.budget.is_spent()
             && surveyor.scene.locate(eye, toward.to_array()) == Some(fragment)
         {

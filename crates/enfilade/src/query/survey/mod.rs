@@ -5,9 +5,11 @@
 //!     a solid, or outside a map whose faces point inward. The floors of the whole scene decide which side is the back, because
 //!     some files have inverted winding.
 //! Source: Mononen, Recast Navigation, 2009, for floors and rooms.
-//! Cost: see `floors.rs`; then about three hundred rays per room and a hundred per position.
-//! No promise: open space need not have a floor. Without any floor, positions float; see `floating.rs`.
+//! Cost: see `floors.rs`; then about three hundred rays per room and two hundred per position.
+//! No promise: open space need not have a floor. Without any floor, positions float; see `floating.rs`. Around a small object
+//! see `around.rs`.
 
+mod around;
 mod floating;
 mod floors;
 mod hard;
@@ -16,14 +18,17 @@ mod rooms;
 pub use hard::survey_hard;
 
 use super::cast::line_of;
+use super::ray::Met;
 use crate::content::{Content, ItemId};
 use crate::fragment::{Hit, Ray};
 use crate::geom::{Aabb, Step, nearest_points};
 use crate::scene::{FragmentId, Scene};
-use floors::{Floors, Kind};
+use floors::{Floor, Floors, Kind};
 use glam::DVec3;
 use rooms::{Room, rooms};
+use smallvec::SmallVec;
 use std::cell::Cell;
+use std::cmp::Reverse;
 use std::collections::BTreeSet;
 
 /// A camera position in open space and its target.
@@ -34,7 +39,7 @@ pub struct Standpoint {
     pub fragment: FragmentId,
     /// Camera position, in the fragment's space.
     pub eye: [f32; 3],
-    /// Camera target; level with the eye in [`survey`], anywhere in [`survey_hard`].
+    /// Camera target; level with the eye in [`survey`] where something is visible there, anywhere in [`survey_hard`].
     pub toward: [f32; 3],
     /// Whether the eye is above a roof.
     pub on_roof: bool,
@@ -46,7 +51,7 @@ pub struct Standpoint {
 pub struct Survey {
     /// The positions, distributed over the rooms.
     pub places: Vec<Standpoint>,
-    /// Number of rooms and streets found; 0 if the scene has no floors and the positions float.
+    /// Number of rooms and streets found; 0 if the positions are around an object, or float because the scene has no floors.
     pub rooms: usize,
     /// Estimated length of a metre in scene units.
     pub metre: f64,
@@ -54,11 +59,13 @@ pub struct Survey {
     pub seems_inverted: bool,
 }
 
-/// Returns up to `count` camera positions where people may stand in a scene, chosen by a fixed seed.
+/// Returns up to `count` camera positions above the walkable floors of a scene, always the same for the same scene.
 ///
 /// Eyes are 1.6 m above floors and ground, some of them halfway up to a higher ceiling, and at least 0.25 m from every face. They
-/// are distributed over the rooms and look level in a direction with some depth. At most an eighth are above roofs. A metre is one
-/// unit, unless rooms would be lower than 1.2 m or higher than 40 m.
+/// are distributed over the rooms and look in a direction in which many items are visible, level if possible. At most an eighth
+/// are above roofs. A metre is one unit, unless rooms would be lower than 1.2 m or higher than 40 m.
+///
+/// A scene of at most 3 m without a ceiling is an object: eyes are around it and look at its centre.
 ///
 /// Returns fewer positions if it finds no more or if thousands of items overlap, and none if the scene has no open space.
 pub fn survey(scene: &Scene, count: usize) -> Survey {
@@ -90,7 +97,13 @@ const TESTED_AT_FIRST: u64 = 1 << 20;
 /// Number of floors per room from which rays are cast to classify the room.
 const SAMPLED_FLOORS: usize = 12;
 /// Area that counts per item visible from a room, in square metres.
-const AREA_PER_ITEM: f64 = 20.0;
+const AREA_PER_ITEM: f64 = 5.0;
+/// Maximum side of a scene that is an object, in metres.
+const OBJECT: f64 = 3.0;
+/// Slope below which rays are steep: the sine of 20 degrees downwards.
+const STEEP: f64 = -0.35;
+/// Minimum number of hits of other rays that classify a position without the steep ones.
+const ENOUGH_HITS: u32 = 2;
 /// Minimum fraction of rays that must hit front faces.
 const FRONTS: f64 = 0.6;
 /// Range of plausible median room heights, in metres.
@@ -156,11 +169,17 @@ impl<'a> Surveyor<'a> {
         let (rooms, seems_inverted) = self.open_rooms(&sites);
         let mut found = Survey {
             places: Vec::new(),
-            rooms: rooms.len(),
+            rooms: 0,
             metre: self.metre,
             seems_inverted,
         };
-        self.distribute(rooms, count, &mut found);
+        if self.is_an_object(&rooms) {
+            found.places = around::places(&mut self, count);
+        }
+        if found.places.is_empty() {
+            found.rooms = rooms.len();
+            self.distribute(rooms, count, &mut found);
+        }
         if found.places.is_empty() {
             found.rooms = 0;
             found.places = floating::places(&mut self, count);
@@ -217,16 +236,38 @@ impl<'a> Surveyor<'a> {
         (all[1] > 0).then(|| (f64::from(all[0]) / f64::from(all[1]), items.len()))
     }
 
+    /// Returns whether the scene is a thing to look at rather than a place to be in.
+    fn is_an_object(&self, rooms: &[RoomQuota]) -> bool {
+        let is_small = |content: &Content| f64::from(content.bounds().longest_side()) <= OBJECT * self.metre;
+        let is_covered = |quota: &RoomQuota| {
+            let floors = &quota.site.floors.all;
+            (quota.room.floors.iter()).any(|&floor| floors[floor as usize].headroom.is_finite())
+        };
+        self.contents.iter().all(|(_, content)| is_small(content)) && !rooms.iter().any(is_covered)
+    }
+
     /// Casts rays in all directions; returns the number of hits on front faces and the number of hits.
+    ///
+    /// Steep rays downwards count only if hardly any others hit: the ground of many cities goes on below closed buildings, and
+    /// shows its front inside.
     fn cast_around(&self, content: &Content, eye: DVec3, mut met: impl FnMut(ItemId)) -> [u32; 2] {
-        let mut seen = [0, 0];
-        for i in 0..DIRECTIONS {
-            if let Some(hit) = self.budget.cast(content, eye, spread(i)) {
-                seen = [seen[0] + u32::from(!hit.from_behind), seen[1] + 1];
+        let [mut others, mut steep] = [[0, 0]; 2];
+        for direction in (0..DIRECTIONS).map(spread) {
+            if let Some(hit) = self.budget.cast(content, eye, direction) {
+                let seen = if direction.y < STEEP {
+                    &mut steep
+                } else {
+                    &mut others
+                };
+                *seen = [seen[0] + u32::from(!hit.from_behind), seen[1] + 1];
                 met(hit.item);
             }
         }
-        seen
+        if others[1] >= ENOUGH_HITS {
+            others
+        } else {
+            [others[0] + steep[0], others[1] + steep[1]]
+        }
     }
 
     /// Returns the position of an eye above a floor; with `high`, halfway up to a high ceiling.
@@ -292,7 +333,7 @@ impl<'a> Surveyor<'a> {
             if !is_open {
                 return None;
             }
-            let toward = self.look_level(site.content, place)?.as_vec3();
+            let toward = self.target(site.fragment, site.content, place)?.as_vec3();
             // Where fragments overlap the eye belongs to the smallest.
             let at_home = self.scene.locate(eye.to_array(), toward.to_array()) == Some(site.fragment);
             (at_home && !self.budget.is_spent()).then(|| Standpoint {
@@ -304,21 +345,54 @@ impl<'a> Surveyor<'a> {
         })
     }
 
-    /// Returns a target level with the eye: of five random directions, the first whose free distance is at least their median.
-    fn look_level(&mut self, content: &Content, place: DVec3) -> Option<DVec3> {
-        let ahead: [DVec3; 5] = std::array::from_fn(|_| {
-            let angle = std::f64::consts::TAU * self.dice.fraction();
-            DVec3::new(angle.cos(), 0.0, angle.sin())
-        });
-        let depth = ahead.map(|direction| {
-            let hit = self.budget.cast(content, place, direction);
-            hit.map_or(f64::INFINITY, |hit| hit.distance)
-        });
-        let mut sorted = depth;
-        sorted.sort_by(f64::total_cmp);
-        let chosen = depth.iter().position(|&free| free >= sorted[2])?;
-        let reach = depth[chosen].min(f64::from(content.bounds().longest_side()));
-        Some(place + ahead[chosen] * reach)
+    /// Returns a target: of eight random level directions one of the two around which most items are visible, the deeper; if
+    /// nothing is, the farthest hit in other directions.
+    fn target(&mut self, fragment: FragmentId, content: &Content, place: DVec3) -> Option<DVec3> {
+        let size = f64::from(content.bounds().longest_side());
+        let level: [f64; 8] = std::array::from_fn(|_| std::f64::consts::TAU * self.dice.fraction());
+        let met = |direction| self.met(fragment, place, direction, size);
+        let ahead = |angle: f64| DVec3::new(angle.cos(), 0.0, angle.sin());
+        let mut candidates: SmallVec<[(usize, f64, DVec3); 8]> = SmallVec::new();
+        for angle in level {
+            let Some((distance, item)) = met(ahead(angle)) else {
+                continue;
+            };
+            let fan = FAN.map(|[aside, slope]| met(ahead(angle + aside) + DVec3::Y * slope));
+            let fan = fan.into_iter().flatten().map(|(_, item)| item);
+            let items: BTreeSet<_> = fan.chain([item]).collect();
+            candidates.push((items.len(), distance, ahead(angle)));
+        }
+        candidates.sort_by_key(|&(items, ..)| Reverse(items));
+        candidates.truncate(2);
+        if candidates.is_empty() {
+            let hits = (0..DIRECTIONS).filter_map(|i| Some((1, met(spread(i))?.0, spread(i))));
+            candidates.extend(hits);
+        }
+        let (_, distance, direction) = candidates.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some(place + direction * distance.min(size))
+    }
+
+    /// Returns the distance and identity of what a ray hits, beyond portals too, which are followed up to a distance.
+    fn met(
+        &self,
+        fragment: FragmentId,
+        place: DVec3,
+        direction: DVec3,
+        far: f64,
+    ) -> Option<(f64, (FragmentId, ItemId))> {
+        if self.budget.is_spent() {
+            return None;
+        }
+        self.budget.begin();
+        let ray = Ray {
+            origin: place.as_vec3().into(),
+            direction: direction.as_vec3().into(),
+        };
+        let cast = self.scene.cast_until(fragment, &ray, far);
+        match cast.met {
+            Met::Face(hit) => Some((cast.distance, (cast.fragment, hit.item))),
+            _ => None,
+        }
     }
 }
 
@@ -346,7 +420,8 @@ impl RoomQuota<'_, '_> {
 fn metre_of(floors: &[Floors]) -> Option<f64> {
     let covered = floors.iter().flat_map(|floors| {
         let area = floors.side * floors.side;
-        let all = floors.all.iter().filter(|floor| floor.headroom.is_finite());
+        let is_below_ceiling = |floor: &&Floor| floor.headroom.is_finite() && floor.kind != Kind::Assumed;
+        let all = floors.all.iter().filter(is_below_ceiling);
         all.map(move |floor| (f64::from(floor.headroom), area))
     });
     let mut covered: Vec<(f64, f64)> = covered.collect();
@@ -431,6 +506,17 @@ impl RayBudget {
 }
 
 const DIRECTIONS: usize = 26;
+/// Rays that count the items in view, by their angle aside in radians and their slope.
+const FAN: [[f64; 2]; 8] = [
+    [-0.5, 0.0],
+    [-0.25, 0.0],
+    [0.25, 0.0],
+    [0.5, 0.0],
+    [-0.3, 0.25],
+    [0.3, 0.25],
+    [-0.3, -0.25],
+    [0.3, -0.25],
+];
 
 /// Returns direction `i` of a spherical Fibonacci lattice.
 fn spread(i: usize) -> DVec3 {

@@ -79,11 +79,11 @@ pub enum Aim {
 pub struct MethodChoice {
     /// Which fragment.
     pub fragment: FragmentId,
-    /// The cheapest method. Of methods at most 8 % slower than the fastest, the one that the fragment has, else the one that takes
+    /// The cheapest method. Of methods at most 12 % slower than the fastest, the one that the fragment has, else the one that takes
     /// least memory. The fragment's own if nothing could be tried, or if the choice is not sure.
     pub method: Method,
-    /// Whether the method is at most 10 % slower than the fastest in both halves of the views, and would still be chosen if 4 % or
-    /// 12 % counted as equally fast.
+    /// Whether the method is at most 15 % slower than the fastest in both halves of the views, and would still be chosen if 10 % or
+    /// 15 % counted as equally fast.
     pub sure: bool,
     /// How many views it was tried on; 0 where none sees it.
     pub views: usize,
@@ -146,10 +146,11 @@ pub enum NotTried {
 const SORTING_A_FACE: Duration = Duration::from_nanos(900);
 
 /// Methods at most so many times slower than the fastest count as equally fast. On a busy machine ratios of measurements differ by
-/// up to 4 % from run to run, so a choice that another threshold would change is unsure.
-const EQUALLY_FAST: [f64; 3] = [1.04, 1.08, 1.12];
+/// up to 4 % from run to run, so a choice that another threshold would change is unsure. In most rooms of the palace the second best
+/// takes 1.0 to 1.1 times as long: a threshold among those would make half of the choices unsure.
+const EQUALLY_FAST: [f64; 3] = [1.1, 1.12, 1.15];
 /// A choice is sure if it takes at most so many times as long as the best, in both halves of the views.
-const NEAR_THE_BEST: f64 = 1.1;
+const NEAR_THE_BEST: f64 = EQUALLY_FAST[2];
 /// Methods so many times slower than the best are not measured again: after the first round, and after later ones.
 const FAR_FROM_BEST: [f64; 2] = [2.0, 1.3];
 

@@ -145,6 +145,7 @@ fn two_outputs_in_one_file_are_refused() {
             "vis map.bsp --json map.bsp.vis-unfinished",
             "map.bsp.vis-unfinished",
         ),
+        ("vis map.bsp --json map.bsp.vis-passages", "map.bsp.vis-passages"),
         ("portals carved.bsp --json carved.prt", "carved.prt"),
         ("portals carved.bsp -o a.prt --json sub/../a.prt", "a.prt"),
         ("draw scene.glb -o a.png --json a.png", "a.png"),

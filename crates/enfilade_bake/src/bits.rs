@@ -1,5 +1,7 @@
 //! Rows of bits: one set of small numbers for each of as many things.
 
+use std::ops::Range;
+
 /// As many rows as columns or not, all empty at first; a row is whole words.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct BitRows {
@@ -18,26 +20,42 @@ impl BitRows {
         }
     }
 
-    /// As many rows as that from the beginning of `words`, and the words after them; `None` where there are too few, or
-    /// bits beyond the columns.
-    pub(crate) fn read(rows: usize, columns: usize, words: &[u64]) -> Option<(BitRows, &[u64])> {
-        let words_in_row = columns.div_ceil(64);
-        let (mine, rest) = words.split_at_checked(rows * words_in_row)?;
+    /// Returns the rows that [`pack`] wrote at the beginning of `words`, and the words after them; `None` where words are
+    /// missing, or bits are beyond the columns.
+    pub(crate) fn unpack(rows: usize, columns: usize, words: &[u64]) -> Option<(BitRows, &[u64])> {
+        let mut unpacked = BitRows::new(rows, columns);
+        let rest = unpacked.unpack_rows(0..rows, columns, words)?;
+        Some((unpacked, rest))
+    }
+
+    /// As [`BitRows::unpack`], into some of the rows.
+    pub(crate) fn unpack_rows<'a>(
+        &mut self,
+        rows: Range<usize>,
+        columns: usize,
+        words: &'a [u64],
+    ) -> Option<&'a [u64]> {
+        let mine = &mut self.words[rows.start * self.words_in_row..rows.end * self.words_in_row];
+        let mut rest = words;
+        for group in mine.chunks_mut(64) {
+            let (&present, words) = rest.split_first()?;
+            let (words, after) = words.split_at_checked(present.count_ones() as usize)?;
+            for (at, &word) in ones_of(0, present).zip(words) {
+                *group.get_mut(at)? = word;
+            }
+            rest = after;
+        }
         let beyond = !0u64 << (columns % 64);
         let is_clean = columns.is_multiple_of(64)
             || mine
-                .chunks(words_in_row)
-                .all(|row| row[words_in_row - 1] & beyond == 0);
-        let rows = BitRows {
-            rows,
-            words_in_row,
-            words: mine.to_vec(),
-        };
-        is_clean.then_some((rows, rest))
+                .chunks(self.words_in_row)
+                .all(|row| row[self.words_in_row - 1] & beyond == 0);
+        is_clean.then_some(rest)
     }
 
-    pub(crate) fn words(&self) -> &[u64] {
-        &self.words
+    /// Returns the words of some rows.
+    pub(crate) fn words(&self, rows: Range<usize>) -> &[u64] {
+        &self.words[rows.start * self.words_in_row..rows.end * self.words_in_row]
     }
 
     pub(crate) fn rows(&self) -> usize {
@@ -75,6 +93,20 @@ impl BitRows {
     /// All rows at once, to be filled side by side.
     pub(crate) fn rows_mut(&mut self) -> &mut [u64] {
         &mut self.words
+    }
+}
+
+/// Appends words without those that are zero: before each 64 one whose bits say which of them follow.
+pub(crate) fn pack(words: &[u64], packed: &mut Vec<u64>) {
+    for group in words.chunks(64) {
+        let at = packed.len();
+        packed.push(0);
+        let mut present = 0;
+        for (bit, &word) in group.iter().enumerate().filter(|&(_, &word)| word != 0) {
+            present |= 1 << bit;
+            packed.push(word);
+        }
+        packed[at] = present;
     }
 }
 

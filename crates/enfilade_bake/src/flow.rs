@@ -60,9 +60,97 @@ impl Reached<'_> {
 pub(crate) struct Flow {
     steps: Vec<Step>,
     reached: Vec<u64>,
+    /// The ways still asked for, as now.
+    asked: Vec<u64>,
+    after: After,
     in_chain: Vec<bool>,
     scratch: Vec<DVec3>,
     planes: Vec<Plane>,
+}
+
+/// What may be seen after passages, of what may be seen from the source: only those words of rows that are not zero there. Chains
+/// come through the same passages again and again, and whole rows of large worlds are in no cache.
+#[derive(Debug, Default)]
+struct After {
+    /// The numbers of the words.
+    words: Vec<u32>,
+    /// By the number of a word, its place among those.
+    places: Vec<u32>,
+    /// By passage, where its words begin in `rows` and in which run they were put there.
+    starts: Vec<[u32; 2]>,
+    run: u32,
+    rows: Vec<u64>,
+}
+
+/// Place of a word that is zero.
+const NOWHERE: u32 = u32::MAX;
+
+impl After {
+    /// Maximum number of words kept.
+    const MOST: usize = 1 << 22;
+
+    fn begin(&mut self, bound: &[u64], passages: usize) {
+        self.words.clear();
+        self.places.clear();
+        for (number, &word) in (0..).zip(bound) {
+            let place = if word == 0 {
+                NOWHERE
+            } else {
+                self.words.push(number);
+                self.words.len() as u32 - 1
+            };
+            self.places.push(place);
+        }
+        self.starts.resize(passages, [0; 2]);
+        self.forget();
+    }
+
+    fn forget(&mut self) {
+        self.rows.clear();
+        self.run = self.run.wrapping_add(1);
+        if self.run == 0 {
+            self.starts.fill([0; 2]);
+            self.run = 1;
+        }
+    }
+
+    /// Replaces `words` by those of a row.
+    fn take(&self, row: &[u64], words: &mut Vec<u64>) {
+        words.clear();
+        words.extend(self.words.iter().map(|&number| row[number as usize]));
+    }
+
+    /// Whether a way is in a set.
+    fn has(&self, set: &[u64], way: usize) -> bool {
+        let place = self.places[way / 64];
+        place != NOWHERE && set[place as usize] >> (way % 64) & 1 != 0
+    }
+
+    /// Returns the ways after a passage.
+    fn passage(
+        &mut self,
+        ways: &Ways,
+        bound: &BitRows,
+        passages: &Passages,
+        [first, second]: [usize; 2],
+    ) -> &[u64] {
+        let number = passages.number(ways, first, second);
+        let [mut start, run] = self.starts[number];
+        if run != self.run {
+            if self.rows.len() + self.words.len() > After::MOST {
+                self.forget();
+            }
+            start = self.rows.len() as u32;
+            self.starts[number] = [start, self.run];
+            let (of_second, after) = (bound.row(second), passages.after(ways, first, second));
+            let both = self
+                .words
+                .iter()
+                .map(|&number| of_second[number as usize] & after[number as usize]);
+            self.rows.extend(both);
+        }
+        &self.rows[start as usize..][..self.words.len()]
+    }
 }
 
 impl Flow {
@@ -79,9 +167,10 @@ impl Flow {
         asked: &mut [u64],
         mut met: impl FnMut(&mut [u64], &Reached),
     ) -> &[u64] {
-        let words = bound.words_in_row();
         self.reached.clear();
-        self.reached.resize(words, 0);
+        self.reached.resize(bound.words_in_row(), 0);
+        self.after.begin(bound.row(source), passages.count());
+        self.after.take(asked, &mut self.asked);
         self.in_chain.clear();
         self.in_chain.resize(ways.cells(), false);
         let first = &ways.all[source];
@@ -95,10 +184,8 @@ impl Flow {
         step.pass.clone_from(&first.corners);
         step.source.clone_from(&first.corners);
         step.planes.clear();
-        step.may.clear();
-        step.may.extend_from_slice(bound.row(source));
-        step.asked.clear();
-        step.asked.extend_from_slice(asked);
+        self.after.take(bound.row(source), &mut step.may);
+        step.asked.clone_from(&self.asked);
         step.next = ways.out_of(first.to).start;
         let mut depth = 0;
         loop {
@@ -115,7 +202,7 @@ impl Flow {
             let number = step.next;
             step.next += 1;
             let way = &ways.all[number];
-            if self.in_chain[way.to as usize] || !has(&step.may, number) {
+            if self.in_chain[way.to as usize] || !self.after.has(&step.may, number) {
                 continue;
             }
             if self.steps.len() == depth + 1 {
@@ -124,20 +211,21 @@ impl Flow {
             let (before, after) = self.steps.split_at_mut(depth + 1);
             let (step, next) = (&before[depth], &mut after[0]);
             // What may be seen, and is asked for, after this way.
-            next.may.resize(words, 0);
-            next.asked.resize(words, 0);
-            let passage = passages.after(ways, step.way, number);
-            let of_way = bound.row(number);
-            let mut any = 0;
-            for at in 0..words {
-                let may = step.may[at] & of_way[at] & passage[at];
-                let ask = may & step.asked[at] & asked[at];
-                next.may[at] = may;
-                next.asked[at] = ask;
-                any |= ask;
-            }
+            let after = self.after.passage(ways, bound, passages, [step.way, number]);
+            next.may.clear();
+            next.may
+                .extend(step.may.iter().zip(after).map(|(may, after)| may & after));
+            next.asked.clear();
+            let still = step.asked.iter().zip(&self.asked);
+            next.asked.extend(
+                next.may
+                    .iter()
+                    .zip(still)
+                    .map(|(may, (before, now))| may & before & now),
+            );
+            let any = next.asked.iter().any(|&word| word != 0);
             let here = has(asked, number);
-            if any == 0 && !here {
+            if !any && !here {
                 continue;
             }
             // What is left of the way, then of the source.
@@ -186,13 +274,20 @@ impl Flow {
                 };
                 met(asked, &reached);
                 put(&mut self.reached, number);
+                self.after.take(asked, &mut self.asked);
             }
-            if any == 0 {
+            if !any {
                 continue;
             }
             next.planes.clear();
             separators(ways, &next.source, &next.pass, false, &mut next.planes);
-            keep_within(ways, &next.planes, [&next.source, &next.pass], &mut next.asked);
+            let asked_words = self
+                .after
+                .words
+                .iter()
+                .map(|&number| number as usize)
+                .zip(&mut next.asked);
+            keep_within(ways, &next.planes, [&next.source, &next.pass], asked_words);
             if next.asked.iter().all(|&word| word == 0) {
                 continue;
             }

@@ -61,17 +61,42 @@ impl Passages {
         });
     }
 
-    pub(crate) fn after(&self, ways: &Ways, first: usize, second: usize) -> &[u64] {
-        let seconds = ways.out_of(ways.all[first].to);
-        self.after.row(self.starts[first] + second - seconds.start)
+    /// Returns the words of the passages that begin with one of the first `ways`.
+    pub(crate) fn words(&self, ways: usize) -> &[u64] {
+        self.after.words(0..self.starts[ways])
     }
 
-    /// Takes out of the bounds what no chain of passages leads to; once round. Says whether anything was taken.
-    pub(crate) fn tighten(&self, ways: &Ways, bound: &mut BitRows) -> bool {
+    /// Fills in those that begin with one of the first `ways` from packed words; returns whether they are so many.
+    pub(crate) fn unpack(&mut self, ways: usize, columns: usize, packed: &[u64]) -> bool {
+        let rest = self.after.unpack_rows(0..self.starts[ways], columns, packed);
+        rest.is_some_and(<[u64]>::is_empty)
+    }
+
+    pub(crate) fn after(&self, ways: &Ways, first: usize, second: usize) -> &[u64] {
+        self.after.row(self.number(ways, first, second))
+    }
+
+    /// Returns the number of a passage.
+    pub(crate) fn number(&self, ways: &Ways, first: usize, second: usize) -> usize {
+        self.starts[first] + second - ways.out_of(ways.all[first].to).start
+    }
+
+    pub(crate) fn count(&self) -> usize {
+        self.after.rows()
+    }
+
+    /// Takes out of the bounds of `stale` ways what no chain of passages leads to; once round. Says whether anything was taken.
+    ///
+    /// `stale` are the ways whose bound may change because others have. The order does not matter: bounds only shrink, and the
+    /// largest that nothing can be taken out of is one alone.
+    pub(crate) fn tighten(&self, ways: &Ways, bound: &mut BitRows, stale: &mut [bool]) -> bool {
         let mut reached = vec![0u64; bound.words_in_row()];
         let mut dropped = Vec::new();
         let mut changed = false;
         for first in 0..ways.count() {
+            if !std::mem::take(&mut stale[first]) {
+                continue;
+            }
             reached.fill(0);
             for second in ways.out_of(ways.all[first].to) {
                 if !bound.has(first, second) {
@@ -85,13 +110,25 @@ impl Passages {
             }
             dropped.clear();
             dropped.extend(ones_besides(bound.row(first), &reached));
-            changed |= !dropped.is_empty();
-            dropped
-                .iter()
-                .for_each(|&then| drop_pair(ways, bound, first, then));
+            for &then in &dropped {
+                drop_pair(ways, bound, first, then);
+                let back = ways.all[then].back as usize;
+                stale[back] = true;
+                before(ways, back).for_each(|way| stale[way] = true);
+            }
+            if !dropped.is_empty() {
+                changed = true;
+                before(ways, first).for_each(|way| stale[way] = true);
+            }
         }
         changed
     }
+}
+
+/// The ways into the cell that a way leaves.
+fn before(ways: &Ways, way: usize) -> impl Iterator<Item = usize> + '_ {
+    ways.out_of(ways.all[way].from)
+        .map(|out| ways.all[out].back as usize)
 }
 
 /// No line goes along `first`, then `then`: nor does one the other way.
@@ -123,13 +160,18 @@ fn after_both(
         ways,
         planes,
         [&ways.all[first].corners, &ways.all[second].corners],
-        row,
+        row.iter_mut().enumerate(),
     );
 }
 
-/// Takes out of a row the ways that lie below one of the planes.
-pub(crate) fn keep_within(ways: &Ways, planes: &[Plane], parted: [&[DVec3]; 2], row: &mut [u64]) {
-    for (at, word) in row.iter_mut().enumerate() {
+/// Takes out of some words of a row, each with its number, the ways that lie below one of the planes.
+pub(crate) fn keep_within<'a>(
+    ways: &Ways,
+    planes: &[Plane],
+    parted: [&[DVec3]; 2],
+    words: impl Iterator<Item = (usize, &'a mut u64)>,
+) {
+    for (at, word) in words {
         let mut rest = *word;
         while rest != 0 {
             let bit = rest & rest.wrapping_neg();

@@ -1,17 +1,20 @@
-//! Work that was stopped, as bytes: what has been found out since the fast bound, which is computed again.
+//! Work that was stopped, as bytes: what has been found out so far, and apart from that the passages, which are many and do not
+//! change once they are computed.
 //!
 //! 64-bit words, the lowest byte first: a mark, of which cells, the stage and how far it is, how many ways and cells, the
-//! rows of bits, the order, and a sum over all that. Corrupt bytes are found out by the sum, other cells by their mark;
-//! what is left is checked, so that no bytes lead to a panic.
+//! rows of bits without words that are zero, the order, and a sum over all that. Corrupt bytes are found out by the sum, other
+//! cells by their mark; what is left is checked, so that no bytes lead to a panic.
 
-use crate::bits::BitRows;
+use crate::bits::{BitRows, pack};
 use crate::cells::Cells;
 use crate::known::Known;
+use crate::passages::Passages;
 use crate::work::{PairsWork, Stage, TooLarge};
 use thiserror::Error;
 
-/// Changes with the format, and with what the work does: other work does not go on where this one stopped.
-const MARK: u64 = u64::from_le_bytes(*b"ENFvis1\n");
+/// Change with the format, and with what the work does: other work does not go on where this one stopped.
+const MARK: u64 = u64::from_le_bytes(*b"ENFvis2\n");
+const MARK_OF_PASSAGES: u64 = u64::from_le_bytes(*b"ENFpas2\n");
 
 /// Words before the rows: mark, cells, stage, how far, ways, cells.
 const HEAD: usize = 6;
@@ -45,9 +48,8 @@ pub(crate) struct Saved {
 }
 
 impl PairsWork {
-    /// What has been found out so far, as bytes that [`PairsWork::resume`] goes on from; `None` up to the fast bound,
-    /// which takes little.
-    pub fn save(&self) -> Option<Vec<u8>> {
+    /// Returns what has been found out so far, without the passages, as bytes that [`PairsWork::resume`] goes on from.
+    pub fn save(&self) -> Vec<u8> {
         if let Some(saved) = &self.saved {
             let Saved {
                 stage,
@@ -56,53 +58,94 @@ impl PairsWork {
                 known,
                 order,
             } = saved;
-            return Some(self.bytes(*stage, *next, bound, known, order));
+            return self.bytes(*stage, *next, bound, known, order);
         }
-        (self.stage >= Stage::Sampling)
-            .then(|| self.bytes(self.stage, self.next, &self.bound, &self.known, &self.order))
+        self.bytes(self.stage, self.next, &self.bound, &self.known, &self.order)
     }
 
-    /// Work that goes on where other work on the same cells was when it was saved, once the fast bound is computed again;
-    /// its end is the same as if it had never stopped.
+    /// Returns the passages computed so far. They change in [`Stage::Passages`] alone.
+    pub fn save_passages(&self) -> Vec<u8> {
+        let ways = self.ways_with_passages();
+        let mut words = vec![MARK_OF_PASSAGES, self.mark(), ways as u64];
+        pack(self.passages.words(ways), &mut words);
+        bytes_of(words)
+    }
+
+    /// Returns the number of ways whose passages are computed.
+    fn ways_with_passages(&self) -> usize {
+        match self.stage {
+            Stage::FirstBound => 0,
+            Stage::Passages => self.next,
+            _ => self.ways.count(),
+        }
+    }
+
+    /// Returns work that goes on where other work on the same cells was when it was saved; its end is the same as if it had
+    /// never stopped.
+    ///
+    /// `passages` is what [`PairsWork::save_passages`] returned, then or later. Where it is missing or damaged the passages are
+    /// computed again, as they are if it was saved earlier.
     ///
     /// # Errors
-    /// Where the bytes are not of such work, or [`PairsWork::begin`] fails.
-    pub fn resume(cells: &Cells, limit_bytes: u64, saved: &[u8]) -> Result<PairsWork, ResumeError> {
+    /// Where `saved` is not of such work, or [`PairsWork::begin`] fails.
+    pub fn resume(
+        cells: &Cells,
+        limit_bytes: u64,
+        saved: &[u8],
+        passages: &[u8],
+    ) -> Result<PairsWork, ResumeError> {
         let mut work = PairsWork::begin(cells, limit_bytes)?;
-        let words: Vec<u64> = saved
-            .as_chunks()
-            .0
-            .iter()
-            .map(|&word| u64::from_le_bytes(word))
-            .collect();
-        if words.first() != Some(&MARK) {
-            return Err(ResumeError::Foreign);
-        }
-        let (content, sum) = words.split_at(words.len() - 1);
-        if !saved.len().is_multiple_of(8) || words.len() <= HEAD || sum != [sum_of(content.iter().copied())] {
+        let content = content_of(saved, MARK)?;
+        let [ways, cell_count] = [work.ways.count(), work.ways.cells()];
+        if content.len() < HEAD {
             return Err(ResumeError::Damaged);
         }
-        let [ways, cell_count] = [work.ways.count(), work.ways.cells()];
         if content[1] != work.mark() || content[4..HEAD] != [ways as u64, cell_count as u64] {
             return Err(ResumeError::Other);
         }
-        work.saved = Some(read(content, ways, cell_count).ok_or(ResumeError::Damaged)?);
+        let saved = read(&content, ways, cell_count).ok_or(ResumeError::Damaged)?;
+        let with_passages = match saved.stage {
+            Stage::FirstBound => 0,
+            _ => work.read_passages(passages).unwrap_or(0),
+        };
+        if saved.stage == Stage::Passages {
+            work.go_on_from(saved);
+            work.next = with_passages;
+            if with_passages == ways {
+                work.step();
+            }
+        } else if saved.stage == Stage::FirstBound || with_passages == ways {
+            work.go_on_from(saved);
+        } else {
+            work.saved = Some(saved);
+        }
         Ok(work)
+    }
+
+    /// Takes over saved passages; returns of how many ways, `None` if it is not those of these cells.
+    fn read_passages(&mut self, passages: &[u8]) -> Option<usize> {
+        let content = content_of(passages, MARK_OF_PASSAGES).ok()?;
+        let (head, packed) = content.split_at_checked(3)?;
+        let ways = usize::try_from(head[2]).ok()?;
+        if head[1] != self.mark() || ways > self.ways.count() {
+            return None;
+        }
+        if self.passages.unpack(ways, self.ways.count(), packed) {
+            return Some(ways);
+        }
+        self.passages = Passages::empty(&self.ways);
+        None
     }
 
     fn bytes(&self, stage: Stage, next: usize, bound: &BitRows, known: &Known, order: &[u32]) -> Vec<u8> {
         let head = [MARK, self.mark(), stage as u64, next as u64];
         let counts = [self.ways.count() as u64, self.ways.cells() as u64];
-        let rows = [bound, &known.ways, &known.cells];
-        let words = || {
-            let rows = rows.into_iter().flat_map(BitRows::words).copied();
-            let order = order.iter().map(|&way| u64::from(way));
-            head.into_iter().chain(counts).chain(rows).chain(order)
-        };
-        let sum = sum_of(words());
-        let mut bytes = Vec::with_capacity(8 * (words().count() + 1));
-        bytes.extend(words().chain([sum]).flat_map(u64::to_le_bytes));
-        bytes
+        let mut words: Vec<u64> = head.into_iter().chain(counts).collect();
+        for rows in [bound, &known.ways, &known.cells] {
+            pack(rows.words(0..rows.rows()), &mut words);
+        }
+        words.extend(order.iter().map(|&way| u64::from(way)));
+        bytes_of(words)
     }
 
     /// Tells one set of cells and portals from others.
@@ -119,37 +162,48 @@ impl PairsWork {
     }
 }
 
+/// Returns the words and a sum over them as bytes.
+fn bytes_of(mut words: Vec<u64>) -> Vec<u8> {
+    words.push(sum_of(words.iter().copied()));
+    words.into_iter().flat_map(u64::to_le_bytes).collect()
+}
+
+/// Returns the words that have the mark and the right sum, without that.
+fn content_of(bytes: &[u8], mark: u64) -> Result<Vec<u64>, ResumeError> {
+    let (words, rest) = bytes.as_chunks::<8>();
+    let mut words: Vec<u64> = words.iter().map(|&word| u64::from_le_bytes(word)).collect();
+    if words.first() != Some(&mark) {
+        return Err(ResumeError::Foreign);
+    }
+    let sum = words.pop();
+    if rest.is_empty() && sum == Some(sum_of(words.iter().copied())) {
+        Ok(words)
+    } else {
+        Err(ResumeError::Damaged)
+    }
+}
+
 /// `None` where words are missing, left over, or make no sense.
 fn read(content: &[u64], ways: usize, cells: usize) -> Option<Saved> {
-    let stage = match content[2] {
-        stage if stage == Stage::Sampling as u64 => Stage::Sampling,
-        stage if stage == Stage::Flow as u64 => Stage::Flow,
-        stage if stage == Stage::Backflow as u64 => Stage::Backflow,
-        stage if stage == Stage::Done as u64 => Stage::Done,
-        _ => return None,
-    };
+    let stages = Stage::ALL.into_iter().chain([Stage::Done]);
+    let stage = stages.into_iter().find(|&stage| stage as u64 == content[2])?;
     let next = usize::try_from(content[3]).ok().filter(|&next| next <= ways)?;
-    let mut rest = &content[HEAD..];
-    let mut rows = |count: usize| {
-        let (rows, after) = BitRows::read(count, count, rest)?;
-        rest = after;
-        Some(rows)
-    };
-    let bound = rows(ways)?;
-    let known = Known {
-        ways: rows(ways)?,
-        cells: rows(cells)?,
-    };
+    let (bound, rest) = BitRows::unpack(ways, ways, &content[HEAD..])?;
+    let (of_ways, rest) = BitRows::unpack(ways, ways, rest)?;
+    let (of_cells, rest) = BitRows::unpack(cells, cells, rest)?;
     let order: Vec<u32> = rest
         .iter()
         .map(|&way| u32::try_from(way).ok().filter(|&way| (way as usize) < ways))
         .collect::<Option<_>>()?;
-    let wanted = if stage == Stage::Sampling { 0 } else { ways };
+    let wanted = if stage <= Stage::Sampling { 0 } else { ways };
     (order.len() == wanted).then_some(Saved {
         stage,
         next,
         bound,
-        known,
+        known: Known {
+            ways: of_ways,
+            cells: of_cells,
+        },
         order,
     })
 }

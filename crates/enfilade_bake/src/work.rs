@@ -40,13 +40,15 @@ pub struct PairsWork {
     pub(crate) bound: BitRows,
     pub(crate) passages: Passages,
     pub(crate) known: Known,
+    /// The ways whose bound may change in the fixpoint; none before it begins.
+    stale: Vec<bool>,
     /// The order in which ways flow.
     pub(crate) order: Vec<u32>,
     /// How many ways the stage is done with.
     pub(crate) next: usize,
     /// For each place in the order, what all flows before it are thought to cost.
     cost_before: Vec<f64>,
-    /// Where to go on, once the bounds that all begin with are there again.
+    /// Where to go on, once passages that were not saved are there again.
     pub(crate) saved: Option<Saved>,
 }
 
@@ -139,6 +141,7 @@ impl PairsWork {
             bound: BitRows::new(ways.count(), ways.count()),
             passages: Passages::empty(&ways),
             known: Known::new(&ways),
+            stale: Vec::new(),
             order: Vec::new(),
             next: 0,
             cost_before: Vec::new(),
@@ -185,8 +188,15 @@ impl PairsWork {
                 }
             }
             Stage::Fixpoint => {
-                if !self.passages.tighten(&self.ways, &mut self.bound) {
+                if self.stale.is_empty() {
+                    self.stale = vec![true; self.ways.count()];
+                }
+                if !self
+                    .passages
+                    .tighten(&self.ways, &mut self.bound, &mut self.stale)
+                {
                     self.stage = Stage::Sampling;
+                    self.stale = Vec::new();
                 }
             }
             Stage::Sampling => {
@@ -229,7 +239,7 @@ impl PairsWork {
         VisiblePairs::new(seen, self.known.cells.count() - self.ways.cells())
     }
 
-    fn go_on_from(&mut self, saved: Saved) {
+    pub(crate) fn go_on_from(&mut self, saved: Saved) {
         self.stage = saved.stage;
         self.next = saved.next;
         self.bound = saved.bound;

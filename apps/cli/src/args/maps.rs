@@ -44,9 +44,9 @@ pub(crate) struct VisArgs {
     /// Go on where a run was that was stopped or killed
     #[arg(long)]
     pub(crate) resume: bool,
-    /// How often a run writes beside the map how far it is
-    #[arg(long, value_name = "SECONDS", default_value = "20", value_parser = values::seconds)]
-    pub(crate) save_every: f64,
+    /// Time between two saves of the work, beside the map [default: the more, the longer a run and a save take]
+    #[arg(long, value_name = "SECONDS", value_parser = values::seconds)]
+    pub(crate) save_every: Option<f64>,
     /// Shoot so many random lines through the portals; exit 1, with the line, and write nothing if one shows a pair that
     /// is missing
     #[arg(long, value_name = "LINES", num_args = 0..=1, require_equals = true, default_missing_value = "1000000")]

@@ -26,8 +26,8 @@ pub(crate) use habits::as_mappers_type;
 use overall::{Overall, is_stopped, stop_at_a_signal};
 use report::{Checked, Found, Seconds, Visibility};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
-use unfinished::Unfinished;
+use std::time::{Duration, Instant};
+use unfinished::{Saved, Unfinished};
 
 /// Runs `vis`.
 pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
@@ -74,7 +74,7 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
 
     let saved = unfinished.begin(args.resume, args.limits.memory())?;
     let goes_on = saved.is_some();
-    let begun = begin(args, &portals, &prt, &unfinished, saved)?;
+    let begun = begin(args, &portals, &prt, &mut unfinished, saved)?;
     let work = work(args, begun, &mut unfinished, &mut seconds)?;
     let pairs = work.pairs();
     let checked = args
@@ -229,6 +229,7 @@ fn work(
     let end = if args.fast { Stage::Sampling } else { Stage::Done };
     let mut overall = Overall::new(end, args.quiet);
     let mut saved = start;
+    let mut cost = Duration::ZERO;
     while work.stage() < end {
         let stage = work.stage();
         let began = Instant::now();
@@ -238,13 +239,17 @@ fn work(
             let is_over = args
                 .seconds
                 .is_some_and(|most| start.elapsed().as_secs_f64() >= most);
-            if is_stopped() {
-                unfinished.save(&work)?;
-                bail!("{}", stopped(&args.map, unfinished));
-            }
-            if is_over || saved.elapsed().as_secs_f64() >= args.save_every {
+            let every = args
+                .save_every
+                .map_or_else(|| between_saves(start.elapsed(), cost), Duration::from_secs_f64);
+            if is_over || is_stopped() || saved.elapsed() >= every {
+                let before = Instant::now();
                 unfinished.save(&work)?;
                 saved = Instant::now();
+                cost = saved - before;
+            }
+            if is_stopped() {
+                bail!("{}", stopped(&args.map, unfinished));
             }
             if is_over {
                 seconds.add(stage, began.elapsed());
@@ -256,13 +261,22 @@ fn work(
     Ok(work)
 }
 
+/// Returns the time between two saves: what a killed run loses is a small share of what it did, and so is what saves take.
+fn between_saves(elapsed: Duration, cost: Duration) -> Duration {
+    /// In short runs no save pays.
+    const LEAST: Duration = Duration::from_millis(150);
+    LEAST.max(10 * cost).max(elapsed / 50)
+}
+
 /// What to say where somebody has stopped the work.
 fn stopped(map: &Path, unfinished: &Unfinished) -> String {
     let map = map.display();
     if unfinished.is_held() {
         format!("{map}: stopped; nothing is written into the map, and the same command with --resume goes on")
     } else {
-        format!("{map}: stopped; nothing is written into the map, and so early nothing is saved")
+        format!(
+            "{map}: stopped; nothing is written into the map, and another run at work on it is what saves"
+        )
     }
 }
 
@@ -271,20 +285,22 @@ fn begin(
     args: &VisArgs,
     portals: &PortalFile,
     prt: &Path,
-    unfinished: &Unfinished,
-    saved: Option<Vec<u8>>,
+    unfinished: &mut Unfinished,
+    saved: Option<Saved>,
 ) -> Result<PairsWork> {
     let limit = args.limits.memory();
     let Some(saved) = saved else {
         return PairsWork::begin(&portals.cells, limit)
             .map_err(|why| anyhow!("{}: {why}; raise --memory", prt.display()));
     };
-    PairsWork::resume(&portals.cells, limit, &saved).map_err(|why| {
+    let work = PairsWork::resume(&portals.cells, limit, &saved.work, &saved.passages).map_err(|why| {
         anyhow!(
             "{}: {why}; leave out --resume to start anew",
             unfinished.path().display()
         )
-    })
+    })?;
+    unfinished.goes_on(&work);
+    Ok(work)
 }
 
 fn check(portals: &PortalFile, pairs: &VisiblePairs, lines: u64, seconds: &mut Seconds) -> Result<Checked> {

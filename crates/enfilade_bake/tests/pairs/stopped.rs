@@ -2,6 +2,7 @@
 
 use crate::{pairs_of, worlds};
 use enfilade_bake::{Cells, PairsOptions, PairsWork, ResumeError, Stage, VisiblePairs};
+use std::collections::BTreeSet;
 
 const LIMIT: u64 = 1 << 30;
 
@@ -9,16 +10,13 @@ fn begin(cells: &Cells) -> PairsWork {
     PairsWork::begin(cells, LIMIT).expect("little memory")
 }
 
-/// Steps on until `save` gives something, and `steps` steps more.
-fn saved_after(cells: &Cells, steps: usize) -> Vec<u8> {
+/// Returns the bytes of work after so many steps, and those of its passages.
+fn saved_after(cells: &Cells, steps: usize) -> [Vec<u8>; 2] {
     let mut work = begin(cells);
-    while work.save().is_none() {
-        work.step();
-    }
     for _ in 0..steps {
         work.step();
     }
-    work.save().expect("the fast bound is passed")
+    [work.save(), work.save_passages()]
 }
 
 #[test]
@@ -57,50 +55,66 @@ fn at_every_moment_all_that_is_seen_is_in_the_pairs() {
 
 #[test]
 fn work_that_was_stopped_anywhere_ends_like_work_that_was_not() {
+    // More ways than one step takes in any stage.
     let cells = worlds::random(5, 90);
     let end = pairs_of(&cells);
-    let mut steps = 0;
-    loop {
-        let saved = saved_after(&cells, steps);
-        let mut work = PairsWork::resume(&cells, LIMIT, &saved).expect("it is of these cells");
-        // Stopped once more before it is where it was.
-        assert_eq!(work.save().as_ref(), Some(&saved));
-        while work.stage() <= Stage::Passages {
-            work.step();
-        }
-        assert_eq!(
-            work.save().as_ref(),
-            Some(&saved),
-            "it is where it was after {steps} steps"
-        );
-        let was_over = work.stage() == Stage::Done;
+    let mut stages = BTreeSet::new();
+    for steps in 0.. {
+        let [saved, passages] = saved_after(&cells, steps);
+        let mut work = PairsWork::resume(&cells, LIMIT, &saved, &passages).expect("it is of these cells");
+        let stage = work.stage();
+        stages.insert(stage);
+        assert_eq!(work.save(), saved, "it is where it was after {steps} steps");
+        assert_eq!(work.save_passages(), passages);
         while work.stage() != Stage::Done {
             work.step();
         }
         assert_eq!(work.pairs(), end, "stopped after {steps} steps");
-        if was_over {
+        if stage == Stage::Done {
             break;
         }
-        steps += 1;
     }
-    assert!(steps > 5, "it was stopped {steps} times");
+    assert_eq!(stages.len(), 7, "{stages:?}");
+}
+
+#[test]
+fn work_whose_passages_are_lost_or_older_ends_like_work_that_was_not_stopped() {
+    let cells = worlds::random(5, 90);
+    let end = pairs_of(&cells);
+    let [_, older] = saved_after(&cells, 3);
+    for steps in 0..12 {
+        let [saved, passages] = saved_after(&cells, steps);
+        let damaged = &passages[..passages.len() - 8];
+        for passages in [&[], damaged, &older, b"something else"] {
+            let mut work = PairsWork::resume(&cells, LIMIT, &saved, passages).expect("it is of these cells");
+            while work.stage() != Stage::Done {
+                work.step();
+            }
+            assert_eq!(work.pairs(), end, "stopped after {steps} steps");
+        }
+    }
 }
 
 #[test]
 fn saved_work_of_other_cells_or_with_any_byte_changed_is_refused() {
     let cells = worlds::random(11, 12);
-    let saved = saved_after(&cells, 1);
-    let refused = |cells: &Cells, bytes: &[u8]| PairsWork::resume(cells, LIMIT, bytes).expect_err("refused");
-    assert_eq!(refused(&worlds::random(12, 12), &saved), ResumeError::Other);
-    assert_eq!(refused(&cells, b""), ResumeError::Foreign);
-    assert_eq!(refused(&cells, b"PRT1 and so on"), ResumeError::Foreign);
-    for length in 8..saved.len() {
-        assert_eq!(refused(&cells, &saved[..length]), ResumeError::Damaged);
-    }
-    for at in 0..saved.len() {
-        let mut bytes = saved.clone();
-        bytes[at] ^= 1 << (at % 8);
-        refused(&cells, &bytes);
+    for steps in [1, 5] {
+        let [saved, passages] = saved_after(&cells, steps);
+        let refused = |cells: &Cells, bytes: &[u8]| {
+            PairsWork::resume(cells, LIMIT, bytes, &passages).expect_err("refused")
+        };
+        assert_eq!(refused(&worlds::random(12, 12), &saved), ResumeError::Other);
+        assert_eq!(refused(&cells, b""), ResumeError::Foreign);
+        assert_eq!(refused(&cells, b"PRT1 and so on"), ResumeError::Foreign);
+        assert_eq!(refused(&cells, &passages), ResumeError::Foreign);
+        for length in 8..saved.len() {
+            assert_eq!(refused(&cells, &saved[..length]), ResumeError::Damaged);
+        }
+        for at in 0..saved.len() {
+            let mut bytes = saved.clone();
+            bytes[at] ^= 1 << (at % 8);
+            refused(&cells, &bytes);
+        }
     }
 }
 

@@ -62,7 +62,7 @@ pub enum WarningKind {
     ModelFiles,
     /// Lights of a map that dazzle.
     Flares,
-    /// Light that the compiler of a map has computed.
+    /// Lightmaps that a map says are beyond its end, or larger than any compiler makes them.
     Lightmaps,
     /// Normals, texture coordinates and colors that are NaN or infinite.
     NotFinite,
@@ -134,7 +134,9 @@ impl WarningKind {
             WarningKind::UnmarkedFaces => "faces that no leaf of the map lists are not drawn",
             WarningKind::ModelFiles => "models in other files of the game are not drawn",
             WarningKind::Flares => "flares are not drawn",
-            WarningKind::Lightmaps => "lightmaps are not read: the map's lamps light it without shadows",
+            WarningKind::Lightmaps => {
+                "lightmaps that are not in the file, or too large, are ignored: lamps light those faces"
+            }
             WarningKind::NotFinite => {
                 "normals, texture coordinates or colors that are not finite are ignored"
             }

@@ -4,6 +4,7 @@ mod ambient;
 mod broken;
 mod carved;
 mod formats;
+mod light;
 mod little;
 mod located;
 mod lumps;

@@ -4,6 +4,7 @@
 //! Liquids have two faces, one for each side. What a nameless texture is of is told by what is behind the face.
 
 use super::axes::turned;
+use super::light::{self, FaceLight};
 use super::looks::{Kind, Looks};
 use super::surfaces::{Face, Surfaces};
 use crate::BrokenRule;
@@ -11,7 +12,7 @@ use crate::budget::Budget;
 use crate::obj::polygon::Cutter;
 use crate::quake::BspError;
 use crate::quake::bsp::{Child, Map, SplitPlane, Tree, in_range, int, number, short};
-use enfilade::MaterialId;
+use crate::warning::{WarningKind, Warnings};
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
@@ -140,6 +141,7 @@ pub(super) fn read(
     tree: &Tree,
     looks: &mut Looks,
     budget: &mut Budget,
+    warnings: &mut Warnings,
 ) -> Result<Surfaces, BrokenRule> {
     let images = images(map)?;
     let outlines = Outlines::of(map)?;
@@ -151,6 +153,8 @@ pub(super) fn read(
     Surfaces::afford(budget, faces.len() as u64, corners, corners)?;
 
     let placings = placings(map, images.len())?;
+    let mut light = FaceLight::of(map).filter(|_| looks.has_images());
+    let mut lit_corners: Vec<Range<usize>> = Vec::new();
     let mut surfaces = Surfaces::default();
     let mut cutter = Cutter::default();
     let (mut outline, mut triangles) = (Vec::new(), Vec::new());
@@ -161,10 +165,25 @@ pub(super) fn read(
         outlines.read(at, face, &mut outline)?;
         let plane = tree.planes[plane as usize];
         let front = front(&plane, side);
-        let Some(material) = material(placing, &images, looks, || behind(tree, &outline, front)) else {
+        let Some(kind) = kind(placing, &images, || behind(tree, &outline, front)) else {
             surfaces.faces.push(None);
             continue;
         };
+        let lit = match &mut light {
+            Some(light) if kind == Kind::Wall => {
+                let (styles, offset) = styles_and_offset(map, face);
+                let corners: Vec<_> = outline.iter().map(|&place| placing.texels(place)).collect();
+                let lit = light.add(&corners, offset, styles, budget)?;
+                if lit.is_none() {
+                    warnings.name(WarningKind::Lightmaps, || format!("face {at}"));
+                }
+                lit
+            }
+            _ => None,
+        };
+        let name = images.get(placing.image as usize).map_or("", |image| &image.name);
+        let page = lit.as_ref().map(|_| light::number(0));
+        let material = looks.material(placing.image, name, kind, false, page);
         let size = images
             .get(placing.image as usize)
             .map_or([64.0; 2], |image| image.size);
@@ -172,9 +191,17 @@ pub(super) fn read(
         surfaces
             .positions
             .extend(outline.iter().map(|&place| turned(place)));
-        surfaces
-            .texture
-            .extend(outline.iter().map(|&place| placing.at(place, size)));
+        match lit {
+            Some(lit) => {
+                lit_corners.push(first as usize..surfaces.positions.len());
+                let places = outline.iter().map(|&place| lit.at(placing.texels(place)));
+                surfaces.texture.extend(places);
+            }
+            None => {
+                let places = outline.iter().map(|&place| placing.at(place, size));
+                surfaces.texture.extend(places);
+            }
+        }
         triangles.clear();
         cutter.cut(&surfaces.positions[first as usize..], &mut triangles);
         let start = surfaces.triangles.len();
@@ -188,10 +215,32 @@ pub(super) fn read(
             material,
         }));
     }
+    if let Some((texture, size)) = light.and_then(FaceLight::texture) {
+        looks.light.push(texture);
+        for place in lit_corners.into_iter().flat_map(|corners| corners) {
+            let [u, v] = surfaces.texture[place];
+            surfaces.texture[place] = [u / size[0], v / size[1]];
+        }
+    }
     Ok(surfaces)
 }
 
+/// Returns the styles of light of a face, and where in the lump of light its samples begin; negative where it has none.
+fn styles_and_offset(map: &Map, face: &[u8]) -> ([u8; 4], i64) {
+    let styles = if map.format.is_short { 12 } else { 20 };
+    let bytes = [0, 1, 2, 3].map(|at| face[styles + at]);
+    (bytes, int(face, styles + 4).into())
+}
+
 impl Placing {
+    /// A place on a face in texels.
+    fn texels(&self, place: [f32; 3]) -> [f64; 2] {
+        [0, 1].map(|way| {
+            let [x, y, z, offset] = self.axes[way].map(f64::from);
+            DVec3::new(x, y, z).dot(DVec3::from(place.map(f64::from))) + offset
+        })
+    }
+
     /// A place on a face as one in an image of a size in texels.
     fn at(&self, place: [f32; 3], size: [f32; 2]) -> [f32; 2] {
         let [u, v] = [0, 1].map(|way| {
@@ -263,19 +312,14 @@ pub(in crate::quake) fn images(map: &Map) -> Result<Vec<Image>, BspError> {
     starts.chunks_exact(4).enumerate().map(read).collect()
 }
 
-/// What a face is made of; `None` where engines do not draw it.
-fn material(
-    placing: &Placing,
-    images: &[Image],
-    looks: &mut Looks,
-    behind: impl FnOnce() -> Kind,
-) -> Option<MaterialId> {
+/// What kind of face it is; `None` where engines do not draw it.
+fn kind(placing: &Placing, images: &[Image], behind: impl FnOnce() -> Kind) -> Option<Kind> {
     const UNSEEN: [&str; 6] = ["trigger", "clip", "skip", "hint", "hintskip", "origin"];
     let name = images.get(placing.image as usize).map_or("", |image| &image.name);
     if UNSEEN.contains(&name) {
         return None;
     }
-    let kind = match name.as_bytes() {
+    Some(match name.as_bytes() {
         [] => behind(),
         [b's', b'k', b'y', ..] => Kind::Sky,
         [b'*' | b'!', ..] => [("lava", Kind::Lava), ("slime", Kind::Slime), ("tele", Kind::Gate)]
@@ -283,8 +327,7 @@ fn material(
             .find_map(|(word, kind)| name.contains(word).then_some(kind))
             .unwrap_or(Kind::Water),
         _ => Kind::Wall,
-    };
-    Some(looks.material(placing.image, name, kind, false))
+    })
 }
 
 /// What the border is of that a face of the world stands on, by what is before it and behind: a wall, unless one of them is

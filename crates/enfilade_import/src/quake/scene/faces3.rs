@@ -3,6 +3,7 @@
 //! Corners of triangles go clockwise seen from the front. A flare is no face but a light that dazzles, and is not drawn.
 
 use super::axes::turned;
+use super::light;
 use super::looks::{Kind, Looks};
 use super::patch::{STEPS, tessellate};
 use super::surfaces::{Face, Surfaces};
@@ -11,7 +12,7 @@ use crate::budget::Budget;
 use crate::quake::BspError;
 use crate::quake::bsp::{Map, in_range, int, number};
 use crate::warning::{WarningKind, Warnings};
-use enfilade::MaterialId;
+use enfilade::{MaterialId, TextureId};
 use std::ops::Range;
 
 /// Lumps that faces are made of, and how many bytes a thing in them takes.
@@ -19,6 +20,9 @@ const TEXTURES: (usize, usize) = (1, 72);
 const CORNERS: (usize, usize) = (10, 44);
 const TRIANGLES: (usize, usize) = (11, 4);
 const FACES: (usize, usize) = (13, 104);
+
+/// Where a face has the number of its page of light.
+const LIGHT: usize = 28;
 
 /// What engines make of a surface, as bits beside its texture.
 const SKY: i32 = 0x4;
@@ -34,6 +38,8 @@ const SEEN_THROUGH: i32 = 0x2000_0000;
 pub(super) struct Corner {
     pub(super) position: [f32; 3],
     pub(super) texture: [f32; 2],
+    /// Its place in a page of light.
+    pub(super) light: [f32; 2],
     pub(super) normal: [f32; 3],
     pub(super) color: [f32; 4],
 }
@@ -73,6 +79,9 @@ pub(super) fn read(
     }
     Surfaces::afford(budget, faces.len() as u64, all_corners, all_triangles)?;
 
+    if looks.has_images() {
+        looks.light = light::pages(map, budget)?;
+    }
     let mut surfaces = Surfaces::default();
     let mut patch = Vec::new();
     for (at, face) in faces.enumerate() {
@@ -82,10 +91,12 @@ pub(super) fn read(
         if !flat_or_mesh && shape.kind != PATCH {
             warnings.name(WarningKind::Flares, || format!("face {at}"));
         }
+        let page = usize::try_from(int(face, LIGHT)).ok();
+        let page = page.filter(|&page| page < looks.light.len()).map(light::number);
         let drawn = (flat_or_mesh || shape.kind == PATCH)
-            .then(|| material(map, texture, looks))
+            .then(|| material(map, texture, page, looks))
             .flatten();
-        let Some(material) = drawn else {
+        let Some((material, is_lit)) = drawn else {
             surfaces.faces.push(None);
             continue;
         };
@@ -97,14 +108,16 @@ pub(super) fn read(
                 patch.push(corner(map, number)?);
             }
             let grid = tessellate(&patch, shape.size);
-            grid.corners.iter().for_each(|corner| surfaces.push(corner));
+            grid.corners
+                .iter()
+                .for_each(|corner| surfaces.push(corner, is_lit));
             let triangles = grid.triangles.iter();
             surfaces
                 .triangles
                 .extend(triangles.map(|corners| corners.map(|corner| first + corner)));
         } else {
             for number in shape.corners.clone() {
-                surfaces.push(&corner(map, number)?);
+                surfaces.push(&corner(map, number)?, is_lit);
             }
             for place in shape.triangles.clone().step_by(3) {
                 // From clockwise to counter-clockwise.
@@ -182,13 +195,19 @@ fn corner(map: &Map, at: usize) -> Result<Corner, BspError> {
     Ok(Corner {
         position,
         texture: [12, 16].map(or_zero),
+        light: [20, 24].map(or_zero),
         normal: [28, 32, 36].map(or_zero),
         color: [color[0], color[1], color[2], 1.0],
     })
 }
 
-/// What a face is made of; `None` where engines do not draw it.
-fn material(map: &Map, texture: u32, looks: &mut Looks) -> Option<MaterialId> {
+/// What a face is made of, with its page of light, and whether that shows; `None` where engines do not draw it.
+fn material(
+    map: &Map,
+    texture: u32,
+    page: Option<TextureId>,
+    looks: &mut Looks,
+) -> Option<(MaterialId, bool)> {
     const TOOLS: [&str; 12] = [
         "caulk",
         "clip",
@@ -226,15 +245,23 @@ fn material(map: &Map, texture: u32, looks: &mut Looks) -> Option<MaterialId> {
     };
     // Liquids have one face, that is seen from below, too.
     let double_sided = matches!(kind, Kind::Water | Kind::Slime | Kind::Lava | Kind::Glass);
-    Some(looks.material(texture, &name, kind, double_sided))
+    let light = page.filter(|_| kind == Kind::Wall);
+    let material = looks.material(texture, &name, kind, double_sided, light);
+    Some((material, light.is_some()))
 }
 
 impl Surfaces {
-    fn push(&mut self, corner: &Corner) {
+    /// Adds a corner; of a face with a page of light, whose light is not that of its corners.
+    fn push(&mut self, corner: &Corner, is_lit: bool) {
+        let (texture, color) = if is_lit {
+            (corner.light, [1.0; 4])
+        } else {
+            (corner.texture, corner.color)
+        };
         self.positions.push(turned(corner.position));
-        self.texture.push(corner.texture);
+        self.texture.push(texture);
         self.normals.push(turned(corner.normal));
-        self.colors.push(corner.color);
+        self.colors.push(color);
     }
 
     /// Colors of corners are the light that falls there, where light was computed: else all are alike, and say nothing. The

@@ -3,6 +3,7 @@
 //! Maps name images of the game they were made for, or hold them without the palette that their colors are in. So colors
 //! are made up, the same for one name in each map: by a word in it that says what it is made of, else by all of it.
 
+use super::light::FULL;
 use super::pattern::{PATTERNS, Pattern};
 use crate::BrokenRule;
 use crate::budget::Budget;
@@ -28,8 +29,10 @@ pub(in crate::quake) enum Kind {
 #[derive(Debug, Default)]
 pub(super) struct Looks {
     pub(super) materials: Vec<Material>,
-    known: HashMap<(u32, Kind), MaterialId>,
+    known: HashMap<(u32, Kind, Option<TextureId>), MaterialId>,
     with_patterns: bool,
+    /// Textures of light, after those of patterns.
+    pub(super) light: Vec<Arc<Texture>>,
 }
 
 /// Words in names, and what they are made of: linear colors.
@@ -72,6 +75,11 @@ impl Looks {
         }
     }
 
+    /// Whether images are wanted, of light too.
+    pub(super) fn has_images(&self) -> bool {
+        self.with_patterns
+    }
+
     /// The images that the materials name.
     pub(super) fn textures(&self, budget: &mut Budget) -> Result<Vec<Arc<Texture>>, BrokenRule> {
         if !self.with_patterns {
@@ -84,19 +92,22 @@ impl Looks {
                 Texture::new(name, [size; 2], texels).expect("as many texels as it says"),
             ))
         };
-        PATTERNS.iter().map(texture).collect()
+        let patterns = PATTERNS.iter().map(texture);
+        patterns.chain(self.light.iter().cloned().map(Ok)).collect()
     }
 
-    /// The material of a texture, by its number in the map and its name, which is empty where the map has none.
+    /// The material of a texture, by its number in the map and its name, which is empty where the map has none. With `light` it
+    /// has no pattern but that texture, and shines by itself.
     pub(super) fn material(
         &mut self,
         texture: u32,
         name: &str,
         kind: Kind,
         double_sided: bool,
+        light: Option<TextureId>,
     ) -> MaterialId {
         let next = MaterialId(self.materials.len() as u32);
-        let id = *self.known.entry((texture, kind)).or_insert(next);
+        let id = *self.known.entry((texture, kind, light)).or_insert(next);
         if id == next {
             let (material, pattern) = match kind {
                 Kind::Wall => wall(texture, name),
@@ -108,8 +119,12 @@ impl Looks {
                 Kind::Sky => (bright(SKY), None),
             };
             let pattern = pattern.filter(|_| self.with_patterns);
+            let material = match light {
+                Some(_) => bright([0, 1, 2].map(|part| (FULL * material.base_color[part]).min(1.0))),
+                None => material,
+            };
             self.materials.push(Material {
-                texture: pattern.map(|pattern| TextureId(pattern as u32)),
+                texture: light.or(pattern.map(|pattern| TextureId(pattern as u32))),
                 double_sided,
                 ..material
             });
@@ -204,7 +219,7 @@ mod tests {
     fn one_name_has_one_color_in_each_map_and_others_have_others() {
         let mut looks = Looks::new(true);
         let mut color = |texture, name| {
-            let id = looks.material(texture, name, Kind::Wall, false);
+            let id = looks.material(texture, name, Kind::Wall, false, None);
             looks.materials[id.0 as usize].base_color
         };
         assert_eq!(color(0, "textures/a/metal_1"), color(7, "textures/a/metal_1"));
@@ -219,7 +234,7 @@ mod tests {
     fn without_images_the_colors_are_the_same() {
         let of = |with_patterns| {
             let mut looks = Looks::new(with_patterns);
-            looks.material(0, "floor2_1", Kind::Wall, true);
+            looks.material(0, "floor2_1", Kind::Wall, true, None);
             looks.materials[0]
         };
         assert!(of(true).texture.is_some());

@@ -1,7 +1,7 @@
 //! Compiled maps as scenes: what is drawn, what shines, where one starts, and what is visible from where.
 //!
 //! *surfaces* are the faces of a map, which *faces* reads of Quake, and *faces3* and *patch* of Quake 3; *items* says which
-//! of them belong together. *looks* and *pattern* make up what they look like, for the images lie in the files of the game.
+//! of them belong together. *looks* and *pattern* make up what they look like, for the images lie in the files of the game, and *light* has their lightmaps.
 //! *cells* are what is visible from where. *entities* are text, of which *lights* and *starts* are made. *axes* turns all that so that y is up.
 //! Source: the sources of both engines, as published by id Software, and the files themselves.
 //! Hostile: every number is checked before it is used, and memory set aside before anything is stored.
@@ -12,6 +12,7 @@ mod entities;
 mod faces;
 mod faces3;
 mod items;
+mod light;
 mod lights;
 mod looks;
 mod patch;
@@ -56,10 +57,6 @@ pub(crate) fn begins_like_map(bytes: &[u8]) -> bool {
     begins.iter().any(|magic| bytes.starts_with(magic))
 }
 
-/// The lumps of light that a compiler has computed: an image for each face, or for many.
-const LIGHT: usize = 8;
-const LIGHT_OF_QUAKE_3: usize = 14;
-
 /// Reads the bytes of a map called `name`.
 pub(crate) fn import(
     bytes: &[u8],
@@ -84,7 +81,7 @@ pub(crate) fn import(
     let surfaces = if is_quake3 {
         faces3::read(&map, &mut looks, &mut budget, &mut warnings)?
     } else {
-        faces::read(&map, &tree, &mut looks, &mut budget)?
+        faces::read(&map, &tree, &mut looks, &mut budget, &mut warnings)?
     };
     let models = items::models(&map, surfaces.faces.len())?;
     let textures = looks.textures(&mut budget)?;
@@ -132,8 +129,6 @@ pub(crate) fn import(
         entities: entities.len(),
         visibility_bytes: map.lump(map.format.visibility).len(),
     };
-    let light = map.lump(if is_quake3 { LIGHT_OF_QUAKE_3 } else { LIGHT });
-    warnings.state(WarningKind::Lightmaps, options.textures && !light.is_empty());
     warnings.state(WarningKind::EmptyScene, content.triangle_count() == 0);
     Ok(Import {
         rooms: vec![Room {

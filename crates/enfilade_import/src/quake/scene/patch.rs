@@ -52,12 +52,12 @@ fn piece(step: usize, size: usize) -> (usize, f64) {
 
 /// All numbers of a corner, in f64: what steps make of numbers in f32 is exact there.
 #[derive(Clone, Copy)]
-struct Exact([f64; 12]);
+struct Exact([f64; 14]);
 
 impl Exact {
     fn of(corner: &Corner) -> Exact {
-        let mut all = [0.0; 12];
-        let parts = corner.position.iter().chain(&corner.texture);
+        let mut all = [0.0; 14];
+        let parts = corner.position.iter().chain(&corner.texture).chain(&corner.light);
         let parts = parts.chain(&corner.normal).chain(&corner.color);
         all.iter_mut()
             .zip(parts)
@@ -66,10 +66,12 @@ impl Exact {
     }
 
     fn rounded(&self) -> Corner {
-        let [x, y, z, u, v, a, b, c, red, green, blue, alpha] = self.0.map(|value| value as f32);
+        let [x, y, z, u, v, across, down, a, b, c, red, green, blue, alpha] =
+            self.0.map(|value| value as f32);
         Corner {
             position: [x, y, z],
             texture: [u, v],
+            light: [across, down],
             normal: [a, b, c],
             color: [red, green, blue, alpha],
         }
@@ -80,7 +82,7 @@ impl Exact {
 fn between([a, b, c]: [Exact; 3], along: f64) -> Exact {
     let back = 1.0 - along;
     let [from_a, from_b, from_c] = [back * back, 2.0 * along * back, along * along];
-    let mut all = [0.0; 12];
+    let mut all = [0.0; 14];
     for (at, sum) in all.iter_mut().enumerate() {
         *sum = (from_a * a.0[at] + from_c * c.0[at]) + from_b * b.0[at];
     }

@@ -310,6 +310,9 @@ fn saved_work_that_is_of_no_use_is_said_so() {
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     assert!(run.stderr.contains("--resume continues it"), "{}", run.stderr);
     let run = folder.run("vis map.bsp --resume");
+    assert_eq!(run.code, Some(0), "it has been replaced: {}", run.stderr);
+    folder.add("map.bsp.vis-unfinished", "something else");
+    let run = folder.run("vis map.bsp --resume");
     assert_eq!(run.code, Some(2));
     assert!(
         run.stderr.contains("is no saved work of this version") && run.stderr.contains("leave out --resume")

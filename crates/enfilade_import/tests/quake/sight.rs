@@ -196,7 +196,7 @@ fn a_map_looks_the_same_through_its_cells() {
     for (name, prt, most) in [
         ("quake/dm1.bsp", "quake/dm1.prt", 0.2),
         ("quake/e1m1.bsp", "quake/e1m1.prt", 0.12),
-        ("quake3/darkzone.novis.bsp", "quake3/darkzone.prt", 0.15),
+        ("quake3/darkzone.novis.bsp", "quake3/darkzone.prt", 0.18),
     ] {
         let map = std::fs::read(folder.join(name)).expect("a map");
         is_the_same_with_fewer_items(&baked(&folder, &map, prt), name, PLACES, most);
@@ -208,7 +208,7 @@ fn a_map_looks_the_same_through_the_cells_of_its_author() {
     let Some(folder) = maps() else { return };
     let name = "quake3/darkzone.shipped.bsp";
     let import = read(&folder.join(name), &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
-    is_the_same_with_fewer_items(&import, name, PLACES, 0.15);
+    is_the_same_with_fewer_items(&import, name, PLACES, 0.18);
 }
 
 #[test]

@@ -243,7 +243,8 @@ impl<'a> Surveyor<'a> {
             let floors = &quota.site.floors.all;
             (quota.room.floors.iter()).any(|&floor| floors[floor as usize].headroom.is_finite())
         };
-        self.contents.iter().all(|(_, content)| is_small(content)) && !rooms.iter().any(is_covered)
+        let are_small = self.contents.iter().all(|(_, content)| is_small(content));
+        !self.contents.is_empty() && are_small && !rooms.iter().any(is_covered)
     }
 
     /// Casts rays in all directions; returns the number of hits on front faces and the number of hits.
@@ -568,10 +569,10 @@ mod tests {
     /// A scene of so many pyramids at one position.
     fn pyramids(count: usize) -> Scene {
         let corners = [
-            [-1.0, 0.0, -1.0],
-            [1.0, 0.0, -1.0],
-            [0.0, 0.0, 1.0],
-            [0.0, 2.0, 0.0],
+            [-4.0, 0.0, -4.0],
+            [4.0, 0.0, -4.0],
+            [0.0, 0.0, 4.0],
+            [0.0, 8.0, 0.0],
         ];
         let faces = [0, 1, 2, 0, 3, 1, 1, 3, 2, 2, 3, 0];
         let mut builder = ContentBuilder::new([Material::opaque([1.0; 3])]);

@@ -131,8 +131,10 @@ fn a_page_of_quake_3_lights_the_faces_that_name_it() {
 
 #[test]
 fn who_wants_no_images_gets_no_light() {
-    let mut options = ReadOptions::default();
-    options.textures = false;
+    let options = ReadOptions {
+        textures: false,
+        ..ReadOptions::default()
+    };
     let map = read_bytes(&with_light(Format::Bsp29, 3).bytes(), None, &options).expect("a map");
     assert!(map.rooms[0].content.textures().is_empty());
 }

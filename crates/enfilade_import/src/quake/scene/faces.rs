@@ -217,7 +217,7 @@ pub(super) fn read(
     }
     if let Some((texture, size)) = light.and_then(FaceLight::texture) {
         looks.light.push(texture);
-        for place in lit_corners.into_iter().flat_map(|corners| corners) {
+        for place in lit_corners.into_iter().flatten() {
             let [u, v] = surfaces.texture[place];
             surfaces.texture[place] = [u / size[0], v / size[1]];
         }

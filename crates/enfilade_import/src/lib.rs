@@ -56,7 +56,8 @@
 //! show them, `leaf 12`, or the clusters, `cluster 12`; where several sets of leafs begin with one, the second is `leaf 12.2`.
 //! Doors, lifts and what else moves are items of their own, `func_door gate#34`: what it is, how others call it, and its number
 //! among the map's entities. What engines do not draw is left out; sky is an opaque face, for it bounds the world. Places where
-//! players start are cameras, lights are lamps. Faces with lightmaps show those instead of lamps. What is visible from where, if that has been computed, becomes the content's
+//! players start are cameras, lights are lamps. Faces with lightmaps show those instead of lamps. What is visible from where, if
+//! that has been computed, becomes the content's
 //! [cells](enfilade::Content::cells). Z is up in maps: x stays x, their z is our y, their y our −z; lengths stay theirs. The
 //! images of their textures lie in files of the game, so colors are made up by their names.
 //!

@@ -13,7 +13,7 @@ use crate::work::{PairsWork, Stage, TooLarge};
 use thiserror::Error;
 
 /// Change with the format, and with what the work does: other work does not go on where this one stopped.
-const MARK: u64 = u64::from_le_bytes(*b"ENFvis2\n");
+const MARK: u64 = u64::from_le_bytes(*b"ENFvis3\n");
 const MARK_OF_PASSAGES: u64 = u64::from_le_bytes(*b"ENFpas2\n");
 
 /// Words before the rows: mark, cells, stage, how far, ways, cells.
@@ -141,7 +141,7 @@ impl PairsWork {
         let head = [MARK, self.mark(), stage as u64, next as u64];
         let counts = [self.ways.count() as u64, self.ways.cells() as u64];
         let mut words: Vec<u64> = head.into_iter().chain(counts).collect();
-        for rows in [bound, &known.ways, &known.cells] {
+        for rows in [bound, &known.cells] {
             pack(rows.words(0..rows.rows()), &mut words);
         }
         words.extend(order.iter().map(|&way| u64::from(way)));
@@ -165,7 +165,11 @@ impl PairsWork {
 /// Returns the words and a sum over them as bytes.
 fn bytes_of(mut words: Vec<u64>) -> Vec<u8> {
     words.push(sum_of(words.iter().copied()));
-    words.into_iter().flat_map(u64::to_le_bytes).collect()
+    let mut bytes = Vec::with_capacity(words.len() * 8);
+    for word in words {
+        bytes.extend_from_slice(&word.to_le_bytes());
+    }
+    bytes
 }
 
 /// Returns the words that have the mark and the right sum, without that.
@@ -189,8 +193,7 @@ fn read(content: &[u64], ways: usize, cells: usize) -> Option<Saved> {
     let stage = stages.into_iter().find(|&stage| stage as u64 == content[2])?;
     let next = usize::try_from(content[3]).ok().filter(|&next| next <= ways)?;
     let (bound, rest) = BitRows::unpack(ways, ways, &content[HEAD..])?;
-    let (of_ways, rest) = BitRows::unpack(ways, ways, rest)?;
-    let (of_cells, rest) = BitRows::unpack(cells, cells, rest)?;
+    let (known, rest) = BitRows::unpack(cells, cells, rest)?;
     let order: Vec<u32> = rest
         .iter()
         .map(|&way| u32::try_from(way).ok().filter(|&way| (way as usize) < ways))
@@ -200,10 +203,7 @@ fn read(content: &[u64], ways: usize, cells: usize) -> Option<Saved> {
         stage,
         next,
         bound,
-        known: Known {
-            ways: of_ways,
-            cells: of_cells,
-        },
+        known: Known { cells: known },
         order,
     })
 }

@@ -123,7 +123,7 @@ impl PairsWork {
     /// Work that has not begun.
     ///
     /// # Errors
-    /// Where it would take more than `limit_bytes`: 2 times (2 portals)² bits, as many bits for each pair of portals of
+    /// Where it would take more than `limit_bytes`: (2 portals)² bits, as many bits for each pair of portals of
     /// one cell as there are portals, 4 times, and 2 times (cells)² bits.
     pub fn begin(cells: &Cells, limit_bytes: u64) -> Result<PairsWork, TooLarge> {
         let needs_bytes = needed_bytes(cells);
@@ -335,6 +335,6 @@ fn needed_bytes(cells: &Cells) -> u64 {
         .map(|of_cell| (of_cell.len() as u64).pow(2))
         .sum();
     by_cells
-        .saturating_add(ways * (2 * ways / 8 + 200) + corners * 48)
+        .saturating_add(ways * (ways / 8 + 200) + corners * 48)
         .saturating_add(passages.saturating_mul(ways / 8))
 }

@@ -1,15 +1,16 @@
 //! What is visible in real maps: how long it takes to find out on one thread, how many pairs are left, how many of them a
 //! line shows.
 //!
-//! Maps are those of `ENFILADE_MAPS`, each with the best time of other programs that is known, where one is. More pairs than
-//! the table has are an error, as are fewer than 95 of 100 shown by a line. Names of maps as arguments take those alone.
+//! Maps are those of `ENFILADE_MAPS`, each with the best time of other programs that is known, where one is, and `rooms`: a
+//! generated grid of rooms with five million visible pairs. More pairs than the table has are an error, as are fewer than 95
+//! of 100 shown by a line. Names of maps as arguments take those alone.
 #![allow(
     clippy::print_stdout,
     clippy::print_stderr,
     reason = "a bench prints its table"
 )]
 
-use enfilade_bake::{PairsOptions, VisiblePairs};
+use enfilade_bake::{Cells, PairsOptions, Portal, VisiblePairs};
 use enfilade_import::{ReadOptions, read_portals};
 use rayon::ThreadPoolBuilder;
 use std::path::PathBuf;
@@ -20,7 +21,7 @@ const RUNS: usize = 3;
 const LONG_SECONDS: f64 = 5.0;
 
 /// Maps, the best seconds of others, and the most pairs that there may be.
-const MAPS: [(&str, Option<f64>, usize); 13] = [
+const MAPS: [(&str, Option<f64>, usize); 14] = [
     ("dm1", Some(0.40), 33_756),
     ("end", Some(0.69), 35_026),
     ("lq_e0m1", Some(0.39), 36_316),
@@ -34,7 +35,11 @@ const MAPS: [(&str, Option<f64>, usize); 13] = [
     ("q3_stormkeep", Some(4.2), 122_424),
     ("q3_accident", Some(8.2), 266_240),
     ("q3_final_rage", Some(58.0), 1_354_468),
+    (ROOMS, None, 5_087_914),
 ];
+
+/// The generated map.
+const ROOMS: &str = "rooms";
 
 fn main() {
     let Some(folder) = std::env::var_os("ENFILADE_MAPS").map(PathBuf::from) else {
@@ -56,12 +61,16 @@ fn main() {
             continue;
         }
         let path = folder.join(format!("prt1/{name}.prt"));
-        let portals = read_portals(&path, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        let cells = if name == ROOMS {
+            grid_of_rooms(80)
+        } else {
+            let file = read_portals(&path, &ReadOptions::default());
+            file.unwrap_or_else(|error| panic!("{error}")).cells
+        };
         let run = || {
             let start = Instant::now();
-            let pairs = one.install(|| {
-                VisiblePairs::compute(&portals.cells, &PairsOptions::default()).expect("little memory")
-            });
+            let pairs = one
+                .install(|| VisiblePairs::compute(&cells, &PairsOptions::default()).expect("little memory"));
             (start.elapsed().as_secs_f64(), pairs)
         };
         let (first, pairs) = run();
@@ -91,4 +100,57 @@ fn main() {
             (logs / f64::from(timed)).exp()
         );
     }
+}
+
+/// `side` × `side` square rooms of 256 units, a door in each wall between two: half to nine tenths of the wall wide, at a
+/// random place in it, and 128 to 224 units high.
+fn grid_of_rooms(side: u32) -> Cells {
+    const ROOM: f64 = 256.0;
+    let mut state = 1;
+    let mut portals = Vec::new();
+    let rooms = (0..side).flat_map(|y| (0..side).map(move |x| [x, y]));
+    for ([x, y], is_across) in rooms.flat_map(|room| [(room, true), (room, false)]) {
+        let [next_x, next_y] = if is_across { [x + 1, y] } else { [x, y + 1] };
+        if next_x == side || next_y == side {
+            continue;
+        }
+        let width = (ROOM * (0.5 + 0.4 * unit(&mut state))).round();
+        let start = ((ROOM - width) * unit(&mut state)).round();
+        let top = 128.0 + (96.0 * unit(&mut state)).round();
+        let (left, right) = (start, start + width);
+        // Counter-clockwise about the direction from the room to the next.
+        let corners = if is_across {
+            let [wall, beside] = [next_x, y].map(|at| f64::from(at) * ROOM);
+            let corner = |along, up| [wall, beside + along, up];
+            [
+                corner(left, 0.0),
+                corner(right, 0.0),
+                corner(right, top),
+                corner(left, top),
+            ]
+        } else {
+            let [beside, wall] = [x, next_y].map(|at| f64::from(at) * ROOM);
+            let corner = |along, up| [beside + along, wall, up];
+            [
+                corner(right, 0.0),
+                corner(left, 0.0),
+                corner(left, top),
+                corner(right, top),
+            ]
+        };
+        portals.push(Portal {
+            corners: corners.to_vec(),
+            cells: [y * side + x, next_y * side + next_x],
+        });
+    }
+    Cells::new(side * side, portals).expect("flat convex doors")
+}
+
+/// SplitMix64, 0 to 1.
+fn unit(state: &mut u64) -> f64 {
+    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let mut mixed = *state;
+    mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1u64 << 53) as f64
 }

@@ -104,6 +104,14 @@ fn the_portals_are_found_beside_the_map_or_where_one_says() {
 }
 
 #[test]
+fn a_fast_run_leaves_nothing_but_the_map() {
+    let folder = folder_of(&Grid::row(7));
+    let before = folder.names();
+    folder.json("vis map.bsp --fast --save-every 0");
+    assert_eq!(folder.names(), before);
+}
+
+#[test]
 fn the_fast_bound_sees_no_less() {
     let folder = folder_of(&Grid::row(7));
     let full = folder.json("vis map.bsp -o full.bsp");

@@ -4,14 +4,26 @@ use crate::out;
 use std::ffi::OsString;
 
 /// Options with one hyphen, and ours.
-const SAME: [(&str, &str); 7] = [
+const SAME: [(&str, &str); 9] = [
     ("-fast", "--fast"),
     ("-threads", "--threads"),
+    ("-noprogress", "--quiet"),
+    ("-nopercent", "--quiet"),
     ("-noambient", "--no-ambient"),
     ("-noambientwater", "--no-ambient-water"),
     ("-noambientsky", "--no-ambient-sky"),
     ("-noambientslime", "--no-ambient-slime"),
     ("-noambientlava", "--no-ambient-lava"),
+];
+
+/// Options of other compilers that change nothing here.
+const NEEDLESS: [&str; 6] = [
+    "-v",
+    "-verbose",
+    "-nostate",
+    "-nostats",
+    "-lowpriority",
+    "-saveprt",
 ];
 
 /// Returns a command line in which the options of other compilers are ours; one that is not for `vis` as it is.
@@ -34,6 +46,11 @@ pub(crate) fn as_mappers_type(line: impl Iterator<Item = OsString>) -> Vec<OsStr
                     level.display()
                 ));
             }
+        } else if NEEDLESS.iter().any(|&theirs| word == theirs) {
+            out::note(format_args!(
+                "{}: left out, it changes nothing here",
+                word.display()
+            ));
         } else {
             ours.push(word);
         }
@@ -58,6 +75,10 @@ mod tests {
             "enfilade vis --threads 2 --fast --no-ambient-sky dm1 --json -"
         );
         assert_eq!(typed("enfilade vis -level dm1"), "enfilade vis dm1");
+        assert_eq!(
+            typed("enfilade vis -v -saveprt -noprogress dm1"),
+            "enfilade vis --quiet dm1"
+        );
         assert_eq!(typed("enfilade look -fast"), "enfilade look -fast");
     }
 }

@@ -104,7 +104,9 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
         _ => None,
     };
     let is_complete = work.stage() == Stage::Done || (args.fast && work.stage() >= Stage::Sampling);
-    if work.stage() == Stage::Done && !missing {
+    // A fast run removes what it has saved itself, but not what it was resumed from: that may go farther.
+    let is_saved_in_vain = is_complete && !args.resume && unfinished.is_held();
+    if (work.stage() == Stage::Done || is_saved_in_vain) && !missing {
         unfinished.remove()?;
     }
     seconds.total = start.elapsed().as_secs_f64();

@@ -57,9 +57,9 @@
 //! Doors, lifts and what else moves are items of their own, `func_door gate#34`: what it is, how others call it, and its number
 //! among the map's entities. What engines do not draw is left out; sky is an opaque face, for it bounds the world. Places where
 //! players start are cameras, lights are lamps. Faces with lightmaps show those instead of lamps. What is visible from where, if
-//! that has been computed, becomes the content's
-//! [cells](enfilade::Content::cells). Z is up in maps: x stays x, their z is our y, their y our −z; lengths stay theirs. The
-//! images of their textures lie in files of the game, so colors are made up by their names.
+//! that has been computed, becomes the content's [cells](enfilade::Content::cells). Z is up in maps: x stays x, their z is our
+//! y, their y our −z; lengths stay theirs. The images of their textures lie in files of the game, so colors are made up by
+//! their names.
 //!
 //! Of a map for Quake or Quake 3 [`read_portals`] reads the `.prt` that its compiler leaves beside it: the convex cells that
 //! `enfilade_bake` computes the visible pairs of, which [`with_visibility`] puts into the map, and [`with_ambient_sounds`] what is

@@ -3,10 +3,8 @@
 use crate::out;
 use std::ffi::OsString;
 
-/// Options with one hyphen, and ours.
-const SAME: [(&str, &str); 9] = [
-    ("-fast", "--fast"),
-    ("-threads", "--threads"),
+/// Options of other compilers that have another name here.
+const RENAMED: [(&str, &str); 7] = [
     ("-noprogress", "--quiet"),
     ("-nopercent", "--quiet"),
     ("-noambient", "--no-ambient"),
@@ -35,8 +33,8 @@ pub(crate) fn as_mappers_type(line: impl Iterator<Item = OsString>) -> Vec<OsStr
     let mut ours = Vec::with_capacity(line.len());
     let mut words = line.into_iter().peekable();
     while let Some(word) = words.next() {
-        if let Some((_, same)) = SAME.iter().find(|&&(theirs, _)| word == theirs) {
-            ours.push(same.into());
+        if let Some((_, name)) = RENAMED.iter().find(|&&(theirs, _)| word == theirs) {
+            ours.push(name.into());
         } else if word == "-level" {
             // All levels of other compilers bound the same answer; the highest is what is computed here.
             let is_number = |word: &OsString| word.to_str().is_some_and(|word| word.parse::<u32>().is_ok());
@@ -51,11 +49,23 @@ pub(crate) fn as_mappers_type(line: impl Iterator<Item = OsString>) -> Vec<OsStr
                 "{}: left out, it changes nothing here",
                 word.display()
             ));
+        } else if is_name_after_one_hyphen(&word) {
+            let mut option = OsString::from("-");
+            option.push(word);
+            ours.push(option);
         } else {
             ours.push(word);
         }
     }
     ours
+}
+
+/// Whether a word is an option's name after one hyphen, such as `-fast`. `-oFILE` is `-o FILE`.
+fn is_name_after_one_hyphen(word: &OsString) -> bool {
+    let name = word.to_str().and_then(|word| word.strip_prefix('-'));
+    name.is_some_and(|name| {
+        name.len() > 1 && name.starts_with(|first: char| first.is_ascii_lowercase() && first != 'o')
+    })
 }
 
 #[cfg(test)]
@@ -78,6 +88,10 @@ mod tests {
         assert_eq!(
             typed("enfilade vis -v -saveprt -noprogress dm1"),
             "enfilade vis --quiet dm1"
+        );
+        assert_eq!(
+            typed("enfilade vis -visdist 100 -h -oout.bsp --quiet dm1"),
+            "enfilade vis --visdist 100 -h -oout.bsp --quiet dm1"
         );
         assert_eq!(typed("enfilade look -fast"), "enfilade look -fast");
     }

@@ -1,7 +1,5 @@
 //! Rows of bits: one set of small numbers for each of as many things.
 
-use std::ops::Range;
-
 /// As many rows as columns or not, all empty at first; a row is whole words.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct BitRows {
@@ -24,20 +22,8 @@ impl BitRows {
     /// missing, or bits are beyond the columns.
     pub(crate) fn unpack(rows: usize, columns: usize, words: &[u64]) -> Option<(BitRows, &[u64])> {
         let mut unpacked = BitRows::new(rows, columns);
-        let rest = unpacked.unpack_rows(0..rows, columns, words)?;
-        Some((unpacked, rest))
-    }
-
-    /// As [`BitRows::unpack`], into some of the rows.
-    pub(crate) fn unpack_rows<'a>(
-        &mut self,
-        rows: Range<usize>,
-        columns: usize,
-        words: &'a [u64],
-    ) -> Option<&'a [u64]> {
-        let mine = &mut self.words[rows.start * self.words_in_row..rows.end * self.words_in_row];
         let mut rest = words;
-        for group in mine.chunks_mut(64) {
+        for group in unpacked.words.chunks_mut(64) {
             let (&present, words) = rest.split_first()?;
             let (words, after) = words.split_at_checked(present.count_ones() as usize)?;
             for (at, &word) in ones_of(0, present).zip(words) {
@@ -47,15 +33,16 @@ impl BitRows {
         }
         let beyond = !0u64 << (columns % 64);
         let is_clean = columns.is_multiple_of(64)
-            || mine
-                .chunks(self.words_in_row)
-                .all(|row| row[self.words_in_row - 1] & beyond == 0);
-        is_clean.then_some(rest)
+            || unpacked
+                .words
+                .chunks(unpacked.words_in_row)
+                .all(|row| row[unpacked.words_in_row - 1] & beyond == 0);
+        is_clean.then_some((unpacked, rest))
     }
 
-    /// Returns the words of some rows.
-    pub(crate) fn words(&self, rows: Range<usize>) -> &[u64] {
-        &self.words[rows.start * self.words_in_row..rows.end * self.words_in_row]
+    /// Returns the words of all rows.
+    pub(crate) fn words(&self) -> &[u64] {
+        &self.words
     }
 
     pub(crate) fn rows(&self) -> usize {
@@ -93,6 +80,80 @@ impl BitRows {
     /// All rows at once, to be filled side by side.
     pub(crate) fn rows_mut(&mut self) -> &mut [u64] {
         &mut self.words
+    }
+}
+
+/// Rows of bits that are added one after another and then stay: of each only the words that are not zero, as [`pack`] writes
+/// them.
+#[derive(Debug)]
+pub(crate) struct PackedRows {
+    words_in_row: usize,
+    /// Where rows end among the words.
+    ends: Vec<usize>,
+    words: Vec<u64>,
+}
+
+impl PackedRows {
+    /// Without rows.
+    pub(crate) fn new(columns: usize) -> PackedRows {
+        PackedRows {
+            words_in_row: columns.div_ceil(64),
+            ends: Vec::new(),
+            words: Vec::new(),
+        }
+    }
+
+    /// Returns so many rows from their words; `None` where those are too few or too many, or bits are beyond the columns.
+    pub(crate) fn from_words(rows: usize, columns: usize, words: &[u64]) -> Option<PackedRows> {
+        let mut packed = PackedRows::new(columns);
+        let mut rest = words;
+        for _ in 0..rows {
+            for group in 0..packed.words_in_row.div_ceil(64) {
+                let (&present, after) = rest.split_first()?;
+                let (group_words, after) = after.split_at_checked(present.count_ones() as usize)?;
+                let is_beyond =
+                    |(at, &word): (usize, &u64)| ones_of(at, word).last().is_some_and(|bit| bit >= columns);
+                if ones_of(group, present)
+                    .zip(group_words)
+                    .last()
+                    .is_some_and(is_beyond)
+                {
+                    return None;
+                }
+                rest = after;
+            }
+            packed.ends.push(words.len() - rest.len());
+        }
+        packed.words.extend_from_slice(words);
+        rest.is_empty().then_some(packed)
+    }
+
+    pub(crate) fn push(&mut self, row: &[u64]) {
+        pack(row, &mut self.words);
+        self.ends.push(self.words.len());
+    }
+
+    /// Adds the rows of others with as many columns.
+    pub(crate) fn append(&mut self, others: &PackedRows) {
+        let before = self.words.len();
+        self.ends.extend(others.ends.iter().map(|end| before + end));
+        self.words.extend_from_slice(&others.words);
+    }
+
+    /// Returns the words of all rows.
+    pub(crate) fn words(&self) -> &[u64] {
+        &self.words
+    }
+
+    /// Returns the words of a row that are not zero, each with its number.
+    pub(crate) fn row(&self, row: usize) -> impl Iterator<Item = (usize, u64)> + '_ {
+        let start = if row == 0 { 0 } else { self.ends[row - 1] };
+        let mut rest = &self.words[start..self.ends[row]];
+        (0..self.words_in_row.div_ceil(64)).flat_map(move |group| {
+            let (words, after) = rest[1..].split_at(rest[0].count_ones() as usize);
+            let present = std::mem::replace(&mut rest, after)[0];
+            ones_of(group, present).zip(words.iter().copied())
+        })
     }
 }
 

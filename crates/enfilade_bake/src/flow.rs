@@ -10,10 +10,11 @@
 //! leaves a convex cell for good.
 
 use crate::bits::{BitRows, has, put};
-use crate::passages::{Passages, keep_within};
+use crate::passages::Passages;
 use crate::separators::separators;
 use crate::ways::Ways;
 use crate::winding::{Left, Plane, clip};
+use crate::within::keep_within;
 use glam::DVec3;
 
 /// One way of a chain.
@@ -142,12 +143,14 @@ impl After {
             }
             start = self.rows.len() as u32;
             self.starts[number] = [start, self.run];
-            let (of_second, after) = (bound.row(second), passages.after(ways, first, second));
-            let both = self
-                .words
-                .iter()
-                .map(|&number| of_second[number as usize] & after[number as usize]);
-            self.rows.extend(both);
+            self.rows.resize(self.rows.len() + self.words.len(), 0);
+            let (of_second, row) = (bound.row(second), &mut self.rows[start as usize..]);
+            for (number, of_passage) in passages.after(ways, first, second) {
+                let place = self.places[number];
+                if place != NOWHERE {
+                    row[place as usize] = of_second[number] & of_passage;
+                }
+            }
         }
         &self.rows[start as usize..][..self.words.len()]
     }
@@ -281,13 +284,14 @@ impl Flow {
             }
             next.planes.clear();
             separators(ways, &next.source, &next.pass, false, &mut next.planes);
-            let asked_words = self
-                .after
-                .words
-                .iter()
-                .map(|&number| number as usize)
-                .zip(&mut next.asked);
-            keep_within(ways, &next.planes, [&next.source, &next.pass], asked_words);
+            let numbers = &self.after.words;
+            keep_within(
+                ways,
+                &next.planes,
+                [&next.source, &next.pass],
+                &mut next.asked,
+                |word| numbers[word] as usize,
+            );
             if next.asked.iter().all(|&word| word == 0) {
                 continue;
             }

@@ -35,6 +35,7 @@ mod saved;
 mod separators;
 mod ways;
 mod winding;
+mod within;
 mod work;
 
 pub use cells::{Cells, CellsError, Portal};

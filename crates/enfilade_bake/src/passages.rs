@@ -7,11 +7,11 @@
 //! Cost: each passage tests what both its ways have in their bounds, most of it by spheres; then words are combined.
 //! Conservative: lines have no direction, so what one end drops, the other may drop too.
 
-use crate::bits::{BitRows, ones_besides, put};
+use crate::bits::{BitRows, PackedRows, ones_besides, put};
 use crate::separators::separators;
 use crate::ways::Ways;
 use crate::winding::Plane;
-use glam::DVec3;
+use crate::within::keep_within;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -20,12 +20,13 @@ use std::ops::Range;
 pub(crate) struct Passages {
     /// Where those of each way begin: one for each way out of the cell that it enters.
     starts: Vec<usize>,
-    after: BitRows,
+    /// Of those computed so far, in their order.
+    after: PackedRows,
 }
 
 impl Passages {
-    /// Of all cells, with nothing in them.
-    pub(crate) fn empty(ways: &Ways) -> Passages {
+    /// Of all cells, none computed.
+    pub(crate) fn none(ways: &Ways) -> Passages {
         let mut starts = Vec::with_capacity(ways.count() + 1);
         let mut next = 0;
         for way in &ways.all {
@@ -35,44 +36,49 @@ impl Passages {
         starts.push(next);
         Passages {
             starts,
-            after: BitRows::new(next, ways.count()),
+            after: PackedRows::new(ways.count()),
         }
     }
 
-    /// Fills in those that begin with some of the ways, given what each way may see.
-    pub(crate) fn fill(&mut self, ways: &Ways, bound: &BitRows, some: Range<usize>) {
-        let words = self.after.words_in_row();
-        let starts = &self.starts[some.start..=some.end];
-        let mut rest = &mut self.after.rows_mut()[starts[0] * words..];
-        let mut rows = Vec::with_capacity(some.len());
-        for pair in starts.windows(2) {
-            let (mine, others) = rest.split_at_mut((pair[1] - pair[0]) * words);
-            rows.push(mine);
-            rest = others;
-        }
-        rows.into_par_iter().zip(some).for_each(|(rows, first)| {
-            let mut planes = Vec::new();
-            let seconds = ways.out_of(ways.all[first].to);
-            for (second, row) in seconds.zip(rows.chunks_mut(words)) {
+    /// Returns those of all cells that begin with one of the first `computed` ways from their words; `None` where those are of
+    /// another number.
+    pub(crate) fn from_words(ways: &Ways, computed: usize, words: &[u64]) -> Option<Passages> {
+        let none = Passages::none(ways);
+        let after = PackedRows::from_words(none.starts[computed], ways.count(), words)?;
+        Some(Passages { after, ..none })
+    }
+
+    /// Computes those that begin with the next ways, given what each way may see.
+    pub(crate) fn compute(&mut self, ways: &Ways, bound: &BitRows, next: Range<usize>) {
+        let rows = next.into_par_iter().map_init(Vec::new, |planes, first| {
+            let mut rows = PackedRows::new(ways.count());
+            let mut row = vec![0; bound.words_in_row()];
+            for second in ways.out_of(ways.all[first].to) {
+                row.fill(0);
                 if bound.has(first, second) {
-                    after_both(ways, bound, [first, second], &mut planes, row);
+                    after_both(ways, bound, [first, second], planes, &mut row);
                 }
+                rows.push(&row);
             }
+            rows
         });
+        for rows in rows.collect::<Vec<PackedRows>>() {
+            self.after.append(&rows);
+        }
     }
 
-    /// Returns the words of the passages that begin with one of the first `ways`.
-    pub(crate) fn words(&self, ways: usize) -> &[u64] {
-        self.after.words(0..self.starts[ways])
+    /// Returns the words of those computed so far.
+    pub(crate) fn words(&self) -> &[u64] {
+        self.after.words()
     }
 
-    /// Fills in those that begin with one of the first `ways` from packed words; returns whether they are so many.
-    pub(crate) fn unpack(&mut self, ways: usize, columns: usize, packed: &[u64]) -> bool {
-        let rest = self.after.unpack_rows(0..self.starts[ways], columns, packed);
-        rest.is_some_and(<[u64]>::is_empty)
-    }
-
-    pub(crate) fn after(&self, ways: &Ways, first: usize, second: usize) -> &[u64] {
+    /// Returns the words that are not zero of the ways that a line may take after a passage, each with its number.
+    pub(crate) fn after(
+        &self,
+        ways: &Ways,
+        first: usize,
+        second: usize,
+    ) -> impl Iterator<Item = (usize, u64)> + '_ {
         self.after.row(self.number(ways, first, second))
     }
 
@@ -81,8 +87,9 @@ impl Passages {
         self.starts[first] + second - ways.out_of(ways.all[first].to).start
     }
 
+    /// Returns how many there are, computed or not.
     pub(crate) fn count(&self) -> usize {
-        self.after.rows()
+        *self.starts.last().unwrap_or(&0)
     }
 
     /// Takes out of the bounds of `stale` ways what no chain of passages leads to; once round. Says whether anything was taken.
@@ -103,9 +110,9 @@ impl Passages {
                     continue;
                 }
                 put(&mut reached, second);
-                let both = bound.row(second).iter().zip(self.after(ways, first, second));
-                for (word, (of_second, of_passage)) in reached.iter_mut().zip(both) {
-                    *word |= of_second & of_passage;
+                let of_second = bound.row(second);
+                for (at, of_passage) in self.after(ways, first, second) {
+                    reached[at] |= of_second[at] & of_passage;
                 }
             }
             dropped.clear();
@@ -160,37 +167,7 @@ fn after_both(
         ways,
         planes,
         [&ways.all[first].corners, &ways.all[second].corners],
-        row.iter_mut().enumerate(),
+        row,
+        |word| word,
     );
-}
-
-/// Takes out of some words of a row, each with its number, the ways that lie below one of the planes.
-pub(crate) fn keep_within<'a>(
-    ways: &Ways,
-    planes: &[Plane],
-    parted: [&[DVec3]; 2],
-    words: impl Iterator<Item = (usize, &'a mut u64)>,
-) {
-    for (at, word) in words {
-        let mut rest = *word;
-        while rest != 0 {
-            let bit = rest & rest.wrapping_neg();
-            rest ^= bit;
-            let number = at * 64 + bit.trailing_zeros() as usize;
-            let (centre, radius) = ways.spheres[number];
-            let is_far_below = |plane: &Plane| plane.above(centre) < -(radius + plane.slack);
-            let is_below = |plane: &Plane| {
-                plane.above(centre) <= radius + plane.slack
-                    && is_hidden(plane, &ways.all[number].corners, parted)
-            };
-            if planes.iter().any(is_far_below) || planes.iter().any(is_below) {
-                *word ^= bit;
-            }
-        }
-    }
-}
-
-fn is_hidden(plane: &Plane, corners: &[DVec3], parted: [&[DVec3]; 2]) -> bool {
-    let heights = corners.iter().map(|&corner| plane.above(corner));
-    plane.hides(corners, heights.fold(f64::NEG_INFINITY, f64::max), parted)
 }

@@ -14,7 +14,7 @@ use thiserror::Error;
 
 /// Change with the format, and with what the work does: other work does not go on where this one stopped.
 const MARK: u64 = u64::from_le_bytes(*b"ENFvis3\n");
-const MARK_OF_PASSAGES: u64 = u64::from_le_bytes(*b"ENFpas2\n");
+const MARK_OF_PASSAGES: u64 = u64::from_le_bytes(*b"ENFpas3\n");
 
 /// Words before the rows: mark, cells, stage, how far, ways, cells.
 const HEAD: usize = 6;
@@ -66,9 +66,8 @@ impl PairsWork {
     /// Returns the passages computed so far. They change in [`Stage::Passages`] alone.
     pub fn save_passages(&self) -> Vec<u8> {
         let ways = self.ways_with_passages();
-        let mut words = vec![MARK_OF_PASSAGES, self.mark(), ways as u64];
-        pack(self.passages.words(ways), &mut words);
-        bytes_of(words)
+        let head = [MARK_OF_PASSAGES, self.mark(), ways as u64];
+        bytes_of([&head, self.passages.words()].concat())
     }
 
     /// Returns the number of ways whose passages are computed.
@@ -117,6 +116,7 @@ impl PairsWork {
         } else if saved.stage == Stage::FirstBound || with_passages == ways {
             work.go_on_from(saved);
         } else {
+            work.passages = Passages::none(&work.ways);
             work.saved = Some(saved);
         }
         Ok(work)
@@ -130,11 +130,8 @@ impl PairsWork {
         if head[1] != self.mark() || ways > self.ways.count() {
             return None;
         }
-        if self.passages.unpack(ways, self.ways.count(), packed) {
-            return Some(ways);
-        }
-        self.passages = Passages::empty(&self.ways);
-        None
+        self.passages = Passages::from_words(&self.ways, ways, packed)?;
+        Some(ways)
     }
 
     fn bytes(&self, stage: Stage, next: usize, bound: &BitRows, known: &Known, order: &[u32]) -> Vec<u8> {
@@ -142,7 +139,7 @@ impl PairsWork {
         let counts = [self.ways.count() as u64, self.ways.cells() as u64];
         let mut words: Vec<u64> = head.into_iter().chain(counts).collect();
         for rows in [bound, &known.cells] {
-            pack(rows.words(0..rows.rows()), &mut words);
+            pack(rows.words(), &mut words);
         }
         words.extend(order.iter().map(|&way| u64::from(way)));
         bytes_of(words)

@@ -139,7 +139,7 @@ impl PairsWork {
         Ok(PairsWork {
             stage: Stage::FirstBound,
             bound: BitRows::new(ways.count(), ways.count()),
-            passages: Passages::empty(&ways),
+            passages: Passages::none(&ways),
             known: Known::new(&ways),
             stale: Vec::new(),
             order: Vec::new(),
@@ -180,7 +180,7 @@ impl PairsWork {
                 }
             }
             Stage::Passages => {
-                self.passages.fill(&self.ways, &self.bound, some);
+                self.passages.compute(&self.ways, &self.bound, some);
                 if self.advance(SIDE_BY_SIDE, Stage::Fixpoint)
                     && let Some(saved) = self.saved.take()
                 {

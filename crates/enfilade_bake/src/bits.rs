@@ -128,8 +128,17 @@ impl PackedRows {
         rest.is_empty().then_some(packed)
     }
 
-    pub(crate) fn push(&mut self, row: &[u64]) {
-        pack(row, &mut self.words);
+    /// Adds a row, given its words that are not zero, each with its number, rising.
+    pub(crate) fn push(&mut self, row: &[(u32, u64)]) {
+        let mut rest = row.iter().peekable();
+        for group in 0..self.words_in_row.div_ceil(64) {
+            let at = self.words.len();
+            self.words.push(0);
+            while let Some((number, word)) = rest.next_if(|(number, _)| *number as usize / 64 == group) {
+                self.words[at] |= 1 << (number % 64);
+                self.words.push(*word);
+            }
+        }
         self.ends.push(self.words.len());
     }
 

@@ -11,10 +11,9 @@
 
 use crate::bits::{BitRows, has, put};
 use crate::passages::Passages;
-use crate::separators::separators;
+use crate::separators::Separators;
 use crate::ways::Ways;
-use crate::winding::{Left, Plane, clip};
-use crate::within::keep_within;
+use crate::winding::{Left, clip};
 use glam::DVec3;
 
 /// One way of a chain.
@@ -26,11 +25,11 @@ struct Step {
     /// What is left of the source, seen from here.
     source: Vec<DVec3>,
     /// The planes between those two.
-    planes: Vec<Plane>,
+    planes: Separators,
     /// What the chain may still see.
     may: Vec<u64>,
-    /// What of that is asked for.
-    asked: Vec<u64>,
+    /// What of that is asked for: words that are not zero, with their numbers.
+    asked: Vec<(u32, u64)>,
     /// The next way to try out of the cell that `way` enters.
     next: usize,
 }
@@ -61,12 +60,10 @@ impl Reached<'_> {
 pub(crate) struct Flow {
     steps: Vec<Step>,
     reached: Vec<u64>,
-    /// The ways still asked for, as now.
-    asked: Vec<u64>,
     after: After,
     in_chain: Vec<bool>,
     scratch: Vec<DVec3>,
-    planes: Vec<Plane>,
+    planes: Separators,
 }
 
 /// What may be seen after passages, of what may be seen from the source: only those words of rows that are not zero there. Chains
@@ -86,9 +83,23 @@ struct After {
 /// Place of a word that is zero.
 const NOWHERE: u32 = u32::MAX;
 
+/// What may be seen after one passage.
+#[derive(Clone, Copy)]
+struct AfterOne<'a> {
+    places: &'a [u32],
+    words: &'a [u64],
+}
+
+impl AfterOne<'_> {
+    /// Returns a word of what may be seen from the source, by its number.
+    fn word(&self, number: u32) -> u64 {
+        self.words[self.places[number as usize] as usize]
+    }
+}
+
 impl After {
     /// Maximum number of words kept.
-    const MOST: usize = 1 << 22;
+    const MOST: usize = 1 << 20;
 
     fn begin(&mut self, bound: &[u64], passages: usize) {
         self.words.clear();
@@ -134,7 +145,7 @@ impl After {
         bound: &BitRows,
         passages: &Passages,
         [first, second]: [usize; 2],
-    ) -> &[u64] {
+    ) -> AfterOne<'_> {
         let number = passages.number(ways, first, second);
         let [mut start, run] = self.starts[number];
         if run != self.run {
@@ -152,7 +163,10 @@ impl After {
                 }
             }
         }
-        &self.rows[start as usize..][..self.words.len()]
+        AfterOne {
+            places: &self.places,
+            words: &self.rows[start as usize..][..self.words.len()],
+        }
     }
 }
 
@@ -173,7 +187,6 @@ impl Flow {
         self.reached.clear();
         self.reached.resize(bound.words_in_row(), 0);
         self.after.begin(bound.row(source), passages.count());
-        self.after.take(asked, &mut self.asked);
         self.in_chain.clear();
         self.in_chain.resize(ways.cells(), false);
         let first = &ways.all[source];
@@ -188,7 +201,9 @@ impl Flow {
         step.source.clone_from(&first.corners);
         step.planes.clear();
         self.after.take(bound.row(source), &mut step.may);
-        step.asked.clone_from(&self.asked);
+        step.asked.clear();
+        step.asked
+            .extend((0..).zip(asked.iter().copied()).filter(|&(_, word)| word != 0));
         step.next = ways.out_of(first.to).start;
         let mut depth = 0;
         loop {
@@ -213,20 +228,14 @@ impl Flow {
             }
             let (before, after) = self.steps.split_at_mut(depth + 1);
             let (step, next) = (&before[depth], &mut after[0]);
-            // What may be seen, and is asked for, after this way.
+            // What is asked for and may be seen after this way.
             let after = self.after.passage(ways, bound, passages, [step.way, number]);
-            next.may.clear();
-            next.may
-                .extend(step.may.iter().zip(after).map(|(may, after)| may & after));
             next.asked.clear();
-            let still = step.asked.iter().zip(&self.asked);
-            next.asked.extend(
-                next.may
-                    .iter()
-                    .zip(still)
-                    .map(|(may, (before, now))| may & before & now),
-            );
-            let any = next.asked.iter().any(|&word| word != 0);
+            next.asked.extend(step.asked.iter().filter_map(|&(number, word)| {
+                let word = word & asked[number as usize] & after.word(number);
+                (word != 0).then_some((number, word))
+            }));
+            let any = !next.asked.is_empty();
             let here = has(asked, number);
             if !any && !here {
                 continue;
@@ -234,36 +243,25 @@ impl Flow {
             // What is left of the way, then of the source.
             let target = &mut next.pass;
             target.clone_from(&way.corners);
-            if clip(target, &first.plane, [&[]; 2], &mut self.scratch) == Left::Nothing {
+            if clip(target, &first.plane, &mut self.scratch) == Left::Nothing {
                 continue;
             }
-            if step.planes.iter().any(|plane| {
-                clip(target, plane, [&step.source, &step.pass], &mut self.scratch) == Left::Nothing
-            }) {
+            let parted: [&[DVec3]; 2] = [&step.source, &step.pass];
+            if step.planes.clip(ways, parted, target, &mut self.scratch) == Left::Nothing {
                 continue;
             }
             next.source.clone_from(&step.source);
-            if clip(
-                &mut next.source,
-                &way.plane.flipped(),
-                [&[]; 2],
-                &mut self.scratch,
-            ) == Left::Nothing
-            {
+            if clip(&mut next.source, &way.plane.flipped(), &mut self.scratch) == Left::Nothing {
                 continue;
             }
             if depth > 0 {
-                self.planes.clear();
-                separators(ways, &next.pass, &step.pass, true, &mut self.planes);
-                let gone = self.planes.iter().any(|plane| {
-                    clip(
-                        &mut next.source,
-                        plane,
-                        [&next.pass, &step.pass],
-                        &mut self.scratch,
-                    ) == Left::Nothing
-                });
-                if gone {
+                let parted: [&[DVec3]; 2] = [&next.pass, &step.pass];
+                self.planes.find(ways, parted, true);
+                if self
+                    .planes
+                    .clip(ways, parted, &mut next.source, &mut self.scratch)
+                    == Left::Nothing
+                {
                     continue;
                 }
             }
@@ -277,24 +275,19 @@ impl Flow {
                 };
                 met(asked, &reached);
                 put(&mut self.reached, number);
-                self.after.take(asked, &mut self.asked);
             }
             if !any {
                 continue;
             }
-            next.planes.clear();
-            separators(ways, &next.source, &next.pass, false, &mut next.planes);
-            let numbers = &self.after.words;
-            keep_within(
-                ways,
-                &next.planes,
-                [&next.source, &next.pass],
-                &mut next.asked,
-                |word| numbers[word] as usize,
-            );
-            if next.asked.iter().all(|&word| word == 0) {
+            let parted: [&[DVec3]; 2] = [&next.source, &next.pass];
+            next.planes.find(ways, parted, false);
+            next.planes.keep_above(ways, parted, &mut next.asked);
+            if next.asked.is_empty() {
                 continue;
             }
+            next.may.clear();
+            next.may
+                .extend(step.may.iter().zip(after.words).map(|(may, after)| may & after));
             next.way = number;
             next.next = ways.out_of(way.to).start;
             self.in_chain[way.to as usize] = true;

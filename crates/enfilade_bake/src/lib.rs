@@ -35,7 +35,6 @@ mod saved;
 mod separators;
 mod ways;
 mod winding;
-mod within;
 mod work;
 
 pub use cells::{Cells, CellsError, Portal};

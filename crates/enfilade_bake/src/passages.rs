@@ -8,10 +8,8 @@
 //! Conservative: lines have no direction, so what one end drops, the other may drop too.
 
 use crate::bits::{BitRows, PackedRows, ones_besides, put};
-use crate::separators::separators;
+use crate::separators::Separators;
 use crate::ways::Ways;
-use crate::winding::Plane;
-use crate::within::keep_within;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -50,18 +48,20 @@ impl Passages {
 
     /// Computes those that begin with the next ways, given what each way may see.
     pub(crate) fn compute(&mut self, ways: &Ways, bound: &BitRows, next: Range<usize>) {
-        let rows = next.into_par_iter().map_init(Vec::new, |planes, first| {
-            let mut rows = PackedRows::new(ways.count());
-            let mut row = vec![0; bound.words_in_row()];
-            for second in ways.out_of(ways.all[first].to) {
-                row.fill(0);
-                if bound.has(first, second) {
-                    after_both(ways, bound, [first, second], planes, &mut row);
+        let rows = next.into_par_iter().map_init(
+            Default::default,
+            |(planes, row): &mut (Separators, Vec<_>), first| {
+                let mut rows = PackedRows::new(ways.count());
+                for second in ways.out_of(ways.all[first].to) {
+                    row.clear();
+                    if bound.has(first, second) {
+                        after_both(ways, bound, [first, second], planes, row);
+                    }
+                    rows.push(row);
                 }
-                rows.push(&row);
-            }
-            rows
-        });
+                rows
+            },
+        );
         for rows in rows.collect::<Vec<PackedRows>>() {
             self.after.append(&rows);
         }
@@ -148,26 +148,13 @@ fn after_both(
     ways: &Ways,
     bound: &BitRows,
     [first, second]: [usize; 2],
-    planes: &mut Vec<Plane>,
-    row: &mut [u64],
+    planes: &mut Separators,
+    row: &mut Vec<(u32, u64)>,
 ) {
-    planes.clear();
-    separators(
-        ways,
-        &ways.all[first].corners,
-        &ways.all[second].corners,
-        false,
-        planes,
-    );
     let both = bound.row(first).iter().zip(bound.row(second));
-    for (word, (of_first, of_second)) in row.iter_mut().zip(both) {
-        *word = of_first & of_second;
-    }
-    keep_within(
-        ways,
-        planes,
-        [&ways.all[first].corners, &ways.all[second].corners],
-        row,
-        |word| word,
-    );
+    let words = both.map(|(of_first, of_second)| of_first & of_second);
+    row.extend((0..).zip(words).filter(|&(_, word)| word != 0));
+    let windings = [first, second].map(|way| ways.all[way].corners.as_slice());
+    planes.find(ways, windings, false);
+    planes.keep_above(ways, windings, row);
 }

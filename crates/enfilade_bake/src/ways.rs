@@ -70,7 +70,6 @@ impl Ways {
                     normal,
                     offset: normal.dot(centre),
                     slack: thick + size * ROUNDING,
-                    sharp: None,
                 },
                 radius: corners
                     .iter()

@@ -10,16 +10,6 @@ pub(crate) struct Plane {
     pub(crate) offset: f64,
     /// How far rounding can have shifted it, anywhere in the world, in units.
     pub(crate) slack: f64,
-    /// The plane itself, where it is known without rounding.
-    pub(crate) sharp: Option<Sharp>,
-}
-
-/// A plane without rounding.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Sharp {
-    /// Counter-clockwise from above, but clockwise where `turned`.
-    pub(crate) through: [DVec3; 3],
-    pub(crate) turned: bool,
 }
 
 impl Plane {
@@ -32,39 +22,7 @@ impl Plane {
             normal: -self.normal,
             offset: -self.offset,
             slack: self.slack,
-            sharp: self.sharp.map(|sharp| Sharp {
-                turned: !sharp.turned,
-                ..sharp
-            }),
         }
-    }
-
-    /// Whether none of a winding is above, for the plane parts `parted`: the first is below it, the second above.
-    /// `most` is how far the winding's highest corner is above, rounded.
-    ///
-    /// What only touches the plane is not above it. Where rounding decides, exact arithmetic does, or the answer is no.
-    pub(crate) fn hides(&self, winding: &[DVec3], most: f64, parted: [&[DVec3]; 2]) -> bool {
-        if most > self.slack {
-            return false;
-        }
-        most < -self.slack
-            || self.sharp.is_some_and(|sharp| {
-                let [below, above] = parted;
-                let none_above = |corners: &[DVec3], side: f64| {
-                    corners.iter().all(|&corner| {
-                        self.above(corner) * side < -self.slack || sharp.above(corner) * side <= 0.0
-                    })
-                };
-                none_above(winding, 1.0) && none_above(below, 1.0) && none_above(above, -1.0)
-            })
-    }
-}
-
-impl Sharp {
-    /// Positive above the plane; only the sign counts, and it is right.
-    fn above(&self, point: DVec3) -> f64 {
-        let above = above_exactly(&self.through, point);
-        if self.turned { -above } else { above }
     }
 }
 
@@ -116,27 +74,26 @@ pub(crate) fn thickness(corners: &[DVec3], normal: DVec3) -> f64 {
 
 /// Cuts off what is below the plane; `kept` is scratch.
 ///
-/// What is left is never smaller than what lies above the plane: the cut is made as far below it as rounding can shift
-/// it. A winding that only touches the plane is left with nothing.
-pub(crate) fn clip(
-    winding: &mut Vec<DVec3>,
-    plane: &Plane,
-    parted: [&[DVec3]; 2],
-    kept: &mut Vec<DVec3>,
-) -> Left {
-    let mut least = f64::INFINITY;
-    let mut most = f64::NEG_INFINITY;
-    for &corner in winding.iter() {
-        let above = plane.above(corner);
+/// What is left is never smaller than what lies above the plane: the cut is made as far below it as rounding can shift it.
+pub(crate) fn clip(winding: &mut Vec<DVec3>, plane: &Plane, kept: &mut Vec<DVec3>) -> Left {
+    let heights = winding.iter().map(|&corner| plane.above(corner));
+    let [mut least, mut most] = [f64::INFINITY, f64::NEG_INFINITY];
+    for above in heights {
         least = least.min(above);
         most = most.max(above);
     }
-    if plane.hides(winding, most, parted) {
+    if most < -plane.slack {
         return Left::Nothing;
     }
     if least >= -plane.slack {
         return Left::All;
     }
+    cut(winding, plane, kept);
+    Left::Part
+}
+
+/// As [`clip`], of a winding that has corners on both sides.
+pub(crate) fn cut(winding: &mut Vec<DVec3>, plane: &Plane, kept: &mut Vec<DVec3>) {
     kept.clear();
     let mut before = winding[winding.len() - 1];
     let mut before_above = plane.above(before) + plane.slack;
@@ -153,5 +110,4 @@ pub(crate) fn clip(
         before_above = above;
     }
     std::mem::swap(winding, kept);
-    Left::Part
 }

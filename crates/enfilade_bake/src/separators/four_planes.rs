@@ -1,24 +1,39 @@
-//! Planes through four edges of a winding at once, each turned about its edge until it rests on another winding.
+//! Four planes at once: each turned about an edge of a winding until it rests on another winding.
 //!
 //! Edges lie abreast; the other winding's corners come one after another, and each lane keeps the lowest so far.
 //! Source: the wrapping of gifts (Chand, Kapur. An Algorithm for Convex Polytopes. Journal of the ACM 17, 1970), one turn.
 //! Cost: O(corners of both) for four edges, without branches.
-//! The same operations in the same order at any SIMD level: the bits are those of one edge at a time.
+//! The same operations in the same order at any SIMD level: the bits are those of one plane at a time.
 
 use super::{NEEDLE, ROUNDING};
-use crate::winding::Plane;
-use fearless_simd::f64x4;
+use crate::winding::{Plane, above_exactly};
 use fearless_simd::prelude::*;
+use fearless_simd::{f64x4, mask64x4};
 use glam::DVec3;
 
-/// Planes through four edges, lane by lane.
-pub(super) struct FourEdges {
+/// Four planes, lane by lane; lanes without one have everything above.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FourPlanes {
     normal: [[f64; 4]; 3],
     offset: [f64; 4],
     slack: [f64; 4],
-    touching: [f64; 4],
-    /// A bit for each lane: whether its plane has the edged winding below and the other above.
+    /// The corners that each is through: the ends of an edge of one winding, and a corner of the other.
+    ends: [[usize; 2]; 4],
+    touched: [usize; 4],
+    /// Whether the winding with the edges is the one above.
+    edges_above: bool,
+    /// A bit for each lane that has a plane.
     parts: u64,
+}
+
+/// Where a winding lies, a bit for each lane.
+pub(super) struct Heights {
+    /// All of it below, for sure.
+    pub(super) below: u64,
+    /// None of it above, or so little that rounding could decide.
+    pub(super) touching: u64,
+    /// Some of it below, for sure.
+    pub(super) cut: u64,
 }
 
 /// The edges, lane by lane.
@@ -29,17 +44,17 @@ struct Edges<S: Simd> {
     length_squared: f64x4<S>,
 }
 
-impl FourEdges {
+impl FourPlanes {
     /// `ends` are the corners of `edged` from which and to which each edge goes; lanes may repeat. `size` is the farthest
-    /// that two corners of the world are apart.
+    /// that two corners of the world are apart. With `edges_above` planes are turned to have `edged` above.
     #[inline(always)]
     pub(super) fn rest<S: Simd>(
         simd: S,
         ends: [[usize; 2]; 4],
-        edged: &[DVec3],
-        other: &[DVec3],
+        [edged, other]: [&[DVec3]; 2],
+        edges_above: bool,
         size: f64,
-    ) -> FourEdges {
+    ) -> FourPlanes {
         let splat = |value: f64| f64x4::splat(simd, value);
         let edges = Edges::of(simd, ends, edged);
         let mut cross = [splat(0.0); 3];
@@ -62,26 +77,122 @@ impl FourEdges {
         let length = squared.sqrt();
         let normal = [cross[0] / length, cross[1] / length, cross[2] / length];
         let (parts, sine_squared) = edges.part(simd, [edged, other], normal, squared / lengths_squared);
-        FourEdges {
-            normal: [normal[0].into(), normal[1].into(), normal[2].into()],
-            offset: dot(normal, edges.from).into(),
+        let parts = parts & found;
+        let up = splat(if edges_above { -1.0 } else { 1.0 });
+        let [zero, nowhere] = [splat(0.0), splat(f64::NEG_INFINITY)];
+        let touching: [f64; 4] = touching.into();
+        FourPlanes {
+            normal: [
+                parts.select(normal[0] * up, zero).into(),
+                parts.select(normal[1] * up, zero).into(),
+                parts.select(normal[2] * up, zero).into(),
+            ],
+            offset: parts.select(dot(normal, edges.from) * up, nowhere).into(),
             slack: ((splat(1.0) / sine_squared.sqrt() + 1.0) * (8.0 * ROUNDING * size)).into(),
-            touching: touching.into(),
-            parts: parts & found.to_bitmask(),
+            ends,
+            touched: [
+                touching[0] as usize,
+                touching[1] as usize,
+                touching[2] as usize,
+                touching[3] as usize,
+            ],
+            edges_above,
+            parts: parts.to_bitmask(),
         }
     }
 
-    /// The plane of a lane, without its exact form, and the corner of the other winding on which it rests.
-    pub(super) fn lane(&self, lane: usize) -> Option<(Plane, usize)> {
-        (self.parts >> lane & 1 != 0).then(|| {
-            let plane = Plane {
-                normal: DVec3::new(self.normal[0][lane], self.normal[1][lane], self.normal[2][lane]),
-                offset: self.offset[lane],
-                slack: self.slack[lane],
-                sharp: None,
-            };
-            (plane, self.touching[lane] as usize)
-        })
+    /// Leaves the first lanes; `None` if none of them has a plane.
+    pub(super) fn first(mut self, lanes: usize) -> Option<FourPlanes> {
+        for lane in lanes..4 {
+            self.parts &= !(1 << lane);
+            self.normal.iter_mut().for_each(|axis| axis[lane] = 0.0);
+            self.offset[lane] = f64::NEG_INFINITY;
+        }
+        (self.parts != 0).then_some(self)
+    }
+
+    /// Returns the plane of a lane.
+    pub(super) fn plane(&self, lane: usize) -> Plane {
+        Plane {
+            normal: DVec3::new(self.normal[0][lane], self.normal[1][lane], self.normal[2][lane]),
+            offset: self.offset[lane],
+            slack: self.slack[lane],
+        }
+    }
+
+    /// As [`Plane::above`].
+    #[inline(always)]
+    fn above<S: Simd>(&self, simd: S, point: DVec3) -> f64x4<S> {
+        let lanes = |of: [f64; 4]| f64x4::simd_from(simd, of);
+        let splat = |value: f64| f64x4::splat(simd, value);
+        let [x, y, z] = &self.normal;
+        lanes(*x) * splat(point.x) + lanes(*y) * splat(point.y) + lanes(*z) * splat(point.z)
+            - lanes(self.offset)
+    }
+
+    #[inline(always)]
+    pub(super) fn heights<S: Simd>(&self, simd: S, winding: &[DVec3]) -> Heights {
+        let mut least = f64x4::splat(simd, f64::INFINITY);
+        let mut most = f64x4::splat(simd, f64::NEG_INFINITY);
+        for &corner in winding {
+            let above = self.above(simd, corner);
+            least = least.min(above);
+            most = most.max(above);
+        }
+        let slack = f64x4::simd_from(simd, self.slack);
+        Heights {
+            below: most.simd_lt(-slack).to_bitmask(),
+            touching: most.simd_le(slack).to_bitmask(),
+            cut: least.simd_lt(-slack).to_bitmask(),
+        }
+    }
+
+    /// Whether a way is below one of the planes between `parted`: for most by its sphere.
+    #[inline(always)]
+    pub(super) fn hides_way<S: Simd>(
+        &self,
+        simd: S,
+        parted: [&[DVec3]; 2],
+        (centre, radius): (DVec3, f64),
+        corners: &[DVec3],
+    ) -> bool {
+        let middle = self.above(simd, centre);
+        let reach = f64x4::simd_from(simd, self.slack) + radius;
+        let near = middle.simd_le(reach);
+        if !near.any_true() {
+            return false;
+        }
+        if middle.simd_lt(-reach).any_true() {
+            return true;
+        }
+        let heights = self.heights(simd, corners);
+        let touching = heights.touching & near.to_bitmask();
+        heights.below != 0
+            || (0..4).any(|lane| touching >> lane & 1 != 0 && self.hides_exactly(lane, parted, corners))
+    }
+
+    /// Whether none of a winding is above the plane of a lane between `parted`, which is so close to it that rounding could
+    /// decide: exactly, and also whether the plane parts those.
+    ///
+    /// What only touches the plane is not above it.
+    pub(super) fn hides_exactly(&self, lane: usize, parted: [&[DVec3]; 2], winding: &[DVec3]) -> bool {
+        let [below, above] = parted;
+        let (edged, other) = if self.edges_above {
+            (above, below)
+        } else {
+            (below, above)
+        };
+        let [from, to] = self.ends[lane];
+        let through = [edged[from], edged[to], other[self.touched[lane]]];
+        let up = if self.edges_above { -1.0 } else { 1.0 };
+        let plane = self.plane(lane);
+        let none_above = |corners: &[DVec3], side: f64| {
+            corners.iter().all(|&corner| {
+                plane.above(corner) * side < -plane.slack
+                    || above_exactly(&through, corner) * up * side <= 0.0
+            })
+        };
+        none_above(winding, 1.0) && none_above(below, 1.0) && none_above(above, -1.0)
     }
 }
 
@@ -117,8 +228,8 @@ impl<S: Simd> Edges<S> {
         ]
     }
 
-    /// A bit for each lane: whether all corners are on their sides, or so close to the plane that it may rest on them;
-    /// and the least sine, squared, between the edge and one of those.
+    /// Whether all corners are on their sides, or so close to the plane that it may rest on them; and the least sine, squared,
+    /// between the edge and one of those.
     #[inline(always)]
     fn part(
         &self,
@@ -126,7 +237,7 @@ impl<S: Simd> Edges<S> {
         [edged, other]: [&[DVec3]; 2],
         normal: [f64x4<S>; 3],
         mut sine_squared: f64x4<S>,
-    ) -> (u64, f64x4<S>) {
+    ) -> (mask64x4<S>, f64x4<S>) {
         let zero = f64x4::splat(simd, 0.0);
         let mut parts = zero.simd_eq(zero);
         for (winding, side) in [(edged, -1.0), (other, 1.0)] {
@@ -135,17 +246,17 @@ impl<S: Simd> Edges<S> {
                 let above = dot(normal, reach) * side;
                 let reach_squared = dot(reach, reach);
                 let clear = (above * above * sine_squared).simd_gt(reach_squared * (ROUNDING * ROUNDING));
+                parts &= !(clear & above.simd_lt(0.0));
                 let turned = crossed(self.along, reach);
                 let off_edge = dot(turned, turned);
                 let lengths = self.length_squared * reach_squared;
                 // What lies on the edge is on no side; what is all but in line with it says nothing sure.
                 let rests = !clear & off_edge.simd_gt(0.0);
-                let needle = off_edge.simd_le(lengths * NEEDLE);
-                parts &= !((clear & above.simd_lt(0.0)) | (rests & needle));
+                parts &= !(rests & off_edge.simd_le(lengths * NEEDLE));
                 sine_squared = rests.select(sine_squared.min(off_edge / lengths), sine_squared);
             }
         }
-        (parts.to_bitmask(), sine_squared)
+        (parts, sine_squared)
     }
 }
 
@@ -238,12 +349,25 @@ mod tests {
             let ends = [[3, 0], [0, 1], [1, 2], [2, 3]]
                 .map(|[from, to]| if seed % 3 == 0 { [to, from] } else { [from, to] });
             for level in [Level::new(), Level::baseline()] {
-                let four = dispatch!(level, simd => FourEdges::rest(simd, ends, &edged, &other, 100.0));
+                let windings = [edged.as_slice(), &other];
+                let rest =
+                    |above| dispatch!(level, simd => FourPlanes::rest(simd, ends, windings, above, 100.0));
+                let [four, flipped] = [false, true].map(rest);
                 for (lane, ends) in ends.into_iter().enumerate() {
                     let one = through(ends.map(|end| edged[end]), &edged, &other, 100.0);
-                    let found = four.lane(lane);
-                    let found = found.map(|(plane, at)| (plane.normal, plane.offset, plane.slack, at));
+                    let (plane, turned) = (four.plane(lane), flipped.plane(lane).flipped());
+                    let found = (four.parts >> lane & 1 != 0).then_some((
+                        plane.normal,
+                        plane.offset,
+                        plane.slack,
+                        four.touched[lane],
+                    ));
                     assert_eq!(found, one, "seed {seed}, lane {lane}");
+                    if found.is_some() {
+                        assert_eq!((plane.normal, plane.offset), (turned.normal, turned.offset));
+                    } else {
+                        assert_eq!(plane.above(other[0]), f64::INFINITY, "seed {seed}, lane {lane}");
+                    }
                     parts += u32::from(found.is_some());
                 }
             }

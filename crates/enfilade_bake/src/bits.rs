@@ -169,14 +169,12 @@ impl PackedRows {
 /// Appends words without those that are zero: before each 64 one whose bits say which of them follow.
 pub(crate) fn pack(words: &[u64], packed: &mut Vec<u64>) {
     for group in words.chunks(64) {
-        let at = packed.len();
-        packed.push(0);
         let mut present = 0;
-        for (bit, &word) in group.iter().enumerate().filter(|&(_, &word)| word != 0) {
-            present |= 1 << bit;
-            packed.push(word);
+        for (bit, &word) in group.iter().enumerate() {
+            present |= u64::from(word != 0) << bit;
         }
-        packed[at] = present;
+        packed.push(present);
+        packed.extend(ones_of(0, present).map(|at| group[at]));
     }
 }
 

@@ -162,9 +162,9 @@ impl PairsWork {
 /// Returns the words and a sum over them as bytes.
 fn bytes_of(mut words: Vec<u64>) -> Vec<u8> {
     words.push(sum_of(words.iter().copied()));
-    let mut bytes = Vec::with_capacity(words.len() * 8);
-    for word in words {
-        bytes.extend_from_slice(&word.to_le_bytes());
+    let mut bytes = vec![0; words.len() * 8];
+    for (bytes, word) in bytes.as_chunks_mut::<8>().0.iter_mut().zip(words) {
+        *bytes = word.to_le_bytes();
     }
     bytes
 }

@@ -245,10 +245,8 @@ fn work(
                 .save_every
                 .map_or_else(|| between_saves(start.elapsed(), cost), Duration::from_secs_f64);
             if is_over || is_stopped() || saved.elapsed() >= every {
-                let before = Instant::now();
-                unfinished.save(&work)?;
+                cost = unfinished.save(&work)?;
                 saved = Instant::now();
-                cost = saved - before;
             }
             if is_stopped() {
                 bail!("{}", stopped(&args.map, unfinished));

@@ -13,6 +13,7 @@ use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 /// The files `MAP.bsp.vis-unfinished` and `MAP.bsp.vis-passages`.
 pub(super) struct Unfinished {
@@ -93,20 +94,25 @@ impl Unfinished {
         self.passages_saved_in = Some(work.stage());
     }
 
-    /// Writes how far the work is.
-    pub(super) fn save(&mut self, work: &PairsWork) -> Result<()> {
+    /// Writes how far the work is; returns how long that takes if it is done again soon.
+    pub(super) fn save(&mut self, work: &PairsWork) -> Result<Duration> {
+        let start = Instant::now();
         if !self.is_free() {
-            return Ok(());
+            return Ok(start.elapsed());
         }
         self.held = Some(self.destination.write(&work.save())?);
+        let mut cost = start.elapsed();
         let is_known = self
             .passages_saved_in
             .is_some_and(|stage| stage > Stage::Passages);
         if work.stage() >= Stage::Passages && !is_known {
             self.passages.write(&work.save_passages())?;
             self.passages_saved_in = Some(work.stage());
+            if work.stage() == Stage::Passages {
+                cost = start.elapsed();
+            }
         }
-        Ok(())
+        Ok(cost)
     }
 
     /// The work is done.

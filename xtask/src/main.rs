@@ -1,9 +1,9 @@
-//! Commands for those who work on Enfilade: `cargo xtask verify`, `cargo xtask fuzz-scenes`,
-//! `cargo xtask ci-long`, `cargo xtask charts`.
+//! Developer commands: `cargo xtask verify`, `fuzz-scenes`, `fingerprint`, `ci-long` and `charts`.
 #![forbid(unsafe_code)]
 
 mod charts;
 mod ci_long;
+mod fingerprint;
 mod fuzz_scenes;
 mod verify;
 
@@ -17,6 +17,8 @@ enum Task {
     Verify(verify::Args),
     /// Tests every method on small random scenes that are hard to get right, from hard viewpoints
     FuzzScenes(fuzz_scenes::Args),
+    /// Writes the visible sets and picture hashes of all methods to a file, and compares it with an earlier one
+    Fingerprint(fingerprint::Args),
     /// Runs what is too long for `.ci/run`: both of the above, and the tests that are ignored elsewhere; takes hours
     CiLong(ci_long::Args),
     /// Measures every method on every scene, and draws the book's charts of it; takes half an hour
@@ -27,6 +29,7 @@ fn main() -> anyhow::Result<()> {
     match Task::parse() {
         Task::Verify(args) => verify::run(&args),
         Task::FuzzScenes(args) => fuzz_scenes::run(&args),
+        Task::Fingerprint(args) => fingerprint::run(&args),
         Task::CiLong(args) => ci_long::run(&args),
         Task::Charts(args) => charts::run(&args),
     }

@@ -87,7 +87,7 @@ fn methods(names: &[String]) -> Result<Vec<Method>> {
 }
 
 /// The scenes that are meant, by name.
-fn scenes(named: &[String]) -> Result<Vec<String>> {
+pub(crate) fn scenes(named: &[String]) -> Result<Vec<String>> {
     let mut all = Vec::new();
     if named.is_empty() {
         all.extend(enfilade_scenes::NAMES.iter().map(|name| format!("@{name}")));
@@ -116,7 +116,7 @@ fn files_in(folder: &Path) -> Result<Vec<String>> {
     Ok(files.iter().map(|path| path.display().to_string()).collect())
 }
 
-fn open(name: &str) -> Result<Scene> {
+pub(crate) fn open(name: &str) -> Result<Scene> {
     if let Some(built_in) = name.strip_prefix('@') {
         let built = enfilade_scenes::built_in(built_in);
         return Ok(built.context("there is no such built-in scene")?.scene);

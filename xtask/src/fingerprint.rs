@@ -88,7 +88,7 @@ fn fingerprint(name: &str, args: &Args, lines: &mut Vec<String>) -> Result<()> {
         let mut viewer = Viewer::new();
         for (number, place) in places.iter().enumerate() {
             let mut view = View::new(place.eye, place.toward, [args.size[0], args.size[1]]);
-            view.fragment = Some(place.fragment);
+            view.sector = Some(place.sector);
             let picture = stage.draw(&mut viewer, &scene, &view, &Settings::default());
             let mut sum = Sum::new();
             sum.add_bytes(picture.image.as_raw());
@@ -104,21 +104,21 @@ fn fingerprint(name: &str, args: &Args, lines: &mut Vec<String>) -> Result<()> {
     Ok(())
 }
 
-/// Formats the items of a set by fragment, as ranges of item indices: `0: 3-5 9; 2: 0`.
+/// Formats the items of a set by sector, as ranges of item indices: `0: 3-5 9; 2: 0`.
 fn items_of(set: &VisibleSet) -> String {
-    let mut by_fragment: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    let mut by_sector: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for item in set.items() {
-        let fragment = set.passage(item.passage).fragment;
-        by_fragment.entry(fragment.0).or_default().push(item.item.0);
+        let sector = set.passage(item.passage).sector;
+        by_sector.entry(sector.0).or_default().push(item.item.0);
     }
     let mut text = format!("{} items in {} passages", set.items().len(), set.passages().len());
     if !set.complete() {
         text.push_str(", not complete");
     }
-    for (fragment, mut items) in by_fragment {
+    for (sector, mut items) in by_sector {
         items.sort_unstable();
         items.dedup();
-        _ = write!(text, "; {fragment}:");
+        _ = write!(text, "; {sector}:");
         for run in items.chunk_by(|a, b| a + 1 == *b) {
             _ = match run {
                 [one] => write!(text, " {one}"),
@@ -136,7 +136,7 @@ fn sum_of(set: &VisibleSet) -> u64 {
     for passage in set.passages() {
         sum.add(passage.parent.map_or(u64::MAX, |parent| parent.0.into()));
         sum.add(passage.portal.map_or(u64::MAX, |portal| portal.0.into()));
-        sum.add(passage.fragment.0.into());
+        sum.add(passage.sector.0.into());
         sum.add(passage.crossings.into());
         sum.add(passage.near.to_bits().into());
     }

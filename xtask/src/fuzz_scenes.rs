@@ -129,7 +129,7 @@ fn print(seed: u64, number: usize, view: &View, visible: usize) {
 
 /// Lists the openings, portals and items of a scene.
 fn describe(scene: &Scene) {
-    for id in scene.fragments() {
+    for id in scene.sectors() {
         println!("{id:?}: {:?}", scene.bounds(id));
         let Some(content) = scene.content(id) else {
             continue;

@@ -182,7 +182,7 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
     }
     let [size, strict_size] = [&args.size, &args.strict_size].map(|size| [size[0], size[1]]);
     let limits = Viewer::new().limits();
-    let at_first: Vec<usize> = (scene.fragments())
+    let at_first: Vec<usize> = (scene.sectors())
         .map(|id| scene.content(id).map_or(0, |content| content.item_count()))
         .collect();
     let (mut wrong, mut visible, mut edited, mut glass) = (0, 0, 0, 0);
@@ -196,8 +196,8 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
             reference = Reference::new(&scene);
         }
         let mut view = View::new(place.eye, place.toward, size);
-        // Things that move may take the boxes of fragments along.
-        view.fragment = Some(place.fragment);
+        // Things that move may take the boxes of sectors along.
+        view.sector = Some(place.sector);
         let truth = reference.see(&scene, &view, &limits);
         let layers = args.glass.then(|| reference.layers(&scene, &view, &limits));
         visible += truth.visible().len();

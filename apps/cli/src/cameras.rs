@@ -8,7 +8,7 @@ use crate::read::read_file;
 use crate::text::{plural, short};
 use crate::values::among;
 use anyhow::{Context, Result, anyhow, bail};
-use enfilade::{FragmentId, Ray, Scene, Standpoint, Survey, View, Viewer, survey_hard};
+use enfilade::{Ray, Scene, SectorId, Standpoint, Survey, View, Viewer, survey_hard};
 use glam::DVec3;
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -26,7 +26,7 @@ pub(crate) struct Camera {
     /// What is nearer is not seen; `None` where the scene does not say.
     near: Option<f32>,
     /// Where to look from; `None`: where the eye stands.
-    fragment: Option<FragmentId>,
+    sector: Option<SectorId>,
     /// What an orthographic one shows from bottom to top.
     pub(crate) height: Option<f32>,
 }
@@ -40,7 +40,7 @@ impl From<enfilade_import::Camera> for Camera {
             up,
             fov_y,
             near,
-            fragment,
+            sector,
             height,
         } = camera;
         Camera {
@@ -50,7 +50,7 @@ impl From<enfilade_import::Camera> for Camera {
             up,
             fov_y,
             near: Some(near),
-            fragment,
+            sector,
             height,
         }
     }
@@ -73,7 +73,7 @@ impl From<enfilade_scenes::Camera> for Camera {
             up,
             fov_y,
             near: None,
-            fragment: None,
+            sector: None,
             height: None,
         }
     }
@@ -86,7 +86,7 @@ impl Camera {
         view.up = args.up.unwrap_or(self.up);
         view.fov_y = args.fov.map_or(self.fov_y, f32::to_radians);
         view.near = self.near.unwrap_or(view.near);
-        view.fragment = self.fragment;
+        view.sector = self.sector;
         view
     }
 }
@@ -267,7 +267,7 @@ fn is_under_sky(scene: &Scene, place: &Standpoint) -> bool {
         origin: place.eye,
         direction: [0.0, 1.0, 0.0],
     };
-    scene.fragment(place.fragment).cast(&up).is_none()
+    scene.sector(place.sector).cast(&up).is_none()
 }
 
 fn survey(scene: &Scene, count: usize) -> Survey {
@@ -278,7 +278,7 @@ fn survey(scene: &Scene, count: usize) -> Survey {
 /// All of a scene, from before it and above.
 fn from_outside(args: &CameraArgs, scene: &Scene) -> View {
     let boxes = scene
-        .fragments()
+        .sectors()
         .map(|id| scene.bounds(id))
         .filter(|bounds| !bounds.is_empty());
     let nowhere = || plain(args, [0.0; 3], [0.0, 0.0, -1.0]);
@@ -390,7 +390,7 @@ fn read_path(path: &Path, args: &CameraArgs) -> Result<Vec<View>> {
 
 /// Do rays in all directions end, most of them at the backs of faces? `false` when unsure.
 fn is_among_backs(scene: &Scene, view: &View) -> bool {
-    let Some(fragment) = scene.fragment_of(view) else {
+    let Some(sector) = scene.sector_of(view) else {
         return false;
     };
     let steps = [-1.0_f32, 0.0, 1.0];
@@ -400,7 +400,7 @@ fn is_among_backs(scene: &Scene, view: &View) -> bool {
         .flat_map(|[x, y]| steps.map(|z| [x, y, z]));
     let (mut rays, mut from_behind) = (0, 0);
     for direction in directions.filter(|direction| *direction != [0.0; 3]) {
-        let Some(hit) = scene.fragment(fragment).cast(&Ray {
+        let Some(hit) = scene.sector(sector).cast(&Ray {
             origin: view.eye,
             direction,
         }) else {

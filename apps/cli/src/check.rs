@@ -4,13 +4,13 @@ use crate::prepare::{Prepared, in_files};
 use crate::progress::Progress;
 use anyhow::{Result, bail};
 use enfilade::laws::{OwnerPicture, Reference, Truth, Verdict};
-use enfilade::{Contract, FragmentId, ItemId, Scene, View, Viewer};
+use enfilade::{Contract, ItemId, Scene, SectorId, View, Viewer};
 
 /// What was found at a view.
 pub(crate) struct Found {
     pub(crate) reference_visible: usize,
     /// From the look, the drawing or both.
-    pub(crate) missed: Vec<(FragmentId, ItemId)>,
+    pub(crate) missed: Vec<(SectorId, ItemId)>,
     pub(crate) extra: usize,
     pub(crate) pixels_different: u64,
     pub(crate) pixels_contested: u64,
@@ -19,7 +19,7 @@ pub(crate) struct Found {
 }
 
 /// Items that may own the same samples, and how many; most often their faces coincide.
-pub(crate) type Contested = (Vec<(FragmentId, ItemId)>, u64);
+pub(crate) type Contested = (Vec<(SectorId, ItemId)>, u64);
 
 /// So many groups of contested items are named for a view.
 const MOST_CONTESTED: usize = 8;

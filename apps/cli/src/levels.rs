@@ -5,7 +5,7 @@ use crate::out;
 use crate::prepare::Prepared;
 use crate::text::count;
 use anyhow::Result;
-use enfilade::{DetailOptions, Details, FragmentId, ItemId, Scene, View, Viewer};
+use enfilade::{DetailOptions, Details, ItemId, Scene, SectorId, View, Viewer};
 use enfilade_import::details_of;
 
 /// A scene's large items, by levels, and what they were.
@@ -40,8 +40,8 @@ impl Leveled {
         for _ in 0..MOST_STEPS {
             let set = viewer.look(&prepared.scene, view);
             let refined = self.details.refine(&mut prepared.scene, &[set])?;
-            for (fragment, item, why) in &refined.failed {
-                let content = self.full.content(*fragment);
+            for (sector, item, why) in &refined.failed {
+                let content = self.full.content(*sector);
                 let name = content.map_or("", |content| content.name(*item));
                 out::warn(format_args!("no coarser levels of detail for `{name}`: {why}"));
             }
@@ -52,17 +52,17 @@ impl Leveled {
         viewer.look(&prepared.scene, view);
         let seen = measure::distinct(viewer.visible());
         let triangles = |scene: &Scene| -> u64 {
-            let of = |&(fragment, item): &(FragmentId, ItemId)| {
+            let of = |&(sector, item): &(SectorId, ItemId)| {
                 scene
-                    .content(fragment)
+                    .content(sector)
                     .map_or(0, |content| content.mesh_of(item).triangle_count())
             };
             seen.iter().map(of).sum()
         };
         let [full, now] = [&self.full, &prepared.scene].map(triangles);
-        let items = seen.iter().filter(|(fragment, item)| {
-            let level = self.details.level(*fragment, *item).flatten();
-            level.is_some() && !hides(&prepared.scene, *fragment, *item)
+        let items = seen.iter().filter(|(sector, item)| {
+            let level = self.details.level(*sector, *item).flatten();
+            level.is_some() && !hides(&prepared.scene, *sector, *item)
         });
         Ok(format!(
             "; {} of them by coarser levels: {} triangles in place of {}",
@@ -74,7 +74,7 @@ impl Leveled {
 }
 
 /// Is an item drawn as it is? Coarser levels hide nothing.
-fn hides(scene: &Scene, fragment: FragmentId, item: ItemId) -> bool {
-    let content = scene.content(fragment);
+fn hides(scene: &Scene, sector: SectorId, item: ItemId) -> bool {
+    let content = scene.content(sector);
     content.is_some_and(|content| content.item(item).hides)
 }

@@ -140,7 +140,7 @@ fn for_people(scene: &SceneReport, reports: &[Report]) -> String {
         file,
         items,
         triangles,
-        fragments,
+        sectors,
         portals,
     } = scene;
     let mut text = format!(
@@ -148,12 +148,8 @@ fn for_people(scene: &SceneReport, reports: &[Report]) -> String {
         plural(*items, "item"),
         count(*triangles)
     );
-    if *fragments != 1 || *portals > 0 {
-        text += &format!(
-            ", {}, {}",
-            plural(*fragments, "fragment"),
-            plural(*portals, "portal")
-        );
+    if *sectors != 1 || *portals > 0 {
+        text += &format!(", {}, {}", plural(*sectors, "sector"), plural(*portals, "portal"));
     }
     text.push('\n');
     for report in reports {
@@ -167,7 +163,7 @@ fn for_people(scene: &SceneReport, reports: &[Report]) -> String {
 fn add_report(text: &mut String, report: &Report) {
     let [width, height] = report.size;
     let method = if report.method == "own" {
-        "each fragment by its own method"
+        "each sector by its own method"
     } else {
         report.method
     };
@@ -243,8 +239,8 @@ fn add_passages(text: &mut String, passages: &[WayReport]) {
     let row = |way: &WayReport| {
         vec![
             match &way.portal {
-                Some(portal) => format!("{} through {portal}", way.fragment),
-                None => way.fragment.clone(),
+                Some(portal) => format!("{} through {portal}", way.sector),
+                None => way.sector.clone(),
             },
             way.crossings.to_string(),
             way.contract.to_string(),
@@ -317,7 +313,7 @@ mod tests {
     use crate::check::Found;
     use crate::open::open;
     use clap::Parser;
-    use enfilade::{Contract, FragmentId, ItemId};
+    use enfilade::{Contract, ItemId, SectorId};
 
     #[test]
     fn what_is_missed_or_painted_wrongly_fails_unless_the_method_is_approximate() {
@@ -337,7 +333,7 @@ mod tests {
         let views = cameras::views(&args.cameras, &opened).expect("a view");
         let (prepared, _) =
             prepare(&opened, Choice::Own, Aim::Look, &args.methods.how, views.first()).expect("it fits");
-        let fails_with = |contract, missed: &[(FragmentId, ItemId)], pixels_different| {
+        let fails_with = |contract, missed: &[(SectorId, ItemId)], pixels_different| {
             let progress = Progress::spinner("looking");
             let looks = measure::looks(&prepared[0], &views, &mut prepared[0].viewer(), &progress);
             let mut report = Report::new(&opened, &prepared[0], &views, args.cameras.size, looks);
@@ -355,7 +351,7 @@ mod tests {
             report.contract = contract;
             report.breaks_its_contract()
         };
-        let item = (FragmentId(0), ItemId(0));
+        let item = (SectorId(0), ItemId(0));
         assert!(!fails_with(Contract::Exact, &[], 0));
         assert!(fails_with(Contract::Exact, &[item], 0));
         assert!(fails_with(Contract::Conservative, &[], 1));

@@ -7,7 +7,7 @@ use crate::open::Opened;
 use crate::prepare::Prepared;
 use crate::progress::Progress;
 use crate::report::Report;
-use enfilade::{Contract, FragmentId, ItemId, OpeningId, Passage, Scene, View, Viewer, VisibleSet};
+use enfilade::{Contract, ItemId, OpeningId, Passage, Scene, SectorId, View, Viewer, VisibleSet};
 use enfilade_draw::{Settings, Show};
 use std::time::Instant;
 
@@ -24,16 +24,16 @@ pub(crate) struct Look {
     pub(crate) triangles_visible: u64,
     pub(crate) complete: bool,
     /// Over all passages, each once, in order.
-    pub(crate) visible: Vec<(FragmentId, ItemId)>,
+    pub(crate) visible: Vec<(SectorId, ItemId)>,
     /// For each of these the longer side of its box on the screen, in pixels: the largest over all passages.
     pub(crate) sizes_px: Vec<u16>,
 }
 
 /// A passage of a look.
 pub(crate) struct Way {
-    pub(crate) fragment: FragmentId,
+    pub(crate) sector: SectorId,
     /// The opening that its portal leads out of.
-    pub(crate) through: Option<(FragmentId, OpeningId)>,
+    pub(crate) through: Option<(SectorId, OpeningId)>,
     pub(crate) crossings: u16,
     pub(crate) contract: Contract,
     pub(crate) items_visible: usize,
@@ -185,7 +185,7 @@ fn ways(set: &VisibleSet, scene: &Scene) -> Vec<Way> {
     let way = |passage: &Passage| {
         let portal = passage.portal.map(|portal| &scene.portals()[portal.0 as usize]);
         Way {
-            fragment: passage.fragment,
+            sector: passage.sector,
             through: portal.map(|portal| (portal.from, portal.opening)),
             crossings: passage.crossings,
             contract: passage.contract,
@@ -200,11 +200,11 @@ fn ways(set: &VisibleSet, scene: &Scene) -> Vec<Way> {
 }
 
 /// The items of a set over all passages, each once, in order.
-pub(crate) fn distinct(set: &VisibleSet) -> Vec<(FragmentId, ItemId)> {
+pub(crate) fn distinct(set: &VisibleSet) -> Vec<(SectorId, ItemId)> {
     let mut items: Vec<_> = set
         .items()
         .iter()
-        .map(|seen| (set.passage(seen.passage).fragment, seen.item))
+        .map(|seen| (set.passage(seen.passage).sector, seen.item))
         .collect();
     items.sort_unstable();
     items.dedup();
@@ -212,10 +212,10 @@ pub(crate) fn distinct(set: &VisibleSet) -> Vec<(FragmentId, ItemId)> {
 }
 
 /// Returns the sizes in pixels of the items `visible`, which are those of a set in order.
-fn sizes_px(set: &VisibleSet, visible: &[(FragmentId, ItemId)]) -> Vec<u16> {
+fn sizes_px(set: &VisibleSet, visible: &[(SectorId, ItemId)]) -> Vec<u16> {
     let mut sizes = vec![0; visible.len()];
     for seen in set.items() {
-        let item = (set.passage(seen.passage).fragment, seen.item);
+        let item = (set.passage(seen.passage).sector, seen.item);
         if let Ok(place) = visible.binary_search(&item) {
             sizes[place] = seen.size_px.max(sizes[place]);
         }

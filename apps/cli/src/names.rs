@@ -1,14 +1,14 @@
 //! Names of items that are unique in a scene.
 
-use enfilade::{FragmentId, ItemId, Scene};
+use enfilade::{ItemId, Scene, SectorId};
 use std::collections::HashMap;
 
-/// How items are called: by their name; by `FRAGMENT/NAME` where it repeats in the scene; by `FRAGMENT/NAME#3`
-/// where it repeats in the fragment; and by `FRAGMENT/item#3` where there is none.
+/// How items are called: by their name; by `SECTOR/NAME` where it repeats in the scene; by `SECTOR/NAME#3`
+/// where it repeats in the sector; and by `SECTOR/item#3` where there is none.
 pub(crate) struct Names<'a> {
     scene: &'a Scene,
     in_scene: HashMap<&'a str, u32>,
-    in_fragment: HashMap<(FragmentId, &'a str), u32>,
+    in_sector: HashMap<(SectorId, &'a str), u32>,
 }
 
 impl<'a> Names<'a> {
@@ -17,44 +17,44 @@ impl<'a> Names<'a> {
         let mut names = Names {
             scene,
             in_scene: HashMap::new(),
-            in_fragment: HashMap::new(),
+            in_sector: HashMap::new(),
         };
-        for fragment in scene.fragments() {
-            let Some(content) = scene.content(fragment) else {
+        for sector in scene.sectors() {
+            let Some(content) = scene.content(sector) else {
                 continue;
             };
             for item in (0..content.items().len() as u32).map(ItemId) {
                 let name = content.name(item);
                 *names.in_scene.entry(name).or_default() += 1;
-                *names.in_fragment.entry((fragment, name)).or_default() += 1;
+                *names.in_sector.entry((sector, name)).or_default() += 1;
             }
         }
         names
     }
 
     /// The unique name of an item.
-    pub(crate) fn of(&self, (fragment, item): (FragmentId, ItemId)) -> String {
-        let Some(content) = self.scene.content(fragment) else {
-            return self.of_own(fragment, item);
+    pub(crate) fn of(&self, (sector, item): (SectorId, ItemId)) -> String {
+        let Some(content) = self.scene.content(sector) else {
+            return self.of_own(sector, item);
         };
         let name = content.name(item);
         let times = |times: Option<&u32>| times.copied().unwrap_or(0);
         if !name.is_empty() && times(self.in_scene.get(name)) == 1 {
             return name.to_owned();
         }
-        let home = self.scene.fragment_name(fragment);
-        match (name, times(self.in_fragment.get(&(fragment, name)))) {
+        let home = self.scene.sector_name(sector);
+        match (name, times(self.in_sector.get(&(sector, name)))) {
             ("", _) => format!("{home}/item#{}", item.0),
             (name, 1) => format!("{home}/{name}"),
             (name, _) => format!("{home}/{name}#{}", item.0),
         }
     }
 
-    /// The same of a fragment that is no content, whose names are its own affair: it has millions of items, or none.
-    fn of_own(&self, fragment: FragmentId, item: ItemId) -> String {
-        let home = self.scene.fragment_name(fragment);
-        let name = self.scene.fragment(fragment).item_name(item);
-        match (name.as_str(), self.scene.fragment_count()) {
+    /// The same of a sector that is no content, whose names are its own affair: it has millions of items, or none.
+    fn of_own(&self, sector: SectorId, item: ItemId) -> String {
+        let home = self.scene.sector_name(sector);
+        let name = self.scene.sector(sector).item_name(item);
+        match (name.as_str(), self.scene.sector_count()) {
             ("", _) => format!("{home}/item#{}", item.0),
             (_, 1) => name,
             _ => format!("{home}/{name}"),
@@ -85,7 +85,7 @@ mod tests {
         }
         let scene = scene.build().expect("sound");
         let names = Names::new(&scene);
-        let of = |fragment, item| names.of((FragmentId(fragment), ItemId(item)));
+        let of = |sector, item| names.of((SectorId(sector), ItemId(item)));
         assert_eq!(
             [of(0, 0), of(0, 1), of(0, 2), of(0, 3)],
             ["lamp", "hall/chair#1", "hall/chair#2", "hall/item#3"]

@@ -25,7 +25,7 @@ pub(crate) struct Opened {
     pub(crate) format: &'static str,
     pub(crate) scene: Scene,
     pub(crate) cameras: Vec<Camera>,
-    /// Which nodes of a glTF file the items come from, by fragment; empty for a built-in scene.
+    /// Which nodes of a glTF file the items come from, by sector; empty for a built-in scene.
     pub(crate) nodes: Vec<SourceNodes>,
     /// What only a compiled map has.
     pub(crate) map: Option<MapSummary>,

@@ -16,7 +16,7 @@ use std::time::Instant;
 pub(crate) struct Prepared {
     /// The method's name, or `own`.
     pub(crate) method: &'static str,
-    /// Of all fragments together; where only some are seen, more may be promised.
+    /// Of all sectors together; where only some are seen, more may be promised.
     pub(crate) contract: Contract,
     pub(crate) scene: Scene,
     pub(crate) build_ms: f64,
@@ -43,15 +43,15 @@ impl Prepared {
         viewer
     }
 
-    /// The method in words for people: `own` says which one, where all fragments agree.
+    /// The method in words for people: `own` says which one, where all sectors agree.
     pub(crate) fn spoken_method(&self) -> &'static str {
         match self.methods().as_slice() {
             [one] => one.name(),
-            _ => "each fragment's own method",
+            _ => "each sector's own method",
         }
     }
 
-    /// The methods that its fragments are seen by, each once.
+    /// The methods that its sectors are seen by, each once.
     pub(crate) fn methods(&self) -> Vec<Method> {
         methods_of(&self.scene)
     }
@@ -132,10 +132,10 @@ pub(crate) fn prepare(
     Ok((prepared, skipped))
 }
 
-/// The names of fragments that are terrain too large to be meshes.
+/// The names of sectors that are terrain too large to be meshes.
 pub(crate) fn in_files(scene: &Scene) -> impl Iterator<Item = &str> {
-    let own = scene.fragments().filter(|&id| scene.content(id).is_none());
-    own.map(|id| scene.fragment_name(id))
+    let own = scene.sectors().filter(|&id| scene.content(id).is_none());
+    own.map(|id| scene.sector_name(id))
 }
 
 /// Refuses to see terrain that stays in its file by any method but the one that can, or to choose one for it.
@@ -150,7 +150,7 @@ pub(crate) fn stays_visible(opened: &Opened, method: Option<Method>) -> Result<(
     Ok(())
 }
 
-/// Each fragment by the method that suits it.
+/// Each sector by the method that suits it.
 fn chosen(opened: &Opened, aim: Aim, how: &HowArgs, view: Option<&View>) -> Result<Prepared> {
     let scene = &opened.scene;
     let size = view.map_or([1280, 720], |view| view.size);
@@ -251,10 +251,10 @@ fn finish(
     Ok(Prepared {
         method: name,
         contract: scene
-            .fragments()
+            .sectors()
             .map(|id| match scene.method(id) {
                 Some(method) if cover_size.is_some() => method.contract_in_cells(),
-                _ => scene.fragment(id).contract(),
+                _ => scene.sector(id).contract(),
             })
             .reduce(Contract::together)
             .unwrap_or(Contract::Exact),
@@ -286,11 +286,11 @@ pub(crate) fn drawn_by(prepared: &Prepared, method: Method) -> Result<Prepared, 
 
 fn contents(scene: &Scene) -> impl Iterator<Item = (&Arc<enfilade::Content>, Method)> {
     scene
-        .fragments()
+        .sectors()
         .filter_map(|id| Some((scene.content(id)?, scene.method(id)?)))
 }
 
-/// The methods that a scene's fragments are seen by, each once.
+/// The methods that a scene's sectors are seen by, each once.
 fn methods_of(scene: &Scene) -> Vec<Method> {
     let mut methods = Vec::new();
     for (_, method) in contents(scene) {

@@ -11,7 +11,7 @@ use crate::prepare::Prepared;
 use crate::run_files::RunFiles;
 use crate::save::Destination;
 use anyhow::{Context, Result};
-use enfilade::{Contract, FragmentId, ItemId, OpeningId, Scene, View};
+use enfilade::{Contract, ItemId, OpeningId, Scene, SectorId, View};
 use enfilade_import::SourceNodes;
 use serde::ser::{Error, SerializeSeq};
 use serde::{Serialize, Serializer};
@@ -41,7 +41,7 @@ pub(crate) struct Report {
     pub(crate) stats: Vec<(&'static str, u64)>,
     pub(crate) views: Vec<ViewReport>,
     pub(crate) summary: Summary,
-    /// Of `auto`: the method of each fragment, and why.
+    /// Of `auto`: the method of each sector, and why.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) choices: Vec<ChoiceReport>,
 }
@@ -51,7 +51,7 @@ pub(crate) struct SceneReport {
     pub(crate) file: String,
     pub(crate) items: usize,
     pub(crate) triangles: u64,
-    pub(crate) fragments: usize,
+    pub(crate) sectors: usize,
     pub(crate) portals: usize,
 }
 
@@ -104,11 +104,11 @@ pub(crate) struct ItemReport {
     pub(crate) size_px: u16,
 }
 
-/// A passage: one way from the eye into a fragment.
+/// A passage: one way from the eye into a sector.
 #[derive(Debug, Serialize)]
 pub(crate) struct WayReport {
-    pub(crate) fragment: String,
-    /// `FRAGMENT/OPENING` where its last portal begins.
+    pub(crate) sector: String,
+    /// `SECTOR/OPENING` where its last portal begins.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) portal: Option<String>,
     pub(crate) crossings: u16,
@@ -245,7 +245,7 @@ impl SceneReport {
             file: opened.file.clone(),
             items: scene.item_count(),
             triangles: scene.triangle_count(),
-            fragments: scene.fragment_count(),
+            sectors: scene.sector_count(),
             portals: scene.portals().len(),
         }
     }
@@ -373,12 +373,12 @@ impl Report {
 
 impl WayReport {
     fn new(way: &Way, scene: &Scene) -> WayReport {
-        let opening = |(fragment, opening): (FragmentId, OpeningId)| {
-            let name = &scene.fragment(fragment).openings()[usize::from(opening.0)].name;
-            format!("{}/{name}", scene.fragment_name(fragment))
+        let opening = |(sector, opening): (SectorId, OpeningId)| {
+            let name = &scene.sector(sector).openings()[usize::from(opening.0)].name;
+            format!("{}/{name}", scene.sector_name(sector))
         };
         WayReport {
-            fragment: scene.fragment_name(way.fragment).to_owned(),
+            sector: scene.sector_name(way.sector).to_owned(),
             portal: way.through.map(opening),
             crossings: way.crossings,
             contract: way.contract,
@@ -388,15 +388,15 @@ impl WayReport {
 }
 
 /// The items that any view shows, each once, of no size yet.
-type SeenItems = HashMap<(FragmentId, ItemId), ItemReport>;
+type SeenItems = HashMap<(SectorId, ItemId), ItemReport>;
 
 fn seen_items(looks: &[Look], names: &Names, nodes: &[SourceNodes]) -> SeenItems {
     let mut items = SeenItems::new();
-    for &(fragment, item) in looks.iter().flat_map(|look| &look.visible) {
-        items.entry((fragment, item)).or_insert_with(|| {
-            let nodes = nodes.get(fragment.0 as usize);
+    for &(sector, item) in looks.iter().flat_map(|look| &look.visible) {
+        items.entry((sector, item)).or_insert_with(|| {
+            let nodes = nodes.get(sector.0 as usize);
             ItemReport {
-                name: names.of((fragment, item)).into(),
+                name: names.of((sector, item)).into(),
                 node: nodes.and_then(|nodes| nodes.node(item)),
                 id: nodes.and_then(|nodes| nodes.id(item)).map(Arc::from),
                 size_px: 0,

@@ -7,13 +7,13 @@ use enfilade_draw::Show;
 /// Which methods look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Choice {
-    /// Each fragment is seen as its author said.
+    /// Each sector is seen as its author said.
     Own,
-    /// One method for all fragments.
+    /// One method for all sectors.
     One(Method),
     /// Every method there is, one after the other.
     All,
-    /// Each fragment by the method that is cheapest there, as measured first.
+    /// Each sector by the method that is cheapest there, as measured first.
     Auto,
 }
 
@@ -38,7 +38,7 @@ pub(crate) fn method(text: &str) -> Result<Choice, String> {
 /// What a method may be called, for the help.
 pub(crate) fn methods() -> String {
     format!(
-        "{} auto (for each fragment the cheapest, as measured first), or all",
+        "{} auto (for each sector the cheapest, as measured first), or all",
         Method::ALL.map(|method| format!("{method},")).join(" ")
     )
 }
@@ -46,7 +46,7 @@ pub(crate) fn methods() -> String {
 /// The same where there need not be one.
 pub(crate) fn methods_or_own() -> String {
     format!(
-        "{} [default: each fragment's own, hierarchical-z where nothing is said]",
+        "{} [default: each sector's own, hierarchical-z where nothing is said]",
         methods()
     )
 }

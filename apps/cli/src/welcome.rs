@@ -81,7 +81,7 @@ pub(crate) fn run() -> Result<Outcome> {
     let SceneReport {
         items,
         triangles,
-        fragments,
+        sectors,
         portals,
         ..
     } = SceneReport::new(&opened);
@@ -91,7 +91,7 @@ pub(crate) fn run() -> Result<Outcome> {
          Seen from its first camera at {width}x{height}:\n\n",
         plural(items, "item"),
         count(triangles),
-        plural(fragments, "fragment"),
+        plural(sectors, "sector"),
         plural(portals, "portal"),
     );
     text += &table(

@@ -365,7 +365,7 @@ fn bad_portals_can_be_skipped_or_ignored() {
     let flat = folder.json("info bad.glb --flat");
     assert_eq!((&flat["portals"], &flat["openings"]), (&json!(0), &json!(0)));
     assert_eq!(flat["items"], 4);
-    assert_eq!(flat["fragments"].as_array().map(Vec::len), Some(1));
+    assert_eq!(flat["sectors"].as_array().map(Vec::len), Some(1));
     let palace = folder.json("info @two-rooms --flat");
     assert_eq!((&palace["portals"], &palace["ways"]), (&json!(0), &json!([])));
 }

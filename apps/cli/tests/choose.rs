@@ -39,7 +39,7 @@ fn choose_says_what_every_method_costs_and_takes_the_cheapest() {
         );
     }
     assert_eq!(
-        report["held_back"]["fragments"].as_array().expect("a list").len(),
+        report["held_back"]["sectors"].as_array().expect("a list").len(),
         2
     );
     let text = folder.run("choose @two-rooms --size 64x36").stdout;
@@ -82,8 +82,8 @@ fn methods_are_pinned_in_a_copy_and_the_copy_is_seen_by_them() {
     let report: Value =
         serde_json::from_slice(&std::fs::read(folder.path("choices.json")).expect("a file")).expect("JSON");
     let info = folder.json("info pinned.glb");
-    let fragments = info["fragments"].as_array().expect("a list");
-    let pinned: Vec<&str> = fragments
+    let sectors = info["sectors"].as_array().expect("a list");
+    let pinned: Vec<&str> = sectors
         .iter()
         .map(|one| one["method"].as_str().expect("a name"))
         .collect();
@@ -118,7 +118,7 @@ fn what_cannot_be_pinned_is_told_before_anything_is_measured() {
         ("choose b.gltf -o elsewhere/b.gltf", "write the copy there"),
         (
             "choose scene.glb --moving nowhere --size 8x8",
-            "there is no fragment `nowhere`",
+            "there is no sector `nowhere`",
         ),
         ("choose scene.glb --aim both", "look, draw"),
     ] {

@@ -35,7 +35,7 @@ fn a_picture_has_the_size_asked_for_and_leaves_nothing_beside_it() {
 #[test]
 fn every_show_is_a_picture_of_its_own() {
     let folder = Folder::new();
-    let shows = ["image", "overdraw", "items", "order", "fragments"];
+    let shows = ["image", "overdraw", "items", "order", "sectors"];
     let pictures = shows.map(|show| {
         drawn(&folder, &format!("-o {show}.PNG --show {show}"));
         std::fs::read(folder.path(&format!("{show}.PNG"))).expect("a picture")

@@ -77,7 +77,7 @@ fn one_sees_from_a_part_into_another_through_a_teleport() {
     folder.add("more.toml", "[[part]]\nname = 'all'\nfile = 'world.glb'");
     folder.run("link more.toml -o more.glb");
     let more = folder.json("info more.glb");
-    assert_eq!(more["fragments"][1]["name"], "all/far-room");
+    assert_eq!(more["sectors"][1]["name"], "all/far-room");
     assert_eq!(more["portals"], 1);
 }
 

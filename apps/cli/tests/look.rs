@@ -37,7 +37,7 @@ fn the_report_has_its_stable_shape() {
     assert_eq!(keys(&report), top);
     assert_eq!(
         report["scene"],
-        json!({ "file": "scene.glb", "items": 4, "triangles": 48, "fragments": 1, "portals": 0 })
+        json!({ "file": "scene.glb", "items": 4, "triangles": 48, "sectors": 1, "portals": 0 })
     );
     assert_eq!(report["method"], "own");
     assert_eq!(report["contract"], "exact");
@@ -62,7 +62,7 @@ fn the_report_has_its_stable_shape() {
     assert_eq!(keys(&report["views"][0]), view);
     assert_eq!(
         report["views"][0]["through"],
-        json!([{ "fragment": "scene", "crossings": 0, "contract": "exact", "items_visible": 3 }])
+        json!([{ "sector": "scene", "crossings": 0, "contract": "exact", "items_visible": 3 }])
     );
     assert_eq!(
         keys(&report["views"][0]["check"]),
@@ -204,7 +204,7 @@ fn a_convex_scene_is_seen_as_one_and_another_is_told_what_stands_in_the_way() {
     let run = folder.run("look room.glb");
     assert_eq!(run.code, Some(2));
     for word in [
-        "room.glb: fragment `yard`: not convex: cell",
+        "room.glb: sector `yard`: not convex: cell",
         "have the file name another",
     ] {
         assert!(run.stderr.contains(word), "{}", run.stderr);
@@ -351,7 +351,7 @@ fn info_says_what_is_in_a_file() {
         assert_eq!(info[key], value, "{key}");
     }
     assert_eq!(info["cameras"][1]["name"], "back");
-    assert_eq!(info["fragments"][0]["method"], "hierarchical-z");
+    assert_eq!(info["sectors"][0]["method"], "hierarchical-z");
     assert_eq!(info["bounds"]["min"], json!([-10.0, -0.2, -10.0]));
     let text = folder.run("info scene.glb").stdout;
     assert!(

@@ -47,12 +47,12 @@ fn info_says_what_is_in_an_obj_file() {
         ("format", json!("OBJ")),
         ("items", json!(3)),
         ("triangles_drawn", json!(5)),
-        ("fragments", json!(1)),
+        ("sectors", json!(1)),
         ("portals", json!(0)),
         ("cameras", json!([])),
         ("warnings", json!([])),
     ] {
-        let found = if key == "fragments" {
+        let found = if key == "sectors" {
             json!(info[key].as_array().map(Vec::len))
         } else {
             info[key].clone()
@@ -63,7 +63,7 @@ fn info_says_what_is_in_an_obj_file() {
         (&info["materials"]["blend"], &info["materials"]["double_sided"]),
         (&json!(1), &json!(3))
     );
-    assert_eq!(info["fragments"][0]["name"], "yard");
+    assert_eq!(info["sectors"][0]["name"], "yard");
 }
 
 #[test]

@@ -76,12 +76,12 @@ fn a_villa_is_seen_rightly_through_its_portals_and_as_one_room() {
         })
         .collect();
     folder.add("villa.jsonl", path);
-    for (flat, fragments, portals) in [("", 9, 43), ("--flat", 1, 0)] {
+    for (flat, sectors, portals) in [("", 9, 43), ("--flat", 1, 0)] {
         let look = folder.json(&format!(
             "look {} --path villa.jsonl --size 320x180 --check {flat}",
             file.display()
         ));
-        assert_eq!(look["scene"]["fragments"], fragments);
+        assert_eq!(look["scene"]["sectors"], sectors);
         assert_eq!(look["scene"]["portals"], portals);
         assert_eq!(look["summary"]["missed"], 0, "{flat}");
         assert_eq!(look["summary"]["pixels_different"], 0, "{flat}");

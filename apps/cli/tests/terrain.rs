@@ -74,7 +74,7 @@ fn terrain_larger_than_memory_stays_in_its_file_and_is_seen_as_if_it_did_not() {
     let info = folder.json(&format!("info valley.json {LITTLE}"));
     assert_eq!((&info["items"], &info["meshes"]), (&json!(6), &json!(0)));
     assert_eq!(info["triangles_drawn"], 2 * 69 * 39);
-    assert_eq!(info["fragments"][0]["triangles"], 2 * 69 * 39);
+    assert_eq!(info["sectors"][0]["triangles"], 2 * 69 * 39);
     for method in ["", "--method floating-horizon"] {
         let [small, large] = [LITTLE, ""]
             .map(|memory| folder.json(&format!("look valley.json {FROM_THE_WEST} {memory} {method}")));

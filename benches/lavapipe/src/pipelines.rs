@@ -50,7 +50,7 @@ impl Pipelines {
 
 /// In what pipelines differ.
 struct PipelineLook {
-    /// Of the vertex and the fragment shader.
+    /// Of the vertex and the sector shader.
     entries: [&'static str; 2],
     takes_vertices: bool,
     culls_backs: bool,
@@ -68,7 +68,7 @@ impl PipelineLook {
             immediate_size: 0,
         });
         let buffers = [Some(vertices()), Some(instances())];
-        let [vertex, fragment] = self.entries;
+        let [vertex, sector] = self.entries;
         let target = wgpu::ColorTargetState {
             format: if self.glass { LIGHT } else { COLOR },
             blend: self.glass.then_some(wgpu::BlendState::ALPHA_BLENDING),
@@ -97,7 +97,7 @@ impl PipelineLook {
             multisample: wgpu::MultisampleState::default(),
             fragment: Some(wgpu::FragmentState {
                 module: shader,
-                entry_point: Some(fragment),
+                entry_point: Some(sector),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 targets: &[Some(target)],
             }),

@@ -5,7 +5,7 @@ use enfilade::{Content, Method, Scene, View, survey};
 use enfilade_import::{ReadOptions, read};
 use std::path::Path;
 
-/// A scene of one fragment, and views in its open space.
+/// A scene of one sector, and views in its open space.
 pub(crate) struct Place {
     pub(crate) scene: Scene,
     pub(crate) views: Vec<View>,
@@ -33,10 +33,10 @@ impl Place {
         Ok(Place { scene, views })
     }
 
-    /// What its one fragment is made of.
+    /// What its one sector is made of.
     pub(crate) fn content(&self) -> Result<&Content> {
-        let only = self.scene.fragments().next().context("a scene of no fragment")?;
-        let content = self.scene.content(only).context("a fragment without a content")?;
+        let only = self.scene.sectors().next().context("a scene of no sector")?;
+        let content = self.scene.content(only).context("a sector without a content")?;
         Ok(content)
     }
 

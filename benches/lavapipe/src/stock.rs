@@ -108,7 +108,7 @@ impl Stock {
 /// The linear part and the translation of an item's place.
 fn place(item: &Item) -> (DMat3, DVec3) {
     let [x, y, z, translation] = item
-        .fragment_from_item
+        .sector_from_item
         .map(|column| DVec3::from(column.map(f64::from)));
     (DMat3::from_cols(x, y, z), translation)
 }

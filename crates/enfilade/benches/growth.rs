@@ -1,4 +1,4 @@
-//! How looks grow with the scene: copies of the palace in a grid, as one fragment and without portals, from 3·10⁵
+//! How looks grow with the scene: copies of the palace in a grid, as one sector and without portals, from 3·10⁵
 //! triangles to 10⁹.
 //!
 //! Every copy stands on the same meshes. The eye is in rooms of the copy in the middle, whose doors are plain holes, and
@@ -10,8 +10,8 @@
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 use enfilade::{
-    Content, ContentBuilder, Contract, FragmentId, Mesh, MeshId, Method, Scene, SceneBuilder, Transform,
-    View, Viewer,
+    Content, ContentBuilder, Contract, Mesh, MeshId, Method, Scene, SceneBuilder, SectorId, Transform, View,
+    Viewer,
 };
 use enfilade_scenes::BuiltIn;
 use std::collections::HashMap;
@@ -77,16 +77,16 @@ struct Counted {
     boxes: Vec<f64>,
 }
 
-/// A scene of one fragment, and what it took.
+/// A scene of one sector, and what it took.
 struct Grown {
     scene: Scene,
     build_ms: f64,
 }
 
 /// The palace's rooms: what is reached through doors alone. The doll's house has measures of its own.
-fn rooms(palace: &Scene) -> Vec<FragmentId> {
+fn rooms(palace: &Scene) -> Vec<SectorId> {
     let is_door = |there: &Transform| there.columns() == Transform::IDENTITY.columns();
-    let mut found = vec![FragmentId(0)];
+    let mut found = vec![SectorId(0)];
     let mut at = 0;
     while at < found.len() {
         for portal in palace.portals() {
@@ -101,7 +101,7 @@ fn rooms(palace: &Scene) -> Vec<FragmentId> {
 }
 
 /// Copies of rooms in a grid, the middle one where the rooms are.
-fn copies(palace: &Scene, rooms: &[FragmentId], grid: [i32; 3]) -> Content {
+fn copies(palace: &Scene, rooms: &[SectorId], grid: [i32; 3]) -> Content {
     let contents: Vec<&Content> = rooms
         .iter()
         .map(|&room| &**palace.content(room).expect("a room of ours"))
@@ -205,8 +205,8 @@ fn main() {
     let all = std::env::args().any(|argument| argument == "--bench");
     let palace = enfilade_scenes::built_in("enfilade").expect("it is built in");
     let rooms = rooms(&palace.scene);
-    let is_of_four = |room: &FragmentId| FOUR_ROOMS.contains(&palace.scene.fragment_name(*room));
-    let four: Vec<FragmentId> = rooms.iter().copied().filter(is_of_four).collect();
+    let is_of_four = |room: &SectorId| FOUR_ROOMS.contains(&palace.scene.sector_name(*room));
+    let four: Vec<SectorId> = rooms.iter().copied().filter(is_of_four).collect();
     let grids = if all {
         &GRIDS[..]
     } else {
@@ -224,7 +224,7 @@ fn main() {
         let build_ms = start.elapsed().as_secs_f64() * 1e3;
         let mut builder = SceneBuilder::new();
         builder.add("palaces", content, Method::ZBuffer);
-        let scene = builder.build().expect("one fragment");
+        let scene = builder.build().expect("one sector");
         plain.push(Grown { scene, build_ms });
         say_size(&plain, BYTES_AN_ITEM);
     }

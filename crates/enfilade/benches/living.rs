@@ -6,13 +6,13 @@
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 use enfilade::{
-    ContentBuilder, FragmentId, ItemId, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, Transform,
+    ContentBuilder, ItemId, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, SectorId, Transform,
     View, Viewer,
 };
 use std::hint::black_box;
 use std::time::Instant;
 
-const TOWN: FragmentId = FragmentId(0);
+const TOWN: SectorId = SectorId(0);
 const SIZE: [u32; 2] = [1280, 720];
 
 /// Those whose orders follow in place.

@@ -6,8 +6,9 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use enfilade::cover::{Cover, Hides, MaskedDepth};
 use enfilade::order::{BvhOrder, Order, Visit};
 use enfilade::{
-    Choice, Content, ContentBuilder, Faces, FragmentId, ItemId, Material, MaterialId, Mesh, Method, Occluder,
-    OccluderRoom, OccluderSet, Passage, Region, SceneBuilder, Sight, Stats, Transform, View, Viewer,
+    Choice, Content, ContentBuilder, Faces, ItemId, Material, MaterialId, Mesh, Method, Occluder,
+    OccluderRoom, OccluderSet, Passage, Region, SceneBuilder, SectorId, Sight, Stats, Transform, View,
+    Viewer,
 };
 
 const SIZE: [u32; 2] = [1280, 720];
@@ -76,7 +77,7 @@ fn fill(criterion: &mut Criterion) {
     for (pixels, samples) in [(10.0, SAMPLES[0]), (100.0, SAMPLES[1])] {
         let mut scene = SceneBuilder::new();
         let all = scene.add("all", triangles(pixels, COUNT), Method::ZBuffer);
-        let scene = scene.build().expect("one fragment");
+        let scene = scene.build().expect("one sector");
         let content = scene.content(all).expect("a content");
         let passage = passage(&scene, &View::new([0.0; 3], [0.0, 0.0, -1.0], SIZE));
         let mut rooms = Vec::new();
@@ -113,7 +114,7 @@ impl Visit for Boxes {
 
 fn ask(criterion: &mut Criterion) {
     let built = enfilade_scenes::built_in("crowd").expect("a built-in scene");
-    let content = built.scene.content(FragmentId(0)).expect("a content");
+    let content = built.scene.content(SectorId(0)).expect("a content");
     let order = BvhOrder::build(content, Method::DEFAULT_LIMIT).expect("a small scene");
     let mut group = criterion.benchmark_group("masked: ask, boxes of @crowd");
     for (name, expected) in ASKED {

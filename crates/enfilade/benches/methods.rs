@@ -6,7 +6,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use enfilade::geom::{BspOptions, BspStep, BspTree, Polygons};
 use enfilade::order::{Bsp, FarToNear, Order};
 use enfilade::{
-    Canvas, Content, Contract, FragmentId, ItemId, Method, Passage, PassageId, Scene, Span, View, Viewer,
+    Canvas, Content, Contract, ItemId, Method, Passage, PassageId, Scene, SectorId, Span, View, Viewer,
     VisibleItem, VisibleSet,
 };
 
@@ -44,7 +44,7 @@ const PATHS: [Path; 3] = [
 fn count(set: &VisibleSet, scene: &Scene) -> usize {
     let clusters = |item: &VisibleItem| match set.clusters(item).len() {
         0 => {
-            let content = scene.content(set.passage(item.passage).fragment);
+            let content = scene.content(set.passage(item.passage).sector);
             content.map_or(1, |content| content.mesh_of(item.item).clusters().len())
         }
         some => some,
@@ -117,7 +117,7 @@ fn methods(criterion: &mut Criterion) {
 fn four_cylinders(criterion: &mut Criterion) {
     const FACES: u64 = 240;
     let built = enfilade_scenes::built_in("four-cylinders").expect("a built-in scene");
-    let content = built.scene.content(FragmentId(0)).expect("a content");
+    let content = built.scene.content(SectorId(0)).expect("a content");
     let view = built.cameras[0].view(SIZE);
     let mut group = criterion.benchmark_group("@four-cylinders");
     let pieces = |tree: &Bsp<FarToNear>| tree.built(content).faces;

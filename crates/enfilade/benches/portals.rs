@@ -10,8 +10,8 @@ mod mirrors;
 
 use allocation_counter::measure;
 use enfilade::{
-    Canvas, Content, ContentBuilder, ConvexPolygon, FragmentId, Material, MaterialId, Mesh, Method,
-    OpeningId, Passage, PassageId, PortalId, Scene, SceneBuilder, Span, Transform, View, Viewer,
+    Canvas, Content, ContentBuilder, ConvexPolygon, Material, MaterialId, Mesh, Method, OpeningId, Passage,
+    PassageId, PortalId, Scene, SceneBuilder, SectorId, Span, Transform, View, Viewer,
 };
 use std::hint::black_box;
 use std::sync::Arc;
@@ -110,7 +110,7 @@ fn row(rooms: usize) -> Scene {
         let room = room.build().expect("a room");
         let here = builder.add("room", room, Method::ZBuffer);
         if number > 0 {
-            builder.door((FragmentId(here.0 - 1), OpeningId(0)), (here, OpeningId(1)));
+            builder.door((SectorId(here.0 - 1), OpeningId(0)), (here, OpeningId(1)));
         }
     }
     builder.build().expect("rooms in a row")
@@ -170,7 +170,7 @@ fn rooms_in_a_row(times: bool) {
             let mut viewer = viewer();
             let set = viewer.look(&scene, &view);
             let seen = [set.passages().len(), set.items().len()];
-            assert_eq!(set.passages()[0].fragment, FragmentId(room as u32));
+            assert_eq!(set.passages()[0].sector, SectorId(room as u32));
             assert!(set.complete());
             let place = format!("{method}, room {room} of {rooms}");
             if method.contract() == enfilade::Contract::Exact {
@@ -184,7 +184,7 @@ fn rooms_in_a_row(times: bool) {
             if times {
                 let looked = ms(|| look(&mut viewer, &scene, &view));
                 let mut named = view;
-                named.fragment = Some(FragmentId(room as u32));
+                named.sector = Some(SectorId(room as u32));
                 let named = ms(|| look(&mut viewer, &scene, &named));
                 let locate = ms(|| {
                     black_box(scene.locate(view.eye, view.toward));

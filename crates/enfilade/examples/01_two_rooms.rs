@@ -23,11 +23,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         let set = viewer.look(&scene, &View::new([x, 1.0, 3.0], [x, 1.0, 0.0], [640, 360]));
         println!("from x = {x}:");
         for (id, passage) in (0..).map(PassageId).zip(set.passages()) {
-            let content = scene.content(passage.fragment).expect("built from content");
+            let content = scene.content(passage.sector).expect("built from content");
             let here = set.items().iter().filter(|seen| seen.passage == id);
             let names: Vec<&str> = here.map(|seen| content.name(seen.item)).collect();
-            let fragment = scene.fragment_name(passage.fragment);
-            println!("  {} in the {fragment}", names.join(", "));
+            let sector = scene.sector_name(passage.sector);
+            println!("  {} in the {sector}", names.join(", "));
         }
     }
     Ok(())

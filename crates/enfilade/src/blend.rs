@@ -1,6 +1,6 @@
 //! In which order to blend glass: for engines that draw items, not samples.
 //!
-//! Glass behind an opening comes before the glass of the fragment that the opening is in. Within a passage, of two boxes
+//! Glass behind an opening comes before the glass of the sector that the opening is in. Within a passage, of two boxes
 //! that a plane across an axis parts, the one on the far side of it from the eye comes first: nothing in it can lie over the
 //! other. Boxes that overlap cannot be told apart so: the one whose middle is farther comes first, and where what is in
 //! them crosses, no order of items is right. Pictures drawn here are sorted sample by sample instead.
@@ -23,7 +23,7 @@ impl VisibleSet {
         glass.sort_by_key(|item| depth_first[item.passage.0 as usize]);
         for same in glass.chunk_by_mut(|a, b| a.passage == b.passage) {
             let passage = self.passage(same[0].passage);
-            if let Some(content) = scene.content(passage.fragment) {
+            if let Some(content) = scene.content(passage.sector) {
                 far_to_near(same, passage, content);
             }
         }

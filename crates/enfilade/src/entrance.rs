@@ -1,4 +1,4 @@
-//! Where sight enters a fragment: the outline of the last opening, in the fragment's own space.
+//! Where sight enters a sector: the outline of the last opening, in the sector's own space.
 
 use crate::geom::{Aabb, ConvexPolygon, Transform};
 use glam::DVec3;

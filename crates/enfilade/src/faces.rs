@@ -12,7 +12,7 @@ use glam::{DAffine3, DVec3};
 pub struct Faces<'a> {
     /// What they belong to.
     pub of: Of,
-    /// The number of the first face among all faces of the fragment; the others follow.
+    /// The number of the first face among all faces of the sector; the others follow.
     pub(crate) first_owner: u32,
     /// The number of the first face of the whole item: what to subtract from a number to get the item's face.
     pub(crate) item_start: u32,
@@ -163,7 +163,7 @@ impl<'a> Faces<'a> {
         }
     }
 
-    /// Hands out the openings that may be in view, each as a face: of many, those of the parts of the fragment that are.
+    /// Hands out the openings that may be in view, each as a face: of many, those of the parts of the sector that are.
     pub(crate) fn of_openings(content: &Content, passage: &Passage, mut each: impl FnMut(&Faces)) {
         if passage.flat || content.openings().is_empty() {
             return;
@@ -186,7 +186,7 @@ impl<'a> Faces<'a> {
     /// Told from the two maps apart, for the product of a flattening one has none but by rounding.
     #[inline(always)]
     pub(crate) fn front(&self, passage: &Passage) -> f64 {
-        let turned = self.mirrored != (passage.screen_from_fragment.matrix3.determinant() < 0.0);
+        let turned = self.mirrored != (passage.screen_from_sector.matrix3.determinant() < 0.0);
         match (self.double_sided, turned) {
             (true, _) => 0.0,
             (false, true) => 1.0,

@@ -20,15 +20,15 @@
 //!
 //! let mut viewer = Viewer::new();
 //! let set = viewer.look(&scene, &View::new([0.0, 1.0, 0.0], [0.0, 1.0, -1.0], [640, 360]));
-//! let name = |seen: &VisibleItem| scene.content(set.passage(seen.passage).fragment).unwrap().name(seen.item);
+//! let name = |seen: &VisibleItem| scene.content(set.passage(seen.passage).sector).unwrap().name(seen.item);
 //! assert_eq!(set.items().len(), 2); // The clock is beside the doorway.
 //! assert_eq!([name(&set.items()[0]), name(&set.items()[1])], ["vase", "lamp"]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A [`Scene`] is made of fragments that portals join; each fragment is seen by the [`Method`] that suits it. A
+//! A [`Scene`] is made of sectors that portals join; each sector is seen by the [`Method`] that suits it. A
 //! [`Viewer`] looks at a scene through a [`View`] and answers with a [`VisibleSet`]: the ways from the eye into
-//! fragments, and what may be seen through each. [`Viewer::draw`] paints the same on a [`Canvas`].
+//! sectors, and what may be seen through each. [`Viewer::draw`] paints the same on a [`Canvas`].
 //!
 //! A method is an [order](order) times a [cover](cover), and states its [`Contract`]; the feature `laws` adds the
 //! reference that any method, also one of your own, is held against. Looking cannot fail and opens no file; what does
@@ -50,7 +50,6 @@ mod content;
 mod detail;
 mod entrance;
 mod faces;
-mod fragment;
 #[cfg(feature = "laws")]
 pub mod laws;
 mod memory;
@@ -61,6 +60,7 @@ mod passage;
 mod query;
 mod region;
 mod scene;
+mod sector;
 mod seen;
 mod simd;
 mod stats;
@@ -83,7 +83,6 @@ pub use detail::{
     BezierError, BezierPatch, BezierSurface, DetailError, DetailOptions, DetailSource, Details, Refined,
 };
 pub use faces::{Faces, Of};
-pub use fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
 pub use geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Transform};
 pub use memory::Memory;
 pub use mesh::{Attributes, Cluster, Mesh, MeshError, Part};
@@ -100,9 +99,10 @@ pub use query::{
 };
 pub use region::{Region, Sight};
 pub use scene::{
-    Edit, EditError, End, FragmentId, Light, LightId, LightShape, NestedId, Portal, PortalId, Scene,
-    SceneBuilder, SceneError, Way,
+    Edit, EditError, End, Light, LightId, LightShape, NestedId, Portal, PortalId, Scene, SceneBuilder,
+    SceneError, SectorId, Way,
 };
+pub use sector::{Built, Contract, Hit, Ray, Sector, Surface};
 pub use seen::Seen;
 pub use simd::{SimdLevelError, simd_level, simd_levels, use_simd_level};
 pub use stats::{SpanStats, Stats};

@@ -83,7 +83,7 @@ pub(crate) struct Marks {
 }
 
 impl Marks {
-    /// A new walk over a fragment of `items` items.
+    /// A new walk over a sector of `items` items.
     pub(crate) fn begin(&mut self, items: usize) {
         if self.last_met.len() < items {
             self.last_met.resize(items, 0);
@@ -130,7 +130,7 @@ impl Recall {
     }
 
     /// What the last look saw through the same portals, if the eye has hardly moved since: from elsewhere most of it
-    /// is hidden, and seeing it first would cost more than it hides. `size` is that of the fragment. To be given back.
+    /// is hidden, and seeing it first would cost more than it hides. `size` is that of the sector. To be given back.
     pub(crate) fn seen_last(&mut self, passage: &Passage, size: f32) -> Vec<(ItemId, u32)> {
         const STEP: f64 = 0.02;
         const TURN: f64 = 0.8;

@@ -51,7 +51,7 @@ impl<'a> OpeningView<'a> {
         match place.side {
             EyeSide::Front => Some(OpeningView {
                 positions: outline.corners(),
-                screen_from_local: passage.screen_from_fragment,
+                screen_from_local: passage.screen_from_sector,
                 holds_eye: false,
                 touches_eye: place.touches,
             }),
@@ -167,18 +167,18 @@ pub(crate) fn may_touch_eye(bounds: &Aabb, eye: DVec3) -> bool {
 }
 
 /// Maps [`SQUARE`] to just before the eye. Its axes come from the linear part alone, for the eye is the origin of screen
-/// space, so nothing is lost to cancellation however far from the fragment's origin it is.
+/// space, so nothing is lost to cancellation however far from the sector's origin it is.
 fn screen_from_square(passage: &Passage, outline: &ConvexPolygon) -> DAffine3 {
     let normal = outline.normal_f64();
     let [u, v] = {
         let u = normal.any_orthonormal_vector();
         [u, normal.cross(u)]
     };
-    let screen_from_fragment = passage.screen_from_fragment.matrix3;
+    let screen_from_sector = passage.screen_from_sector.matrix3;
     let near = f64::from(passage.near) / passage.eye_scale();
     DAffine3 {
-        matrix3: screen_from_fragment * DMat3::from_cols(u, v, DVec3::ZERO) * (near * SQUARE_SIZE),
-        translation: screen_from_fragment * (-normal * (near * SQUARE_DISTANCE)),
+        matrix3: screen_from_sector * DMat3::from_cols(u, v, DVec3::ZERO) * (near * SQUARE_SIZE),
+        translation: screen_from_sector * (-normal * (near * SQUARE_DISTANCE)),
     }
 }
 

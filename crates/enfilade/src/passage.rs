@@ -1,13 +1,13 @@
-//! One way from the eye into a fragment, through zero or more portals.
+//! One way from the eye into a sector, through zero or more portals.
 
 use crate::aperture::{Aperture, CellRoom, Rect, Rows};
 use crate::content::{Content, OpeningId};
 use crate::entrance::Entrance;
-use crate::fragment::Contract;
 use crate::geom::{Aabb, ConvexPolygon, Transform};
 use crate::opening_view::{OpeningView, may_touch_eye};
 use crate::region::{Region, Volume};
-use crate::scene::{FragmentId, Portal, PortalId};
+use crate::scene::{Portal, PortalId, SectorId};
+use crate::sector::Contract;
 use crate::view::View;
 use fearless_simd::Level;
 use glam::{DAffine3, DMat3, DVec3};
@@ -16,7 +16,7 @@ use glam::{DAffine3, DMat3, DVec3};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PassageId(pub u32);
 
-/// One way from the eye into a fragment, through zero or more portals: the state of the recursion, the record an
+/// One way from the eye into a sector, through zero or more portals: the state of the recursion, the record an
 /// engine draws from, and the answer to "which rooms are seen".
 #[derive(Clone, Debug)]
 pub struct Passage {
@@ -24,11 +24,11 @@ pub struct Passage {
     pub parent: Option<PassageId>,
     /// The portal through which it leaves its parent.
     pub portal: Option<PortalId>,
-    /// The fragment it leads into.
-    pub fragment: FragmentId,
+    /// The sector it leads into.
+    pub sector: SectorId,
     /// Portals followed on the way, 0 where the eye stands.
     pub crossings: u16,
-    /// What is promised of what is reported through it: by its fragment and all on the way to it together.
+    /// What is promised of what is reported through it: by its sector and all on the way to it together.
     pub contract: Contract,
     /// The part of the screen that is left.
     pub aperture: Aperture,
@@ -44,12 +44,12 @@ pub struct Passage {
     pub(crate) chain: u64,
     /// What boxes are asked about at, known once a look.
     pub(crate) level: Level,
-    eye_from_fragment: DAffine3,
+    eye_from_sector: DAffine3,
     screen_from_eye: DMat3,
-    pub(crate) screen_from_fragment: DAffine3,
+    pub(crate) screen_from_sector: DAffine3,
     /// What lies beyond the last portal: n · (X, Y, W) ≥ d, with d ≥ 0.
     pub(crate) entry: Option<(DVec3, f64)>,
-    /// Where sight enters the fragment; `None` where the eye stands in it.
+    /// Where sight enters the sector; `None` where the eye stands in it.
     pub(crate) entrance: Option<Entrance>,
 }
 
@@ -58,12 +58,12 @@ pub(crate) const BEYOND: f64 = 1.0 + 1.0 / (1_u64 << 18) as f64;
 
 impl Passage {
     /// The passage that the eye stands in.
-    pub(crate) fn at_the_eye(view: &View, fragment: FragmentId, flat: bool) -> Passage {
-        let (eye_from_fragment, screen_from_eye) = (view.eye_from_fragment(), view.screen_from_eye());
+    pub(crate) fn at_the_eye(view: &View, sector: SectorId, flat: bool) -> Passage {
+        let (eye_from_sector, screen_from_eye) = (view.eye_from_sector(), view.screen_from_eye());
         Passage {
             parent: None,
             portal: None,
-            fragment,
+            sector,
             crossings: 0,
             contract: Contract::Approximate,
             aperture: Aperture::screen(view.size),
@@ -71,17 +71,17 @@ impl Passage {
             size: view.size,
             flat,
             any_place: false,
-            chain: u64::from(fragment.0),
+            chain: u64::from(sector.0),
             level: crate::simd::level(),
-            eye_from_fragment,
+            eye_from_sector,
             screen_from_eye,
-            screen_from_fragment: compose(&screen_from_eye, &eye_from_fragment),
+            screen_from_sector: compose(&screen_from_eye, &eye_from_sector),
             entry: None,
             entrance: None,
         }
     }
 
-    /// What is left behind an opening of this passage's fragment; `None` where no sample is.
+    /// What is left behind an opening of this passage's sector; `None` where no sample is.
     pub(crate) fn through(
         &self,
         own_id: PassageId,
@@ -93,11 +93,11 @@ impl Passage {
         let view = OpeningView::new(self, outline)?;
         let aperture = self.aperture.behind(view.corners(), rows, self.any_place)?;
         let here_from_there = portal.there_from_here.inverse()?;
-        let eye_from_fragment = self.eye_from_fragment * here_from_there.0;
+        let eye_from_sector = self.eye_from_sector * here_from_there.0;
         Some(Passage {
             parent: Some(own_id),
             portal: Some(portal_id),
-            fragment: portal.to,
+            sector: portal.to,
             crossings: self.crossings + 1,
             contract: self.contract,
             aperture,
@@ -107,9 +107,9 @@ impl Passage {
             any_place: false,
             chain: self.chain_through(portal_id),
             level: self.level,
-            eye_from_fragment,
+            eye_from_sector,
             screen_from_eye: self.screen_from_eye,
-            screen_from_fragment: compose(&self.screen_from_eye, &eye_from_fragment),
+            screen_from_sector: compose(&self.screen_from_eye, &eye_from_sector),
             entry: Some(view.plane()),
             entrance: Some(Entrance::new(outline, &portal.there_from_here)),
         })
@@ -120,7 +120,7 @@ impl Passage {
         next_chain(self.chain, portal)
     }
 
-    /// The same passage for a fragment with this contract. What is `painted` has samples, whatever a method promises of
+    /// The same passage for a sector with this contract. What is `painted` has samples, whatever a method promises of
     /// the places between them.
     pub(crate) fn held_to(self, own: Contract, painted: bool) -> Passage {
         Passage {
@@ -147,7 +147,7 @@ impl Passage {
             size: cells,
             any_place: true,
             screen_from_eye,
-            screen_from_fragment: compose(&screen_from_eye, &self.eye_from_fragment),
+            screen_from_sector: compose(&screen_from_eye, &self.eye_from_sector),
             entry: self
                 .entry
                 .map(|(normal, distance)| (normal / DVec3::new(scale[0], scale[1], 1.0), distance)),
@@ -160,7 +160,7 @@ impl Passage {
         Passage {
             parent: self.parent,
             portal: self.portal,
-            fragment: self.fragment,
+            sector: self.sector,
             crossings: self.crossings,
             contract: self.contract,
             aperture,
@@ -170,45 +170,45 @@ impl Passage {
             any_place: self.any_place,
             chain: self.chain,
             level: self.level,
-            eye_from_fragment: self.eye_from_fragment,
+            eye_from_sector: self.eye_from_sector,
             screen_from_eye: self.screen_from_eye,
-            screen_from_fragment: self.screen_from_fragment,
+            screen_from_sector: self.screen_from_sector,
             entry: self.entry,
             entrance: self.entrance,
         }
     }
 
-    /// From the space of the fragment to eye space: x right, y up, z back.
-    pub fn eye_from_fragment(&self) -> Transform {
-        Transform(self.eye_from_fragment)
+    /// From the space of the sector to eye space: x right, y up, z back.
+    pub fn eye_from_sector(&self) -> Transform {
+        Transform(self.eye_from_sector)
     }
 
-    /// Is the fragment seen mirrored?
+    /// Is the sector seen mirrored?
     pub fn mirrored(&self) -> bool {
-        self.eye_from_fragment().mirrors()
+        self.eye_from_sector().mirrors()
     }
 
-    /// Lengths in eye space for one in the space of the fragment.
+    /// Lengths in eye space for one in the space of the sector.
     pub(crate) fn eye_scale(&self) -> f64 {
-        self.eye_from_fragment.matrix3.x_axis.length()
+        self.eye_from_sector.matrix3.x_axis.length()
     }
 
-    /// How far rounding may move a corner in the space of (X, Y, W): more the farther the eye is from the fragment's
+    /// How far rounding may move a corner in the space of (X, Y, W): more the farther the eye is from the sector's
     /// origin, for its coordinates there cancel.
     pub(crate) fn corner_rounding(&self) -> f64 {
         const ROUNDING: f64 = 1.0 / (1_u64 << 50) as f64;
-        ROUNDING * self.screen_from_fragment.translation.length()
+        ROUNDING * self.screen_from_sector.translation.length()
     }
 
-    /// The eye's place in the space of the fragment; behind a portal, where it would stand there.
+    /// The eye's place in the space of the sector; behind a portal, where it would stand there.
     pub fn eye(&self) -> [f64; 3] {
-        eye_in(&self.screen_from_fragment).into()
+        eye_in(&self.screen_from_sector).into()
     }
 
-    /// Where the eye stands, and against the line of sight, in the space of the fragment.
+    /// Where the eye stands, and against the line of sight, in the space of the sector.
     pub(crate) fn stance(&self) -> (DVec3, DVec3) {
-        let back = self.eye_from_fragment.matrix3.transpose() * DVec3::Z;
-        (eye_in(&self.screen_from_fragment), back.normalize_or_zero())
+        let back = self.eye_from_sector.matrix3.transpose() * DVec3::Z;
+        (eye_in(&self.screen_from_sector), back.normalize_or_zero())
     }
 
     /// May any part of a box, given in another space, be in the view's frustum and beyond the last portal?
@@ -222,15 +222,15 @@ impl Passage {
         Region::in_rect(self, limits, f64::from(self.near), screen_from_local, bounds).is_some()
     }
 
-    /// May any part of a box in the space of the fragment be seen through the passage, were nothing in its way?
+    /// May any part of a box in the space of the sector be seen through the passage, were nothing in its way?
     pub fn may_show(&self, bounds: &Aabb) -> bool {
-        Region::of(self, &self.screen_from_fragment, bounds).is_some()
+        Region::of(self, &self.screen_from_sector, bounds).is_some()
     }
 
     /// By how many pixels a point of an item moves on the screen, at most, where it is moved by one unit of the item's space
     /// somewhere within `bounds`, a box of that space; 0 where none of the box may be seen.
-    pub fn pixels_per_unit(&self, fragment_from_item: &Transform, bounds: &Aabb) -> f64 {
-        let screen_from_item = self.screen_from(fragment_from_item);
+    pub fn pixels_per_unit(&self, sector_from_item: &Transform, bounds: &Aabb) -> f64 {
+        let screen_from_item = self.screen_from(sector_from_item);
         let Some(Region { rect, nearest, .. }) = Region::of(self, &screen_from_item, bounds) else {
             return 0.0;
         };
@@ -253,10 +253,10 @@ impl Passage {
         stretch * f64::from(nearest).min(1.0 / f64::from(self.near))
     }
 
-    /// Where the eye stands in the space of the fragment, and the direction in which it sees the place (x, y) of the
+    /// Where the eye stands in the space of the sector, and the direction in which it sees the place (x, y) of the
     /// screen, in pixels: of a length of 1 along the line of sight, in units at the eye.
     pub fn ray(&self, [x, y]: [f64; 2]) -> [[f64; 3]; 2] {
-        let back = self.screen_from_fragment.matrix3.inverse();
+        let back = self.screen_from_sector.matrix3.inverse();
         [self.eye(), (back * DVec3::new(x, y, 1.0)).into()]
     }
 
@@ -265,7 +265,7 @@ impl Passage {
         OpeningView::new(self, &content.openings()[usize::from(opening.0)].outline)
     }
 
-    /// What of the aperture is left behind an opening of the fragment.
+    /// What of the aperture is left behind an opening of the sector.
     #[cfg(test)]
     pub(crate) fn aperture_behind(
         &self,
@@ -280,7 +280,7 @@ impl Passage {
     /// What is seen of a box around openings, which have no near limit.
     pub(crate) fn region_around_openings(&self, bounds: &Aabb) -> Option<Region> {
         const AT_THE_EYE: f64 = 1e-30;
-        let (rect, from_here) = (self.aperture.rect(), &self.screen_from_fragment);
+        let (rect, from_here) = (self.aperture.rect(), &self.screen_from_sector);
         if may_touch_eye(bounds, DVec3::from(self.eye())) {
             return Some(Region {
                 rect,
@@ -303,16 +303,16 @@ impl Passage {
     }
 
     /// From an item's space to (X, Y, W).
-    pub(crate) fn screen_from(&self, fragment_from_item: &Transform) -> DAffine3 {
-        self.screen_from_fragment * fragment_from_item.0
+    pub(crate) fn screen_from(&self, sector_from_item: &Transform) -> DAffine3 {
+        self.screen_from_sector * sector_from_item.0
     }
 }
 
 /// The name of a chain of portals that is one longer; never that of the chain itself.
 pub(crate) fn next_chain(chain: u64, portal: PortalId) -> u64 {
-    // Mixed before the portal comes in: portal 1 after fragment 0 is not portal 0 after fragment 1.
+    // Mixed before the portal comes in: portal 1 after sector 0 is not portal 0 after sector 1.
     let mix = |name: u64| name.wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29);
-    // The complement, for portal 0 must change the name of fragment 0.
+    // The complement, for portal 0 must change the name of sector 0.
     mix(mix(chain) ^ !u64::from(portal.0))
 }
 
@@ -322,10 +322,10 @@ pub(crate) fn eye_in(screen_from_local: &DAffine3) -> DVec3 {
     if back.is_finite() { back } else { DVec3::ZERO }
 }
 
-fn compose(screen_from_eye: &DMat3, eye_from_fragment: &DAffine3) -> DAffine3 {
+fn compose(screen_from_eye: &DMat3, eye_from_sector: &DAffine3) -> DAffine3 {
     DAffine3 {
-        matrix3: *screen_from_eye * eye_from_fragment.matrix3,
-        translation: *screen_from_eye * eye_from_fragment.translation,
+        matrix3: *screen_from_eye * eye_from_sector.matrix3,
+        translation: *screen_from_eye * eye_from_sector.translation,
     }
 }
 

@@ -1,4 +1,4 @@
-//! What one fragment reports through one passage.
+//! What one sector reports through one passage.
 
 use crate::aperture::Rows;
 use crate::canvas::{Canvas, Span};
@@ -7,7 +7,7 @@ use crate::passage::PassageId;
 use crate::visible::VisibleSet;
 use std::cmp::Reverse;
 
-/// Gathers what a fragment sees through one passage; cleared for each.
+/// Gathers what a sector sees through one passage; cleared for each.
 #[derive(Debug, Default)]
 pub struct Seen {
     pub(crate) items: Vec<SeenItem>,

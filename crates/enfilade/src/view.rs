@@ -1,7 +1,7 @@
 //! The eye's place, lens and screen.
 
 use crate::geom::{MAX_COORDINATE, is_in_range};
-use crate::scene::FragmentId;
+use crate::scene::SectorId;
 use glam::{DAffine3, DMat3, DVec3};
 use thiserror::Error;
 
@@ -9,10 +9,10 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct View {
-    /// The fragment that the eye stands in; `None`: found by [`Scene::locate`](crate::Scene::locate), which cannot tell
+    /// The sector that the eye stands in; `None`: found by [`Scene::locate`](crate::Scene::locate), which cannot tell
     /// apart what lies in one place.
-    pub fragment: Option<FragmentId>,
-    /// The eye's place, in the space of the fragment it stands in.
+    pub sector: Option<SectorId>,
+    /// The eye's place, in the space of the sector it stands in.
     pub eye: [f32; 3],
     /// A point that is seen in the middle of the screen.
     pub toward: [f32; 3],
@@ -80,7 +80,7 @@ impl View {
     pub fn new(eye: [f32; 3], toward: [f32; 3], size: [u32; 2]) -> View {
         let distance = DVec3::from(eye.map(f64::from)).distance(DVec3::from(toward.map(f64::from))) as f32;
         View {
-            fragment: None,
+            sector: None,
             eye,
             toward,
             up: [0.0, 1.0, 0.0],
@@ -137,7 +137,7 @@ impl View {
     }
 
     /// Eye space: right, up, and back, from the eye.
-    pub(crate) fn eye_from_fragment(&self) -> DAffine3 {
+    pub(crate) fn eye_from_sector(&self) -> DAffine3 {
         let [eye, toward, up] = [self.eye, self.toward, self.up].map(|v| DVec3::from(v.map(f64::from)));
         let back = (eye - toward).normalize_or(DVec3::Z);
         let upright = |up: DVec3| {
@@ -179,7 +179,7 @@ mod tests {
     fn what_is_looked_at_is_in_the_middle_and_up_is_up() {
         let view = View::new([1.0, 2.0, 3.0], [4.0, 2.0, -7.0], [640, 480]);
         let screen = |point: [f64; 3]| {
-            let at = view.screen_from_eye() * view.eye_from_fragment().transform_point3(DVec3::from(point));
+            let at = view.screen_from_eye() * view.eye_from_sector().transform_point3(DVec3::from(point));
             (at / at.z, at.z)
         };
         let (middle, distance) = screen([4.0, 2.0, -7.0]);
@@ -197,7 +197,7 @@ mod tests {
     #[test]
     fn a_view_straight_down_is_sound() {
         let view = View::new([0.0, 5.0, 0.0], [0.0, 0.0, 0.0], [8, 8]);
-        assert!(view.eye_from_fragment().is_finite());
+        assert!(view.eye_from_sector().is_finite());
         assert_eq!(view.check(), Ok(()));
     }
 

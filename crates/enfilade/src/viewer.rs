@@ -1,4 +1,4 @@
-//! The working memory of one camera, and how it follows openings from fragment to fragment.
+//! The working memory of one camera, and how it follows openings from sector to sector.
 
 use crate::canvas::{Canvas, Span};
 use crate::content::{Alpha, Content, Owner};
@@ -105,8 +105,8 @@ impl Viewer {
     /// Paints what can be seen, and gives the set as [`Viewer::look`] does.
     pub fn draw(&mut self, scene: &Scene, view: &View, canvas: &mut dyn Canvas) -> &VisibleSet {
         self.shape_covers(view);
-        let (memory, mut fragments) = (&self.memory, scene.fragments());
-        if fragments.all(|id| !scene.fragment(id).draws_what_was_gathered(memory)) {
+        let (memory, mut sectors) = (&self.memory, scene.sectors());
+        if sectors.all(|id| !scene.sector(id).draws_what_was_gathered(memory)) {
             self.run(scene, view, Some(canvas));
         } else {
             self.run(scene, view, None);
@@ -130,7 +130,7 @@ impl Viewer {
     pub fn walk(&mut self, scene: &Scene) -> u64 {
         let passages = self.set.passages.iter();
         passages
-            .map(|passage| scene.fragment(passage.fragment).walk(passage, &mut self.memory))
+            .map(|passage| scene.sector(passage.sector).walk(passage, &mut self.memory))
             .sum()
     }
 
@@ -222,8 +222,8 @@ impl Look<'_> {
         self.set.clusters.clear();
         self.set.complete = true;
         let sound = view.check().is_ok();
-        if let Some(fragment) = self.scene.fragment_of(view).filter(|_| sound) {
-            let root = Passage::at_the_eye(view, fragment, self.scene.is_flat());
+        if let Some(sector) = self.scene.sector_of(view).filter(|_| sound) {
+            let root = Passage::at_the_eye(view, sector, self.scene.is_flat());
             self.go_through(root);
         }
     }
@@ -232,7 +232,7 @@ impl Look<'_> {
     ///
     /// The stack is a `Vec`: limits allow 65,535 portals in a row, too many for the thread's own stack.
     fn go_through(&mut self, root: Passage) {
-        // A custom fragment may have panicked during the last look.
+        // A custom sector may have panicked during the last look.
         self.entered.clear();
         self.pass(root);
         while let Some((id, seen)) = self.entered.last_mut() {
@@ -251,29 +251,29 @@ impl Look<'_> {
     /// Gathers what is seen through a passage, and paints its opaque faces. Its openings are followed next.
     fn pass(&mut self, passage: Passage) {
         let scene = self.scene;
-        let own = match scene.method(passage.fragment) {
+        let own = match scene.method(passage.sector) {
             Some(method) if self.memory.cover_size.is_some() => method.contract_in_cells(),
-            _ => scene.fragment(passage.fragment).contract(),
+            _ => scene.sector(passage.sector).contract(),
         };
         let id = PassageId(self.set.passages.len() as u32);
         self.set
             .passages
             .push(passage.held_to(own, self.canvas.is_some()));
-        let fragment = scene.fragment(self.set.passage(id).fragment);
+        let sector = scene.sector(self.set.passage(id).sector);
         let mut seen = self.spare.pop().unwrap_or_default();
         self.lend(&mut seen);
         seen.clear(self.canvas.is_some());
         self.enter(id);
         let passage = self.set.passage(id);
         if let Some(gathered) = &self.gathered
-            && fragment.draws_what_was_gathered(self.memory)
+            && sector.draws_what_was_gathered(self.memory)
             && let Some(same) = gathered.id(passage.chain)
         {
             seen.report_again(gathered.set, same);
         }
         match self.canvas.as_deref_mut() {
-            Some(canvas) => fragment.draw(passage, self.memory, &mut seen, canvas),
-            None => fragment.gather(passage, self.memory, &mut seen),
+            Some(canvas) => sector.draw(passage, self.memory, &mut seen, canvas),
+            None => sector.gather(passage, self.memory, &mut seen),
         }
         self.take_in(id, &seen);
         if self.canvas.is_some() {
@@ -321,10 +321,10 @@ impl Look<'_> {
         same.unwrap_or(id)
     }
 
-    /// Takes the items that a fragment reported into the set.
+    /// Takes the items that a sector reported into the set.
     fn take_in(&mut self, id: PassageId, seen: &Seen) {
         let passage = &self.set.passages[id.0 as usize];
-        let content = self.scene.content(passage.fragment);
+        let content = self.scene.content(passage.sector);
         let shift = self.set.clusters.len() as u32;
         self.set.clusters.extend(&seen.clusters);
         let blends = |content: &Content, item: &SeenItem| {
@@ -342,8 +342,8 @@ impl Look<'_> {
                     Region::of(passage, &screen_from_item, &content.mesh_of(seen.item).bounds())
                 }
                 None => {
-                    let bounds = self.scene.fragment(passage.fragment).item_bounds(seen.item);
-                    Region::of(passage, &passage.screen_from_fragment, &bounds)
+                    let bounds = self.scene.sector(passage.sector).item_bounds(seen.item);
+                    Region::of(passage, &passage.screen_from_sector, &bounds)
                 }
             };
             let size_px = region.map_or(0, |Region { rect, .. }| {
@@ -362,7 +362,7 @@ impl Look<'_> {
     /// The passage behind an opening that is open and may be followed; any other opening is painted as a face.
     fn follow(&mut self, id: PassageId, seen: SeenOpening) -> Option<Passage> {
         let passage = self.set.passage(id);
-        let way = self.scene.portal_of(passage.fragment, seen.opening);
+        let way = self.scene.portal_of(passage.sector, seen.opening);
         let Some(portal_id) = way.filter(|&PortalId(index)| self.scene.portals()[index as usize].open) else {
             self.paint_closed(id, seen);
             return None;
@@ -374,7 +374,7 @@ impl Look<'_> {
             return None;
         }
         let portal = &self.scene.portals()[portal_id.0 as usize];
-        let outline = &self.scene.fragment(passage.fragment).openings()[usize::from(seen.opening.0)].outline;
+        let outline = &self.scene.sector(passage.sector).openings()[usize::from(seen.opening.0)].outline;
         // Where the look before came to a limit, painting does not go on.
         let gathered = self.gathered.as_ref();
         if gathered.is_some_and(|gathered| gathered.id(passage.chain_through(portal_id)).is_none()) {

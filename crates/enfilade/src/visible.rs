@@ -19,7 +19,7 @@ pub struct VisibleSet {
 pub struct VisibleItem {
     /// The way it is seen.
     pub passage: PassageId,
-    /// The item, in the passage's fragment.
+    /// The item, in the passage's sector.
     pub item: ItemId,
     /// The longer side of its box on the screen, in pixels, within the aperture.
     pub size_px: u16,
@@ -30,7 +30,7 @@ pub struct VisibleItem {
 }
 
 impl VisibleSet {
-    /// The ways from the eye into fragments; the first is the one that the eye stands in, and each comes after its
+    /// The ways from the eye into sectors; the first is the one that the eye stands in, and each comes after its
     /// parent.
     pub fn passages(&self) -> &[Passage] {
         &self.passages
@@ -59,10 +59,10 @@ impl VisibleSet {
     /// Triangles of what is in the set: of a large item, those of the clusters that are seen.
     pub fn triangle_count(&self, scene: &Scene) -> u64 {
         let triangles = |item: &VisibleItem| {
-            let fragment = self.passage(item.passage).fragment;
+            let sector = self.passage(item.passage).sector;
             let clusters = self.clusters(item);
-            let Some(content) = scene.content(fragment) else {
-                return scene.fragment(fragment).item_triangles(item.item, clusters);
+            let Some(content) = scene.content(sector) else {
+                return scene.sector(sector).item_triangles(item.item, clusters);
             };
             let mesh = content.mesh_of(item.item);
             if clusters.is_empty() {
@@ -77,26 +77,26 @@ impl VisibleSet {
         self.items.iter().map(triangles).sum()
     }
 
-    /// Items and triangles whose boxes meet the frustum, in the fragments that are seen, each item counted once: what
+    /// Items and triangles whose boxes meet the frustum, in the sectors that are seen, each item counted once: what
     /// would be left to draw if nothing hid anything.
     pub fn in_frustum(&self, scene: &Scene) -> (usize, u64) {
         let mut met = BTreeSet::new();
         let mut triangles = 0;
         for passage in &self.passages {
             let mut meet = |item, its_triangles: &dyn Fn() -> u64| {
-                if met.insert((passage.fragment, item)) {
+                if met.insert((passage.sector, item)) {
                     triangles += its_triangles();
                 }
             };
-            if let Some(content) = scene.content(passage.fragment) {
+            if let Some(content) = scene.content(passage.sector) {
                 content.items_in_passage(passage, |item| {
                     meet(item, &|| content.mesh_of(item).triangle_count());
                 });
                 continue;
             }
-            let own = scene.fragment(passage.fragment);
+            let own = scene.sector(passage.sector);
             for item in (0..own.item_count()).map(ItemId) {
-                if passage.frustum_meets(&passage.screen_from_fragment, &own.item_bounds(item)) {
+                if passage.frustum_meets(&passage.screen_from_sector, &own.item_bounds(item)) {
                     meet(item, &|| own.item_triangles(item, &[]));
                 }
             }

@@ -2,8 +2,8 @@
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    Content, ContentBuilder, ConvexPolygon, FragmentId, Limits, Material, MaterialId, Mesh, Method,
-    OpeningId, Place, Scene, SceneBuilder, Transform, View, Viewer,
+    Content, ContentBuilder, ConvexPolygon, Limits, Material, MaterialId, Mesh, Method, OpeningId, Place,
+    Scene, SceneBuilder, SectorId, Transform, View, Viewer,
 };
 
 /// Where the space of the other room lies: it has another origin, and is turned.
@@ -77,24 +77,24 @@ fn a_body_in_a_doorway_is_seen_in_both_rooms() {
     let mut halves = 0;
     for z in [-3.2_f32, -3.7, -4.0, -4.3, -4.8] {
         let start = Place {
-            fragment: FragmentId(0),
+            sector: SectorId(0),
             position: [0.1, 1.2, -2.0],
         };
         let body = empty.walk(start, [0.0, 0.0, z + 2.0]).place;
-        assert_eq!(body.fragment.0, u32::from(z < -4.0));
+        assert_eq!(body.sector.0, u32::from(z < -4.0));
         let present = empty.stands_in(body, RADIUS);
         let in_doorway = (z + 4.0).abs() < RADIUS;
         assert_eq!(present.len(), 1 + usize::from(in_doorway), "at {z}");
         let mut bodies = [Vec::new(), Vec::new()];
         for presence in &present {
-            bodies[presence.place.fragment.0 as usize].push(presence.place.position);
+            bodies[presence.place.sector.0 as usize].push(presence.place.position);
         }
         let scene = rooms([&bodies[0], &bodies[1]]);
         let there = there_from_here();
         let [eye, toward] = [[0.4, 1.5, -8.5], [0.0, 1.2, -4.0]].map(|point| there.point(point));
         for (eye, toward) in [([0.4, 1.5, 1.2], [0.0, 1.2, -4.0]), (eye, toward)] {
             let mut view = View::new(eye, toward, [160, 120]);
-            view.fragment = Some(FragmentId(u32::from(eye[0] > 20.0)));
+            view.sector = Some(SectorId(u32::from(eye[0] > 20.0)));
             for method in Method::ALL
                 .into_iter()
                 .filter(|method| scene.suits(*method) && method.contract() > enfilade::Contract::Approximate)
@@ -111,10 +111,10 @@ fn a_body_in_a_doorway_is_seen_in_both_rooms() {
                     "{method} at {z}"
                 );
                 let items = viewer.visible().items();
-                let seen_in = |fragment: u32| {
+                let seen_in = |sector: u32| {
                     items.iter().any(|item| {
-                        let at = viewer.visible().passage(item.passage).fragment;
-                        at.0 == fragment && item.item.0 == 1
+                        let at = viewer.visible().passage(item.passage).sector;
+                        at.0 == sector && item.item.0 == 1
                     })
                 };
                 if in_doorway {
@@ -126,7 +126,7 @@ fn a_body_in_a_doorway_is_seen_in_both_rooms() {
                     );
                     halves += 1;
                 } else {
-                    assert!(seen_in(body.fragment.0), "{method} at {z}");
+                    assert!(seen_in(body.sector.0), "{method} at {z}");
                 }
             }
         }
@@ -139,12 +139,12 @@ fn a_camera_on_a_boom_follows_its_player_through_a_portal() {
     let scene = rooms([&[], &[]]);
     let there = there_from_here();
     // Where things are if the other room is carried back to the first: walls do not matter, only the door.
-    let carried = |place: &Place| match place.fragment.0 {
+    let carried = |place: &Place| match place.sector.0 {
         0 => place.position,
         _ => there.inverse().expect("rigid").point(place.position),
     };
     let mut player = Place {
-        fragment: FragmentId(0),
+        sector: SectorId(0),
         position: [0.3, 1.2, 1.0],
     };
     let mut facing = [0.0, 0.0, -1.0_f32];
@@ -162,17 +162,17 @@ fn a_camera_on_a_boom_follows_its_player_through_a_portal() {
         let gone = 0.05 * (frame + 1) as f32;
         let expected = [1.0 - gone, 1.0 - gone + 1.5].map(|z| u32::from(z < -4.0));
         if [1.0 - gone, 2.5 - gone].iter().all(|z| (z + 4.0).abs() > 1e-3) {
-            assert_eq!([player.fragment.0, camera.fragment.0], expected, "frame {frame}");
+            assert_eq!([player.sector.0, camera.sector.0], expected, "frame {frame}");
         }
         // And by the boxes of the rooms, which lie apart.
         for place in [player, camera] {
             let [x, y, z] = carried(&place);
             if (-2.9..2.9).contains(&x) && (0.1..2.9).contains(&y) && (z + 4.0).abs() > 1e-3 {
                 let ahead = scene.locate(place.position, place.position.map(|value| value + 1.0));
-                assert_eq!(ahead, Some(place.fragment), "frame {frame}");
+                assert_eq!(ahead, Some(place.sector), "frame {frame}");
             }
         }
-        apart += usize::from(player.fragment != camera.fragment);
+        apart += usize::from(player.sector != camera.sector);
         let [at, behind] = [carried(&player), carried(&camera)];
         let off = [
             at[0] - 0.3,
@@ -186,10 +186,10 @@ fn a_camera_on_a_boom_follows_its_player_through_a_portal() {
             "frame {frame}: {off:?}"
         );
         // What the camera sees is what the reference sees from there.
-        if frame % 20 == 0 || player.fragment != camera.fragment && frame % 5 == 0 {
+        if frame % 20 == 0 || player.sector != camera.sector && frame % 5 == 0 {
             let toward = std::array::from_fn(|axis| camera.position[axis] + gaze[axis]);
             let mut view = View::new(camera.position, toward, [96, 72]);
-            view.fragment = Some(camera.fragment);
+            view.sector = Some(camera.sector);
             let truth = Reference::new(&scene).see(&scene, &view, &Limits::default());
             let mut picture = OwnerPicture::new(view.size);
             let mut viewer = Viewer::new();

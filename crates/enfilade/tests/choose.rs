@@ -17,12 +17,12 @@ fn two_rooms() -> Scene {
 
 fn views(scene: &Scene) -> Vec<View> {
     let places = scene
-        .fragments()
-        .flat_map(|fragment| survey_in(scene, fragment, 4).places);
+        .sectors()
+        .flat_map(|sector| survey_in(scene, sector, 4).places);
     let views: Vec<View> = places
         .map(|place| View::new(place.eye, place.toward, SIZE))
         .collect();
-    assert!(views.len() >= 2 * scene.fragment_count(), "there is open space");
+    assert!(views.len() >= 2 * scene.sector_count(), "there is open space");
     views
 }
 
@@ -42,7 +42,7 @@ fn whatever_is_chosen_the_set_and_the_picture_are_those_of_before() {
     let mut after = before.clone();
     for choice in choices(&before, &Terms::default()) {
         after
-            .set_method(choice.fragment, choice.method)
+            .set_method(choice.sector, choice.method)
             .expect("it was tried");
     }
     let seen = |scene: &Scene, view: &View| {
@@ -50,7 +50,7 @@ fn whatever_is_chosen_the_set_and_the_picture_are_those_of_before() {
         let set = viewer.draw(scene, view, &mut picture);
         let items = set.items().iter();
         let mut items: Vec<_> = items
-            .map(|seen| (set.passage(seen.passage).fragment, seen.item))
+            .map(|seen| (set.passage(seen.passage).sector, seen.item))
             .collect();
         items.sort_unstable();
         items.dedup();
@@ -111,7 +111,7 @@ fn what_counts_is_the_aim_and_the_share_of_building() {
 
 /// By a clock on which everything takes as long.
 #[test]
-fn of_methods_that_are_as_fast_a_fragment_keeps_its_own() {
+fn of_methods_that_are_as_fast_a_sector_keeps_its_own() {
     let scene = two_rooms();
     let ticks = Cell::new(0);
     let clock = || {
@@ -135,7 +135,7 @@ fn of_methods_that_are_as_fast_a_fragment_keeps_its_own() {
 
 /// By a clock on which each method is slow from half of the views, each from the other half than the next.
 #[test]
-fn where_the_halves_of_the_views_disagree_a_fragment_keeps_its_own() {
+fn where_the_halves_of_the_views_disagree_a_sector_keeps_its_own() {
     let scene = two_rooms();
     let views = views(&scene);
     let (calls, time) = (Cell::new(0_u64), Cell::new(0_u64));
@@ -153,7 +153,7 @@ fn where_the_halves_of_the_views_disagree_a_fragment_keeps_its_own() {
     let unsure: Vec<_> = choices.iter().filter(|choice| !choice.sure).collect();
     assert!(!unsure.is_empty());
     for choice in unsure {
-        assert_eq!(Some(choice.method), scene.method(choice.fragment));
+        assert_eq!(Some(choice.method), scene.method(choice.sector));
     }
 }
 
@@ -162,7 +162,7 @@ fn where_something_moves_a_tree_that_must_be_built_anew_pays_for_it() {
     let scene = two_rooms();
     let mut terms = Terms::default();
     let still = choices(&scene, &terms);
-    terms.moving = scene.fragments().take(1).collect();
+    terms.moving = scene.sectors().take(1).collect();
     let moving = choices(&scene, &terms);
     for method in [Method::Bsp, Method::HierarchicalZ] {
         assert_eq!(outcome(&still[0], method).expect("tried").edit, Duration::ZERO);
@@ -193,7 +193,7 @@ fn a_convex_room_whose_walls_move_is_no_cell() {
     }
     let mut scene = SceneBuilder::new();
     let id = scene.add("room", room.build().expect("walls"), Method::ZBuffer);
-    let scene = scene.build().expect("a fragment");
+    let scene = scene.build().expect("a sector");
     let view = View::new([0.0; 3], [1.0, 0.2, 0.3], SIZE);
     let start = Instant::now();
     let mut terms = Terms::default();
@@ -207,13 +207,13 @@ fn a_convex_room_whose_walls_move_is_no_cell() {
 }
 
 #[test]
-fn a_fragment_that_no_view_sees_keeps_its_method() {
+fn a_sector_that_no_view_sees_keeps_its_method() {
     let scene = two_rooms();
     let start = Instant::now();
     for choice in choose_methods(&scene, &[], &Terms::default(), &|| start.elapsed()) {
         assert_eq!(
             (choice.views, Some(choice.method)),
-            (0, scene.method(choice.fragment))
+            (0, scene.method(choice.sector))
         );
         assert_eq!(outcome(&choice, Method::ZBuffer), Err(NotTried::NotSeen));
     }
@@ -234,7 +234,7 @@ fn what_takes_too_long_to_sort_is_not_tried() {
     }
     let mut scene = SceneBuilder::new();
     scene.add("heap", heap.build().expect("leaves"), Method::HierarchicalZ);
-    let scene = scene.build().expect("a fragment");
+    let scene = scene.build().expect("a sector");
     let start = Instant::now();
     let view = View::new([70.0, 70.0, 90.0], [70.0, 70.0, 0.0], [64, 36]);
     for longest_build in [Duration::from_millis(1), Duration::from_secs(20)] {
@@ -250,7 +250,7 @@ fn what_takes_too_long_to_sort_is_not_tried() {
     }
 }
 
-/// Twelve views see the only fragment; it is tried on as many as are allowed, from all over the twelve.
+/// Twelve views see the only sector; it is tried on as many as are allowed, from all over the twelve.
 #[test]
 fn as_many_views_as_are_allowed_are_taken_from_all_that_see() {
     let scene = two_rooms();
@@ -260,7 +260,7 @@ fn as_many_views_as_are_allowed_are_taken_from_all_that_see() {
         let mut terms = Terms::default();
         (terms.most_views, terms.rounds) = (most, 1);
         let choices = choose_methods(&scene, &[view; 12], &terms, &|| start.elapsed());
-        let here = scene.fragment_of(&view).expect("a fragment");
+        let here = scene.sector_of(&view).expect("a sector");
         assert_eq!(choices[here.0 as usize].views, taken);
     }
 }

@@ -2,8 +2,8 @@
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    Content, ContentBuilder, Contract, FragmentId, Limits, Material, MaterialId, Mesh, Method, Scene,
-    SceneBuilder, Transform, View, Viewer,
+    Content, ContentBuilder, Contract, Limits, Material, MaterialId, Mesh, Method, Scene, SceneBuilder,
+    SectorId, Transform, View, Viewer,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -57,7 +57,7 @@ fn content(faces: &[Awkward], scale: f32) -> Content {
 fn scene(content: Content) -> Scene {
     let mut scene = SceneBuilder::new();
     scene.add("world", content, Method::ZBuffer);
-    scene.build().expect("one fragment")
+    scene.build().expect("one sector")
 }
 
 /// Holds every method to its contract; gives how many items the reference sees for certain.
@@ -207,7 +207,7 @@ fn items_without_faces_or_extent_are_never_seen_and_hide_nothing() {
                 .expect("few faces");
             let mut viewer = Viewer::new();
             let set = viewer.look(&seen, &view);
-            let content = scene.content(FragmentId(0)).expect("a content");
+            let content = scene.content(SectorId(0)).expect("a content");
             let names: Vec<&str> = set.items().iter().map(|seen| content.name(seen.item)).collect();
             assert!(!names.contains(&"nothing"), "{method}: {names:?}");
             if method.contract() == Contract::Exact {

@@ -25,7 +25,7 @@ fn seen(method: Method, detail: bool, cover_size: Option<[u32; 2]>) -> usize {
     }
     let mut scene = SceneBuilder::new();
     scene.add("world", content.build().expect("sound items"), method);
-    let scene = scene.build().expect("one fragment");
+    let scene = scene.build().expect("one sector");
     let mut viewer = Viewer::new();
     viewer.set_cover_size(cover_size);
     let view = View::new([0.0, 0.0, 5.0], [0.0; 3], [64, 48]);

@@ -1,9 +1,9 @@
-//! What moves has a fragment of its own, and leaves the others as they are.
+//! What moves has a sector of its own, and leaves the others as they are.
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    Content, ContentBuilder, ConvexPolygon, FragmentId, Limits, Material, MaterialId, Mesh, Method, Scene,
-    SceneBuilder, SceneError, Transform, View, Viewer,
+    Content, ContentBuilder, ConvexPolygon, Limits, Material, MaterialId, Mesh, Method, Scene, SceneBuilder,
+    SceneError, SectorId, Transform, View, Viewer,
 };
 
 const DOOR: [f32; 3] = [-1.0, 0.0, -4.0];
@@ -39,7 +39,7 @@ fn swarm(moment: u32, count: u32) -> Content {
     content(door().flipped(), (0..count).map(place))
 }
 
-fn garden(method: Method) -> (Scene, [FragmentId; 2]) {
+fn garden(method: Method) -> (Scene, [SectorId; 2]) {
     let mut scene = SceneBuilder::new();
     let room = scene.add("room", content(door(), [[0.5, 0.5, -2.0]]), Method::HierarchicalZ);
     let swarm = scene.add("swarm", swarm(0, 30), method);
@@ -129,14 +129,14 @@ fn a_carriage_moves_as_a_whole_where_its_portals_are_moved() {
 }
 
 #[test]
-fn a_view_that_names_its_fragment_stands_in_that_one() {
+fn a_view_that_names_its_sector_stands_in_that_one() {
     let (scene, [room, moving]) = garden(Method::ZBuffer);
     let mut view = View::new([0.2, 1.0, -4.5], [0.0, 1.0, -9.0], [96, 72]);
     let mut viewer = Viewer::new();
     for id in [room, moving] {
-        view.fragment = Some(id);
-        assert_eq!(viewer.look(&scene, &view).passages()[0].fragment, id);
+        view.sector = Some(id);
+        assert_eq!(viewer.look(&scene, &view).passages()[0].sector, id);
     }
-    view.fragment = Some(FragmentId(9));
+    view.sector = Some(SectorId(9));
     assert!(viewer.look(&scene, &view).passages().is_empty());
 }

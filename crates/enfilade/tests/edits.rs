@@ -1,12 +1,12 @@
 //! Edits: what comes of them, and what is refused.
 
 use enfilade::{
-    Aabb, ContentBuilder, Contract, EditError, FragmentId, ItemId, Material, MaterialId, Mesh, Method, Scene,
-    SceneBuilder, SceneError, Transform, View, Viewer,
+    Aabb, ContentBuilder, Contract, EditError, ItemId, Material, MaterialId, Mesh, Method, Scene,
+    SceneBuilder, SceneError, SectorId, Transform, View, Viewer,
 };
 use std::sync::Arc;
 
-const HALL: FragmentId = FragmentId(0);
+const HALL: SectorId = SectorId(0);
 const VIEW: [u32; 2] = [96, 72];
 
 fn leaf() -> Arc<Mesh> {
@@ -179,7 +179,7 @@ fn what_cannot_be_is_refused_and_the_item_stays_as_it_was() {
     .expect("a triangle");
     says(
         edit.add(HALL, "coin", of_gold, at(0.0)).map(|_| ()),
-        "item `coin` is made of material 7, but its fragment has only 1",
+        "item `coin` is made of material 7, but its sector has only 1",
     );
     says(
         edit.add(HALL, "ghost", leaf(), at(f32::NAN)).map(|_| ()),
@@ -187,18 +187,18 @@ fn what_cannot_be_is_refused_and_the_item_stays_as_it_was() {
     );
     says(
         edit.remove(HALL, ItemId(9)),
-        "fragment `hall` has no item 9: it was removed, or never there",
+        "sector `hall` has no item 9: it was removed, or never there",
     );
     says(
-        edit.remove(FragmentId(3), item),
-        "there is no fragment 3: the scene has 1",
+        edit.remove(SectorId(3), item),
+        "there is no sector 3: the scene has 1",
     );
     edit.finish().expect("nothing to do");
     assert_eq!(scene.content(HALL).expect("ours").items(), before);
 
     let mut edit = scene.edit();
     edit.remove(HALL, item).expect("once");
-    let twice = "fragment `hall` has no item 2: it was removed, or never there";
+    let twice = "sector `hall` has no item 2: it was removed, or never there";
     says(edit.remove(HALL, item), twice);
     edit.finish().expect("little");
     let mut edit = scene.edit();
@@ -208,7 +208,7 @@ fn what_cannot_be_is_refused_and_the_item_stays_as_it_was() {
 }
 
 #[test]
-fn an_edit_that_needs_too_much_memory_is_undone_in_every_fragment() {
+fn an_edit_that_needs_too_much_memory_is_undone_in_every_sector() {
     let room = |scene: &Scene| (**scene.content(HALL).expect("ours")).clone();
     let source = hall(Method::ZBuffer);
     let mut builder = SceneBuilder::new();
@@ -226,7 +226,7 @@ fn an_edit_that_needs_too_much_memory_is_undone_in_every_fragment() {
     }
     let refused = edit.finish().expect_err("a BSP tree of two thousand leaves");
     assert!(
-        matches!(&refused, SceneError::TooLarge { fragment, .. } if fragment == "tree"),
+        matches!(&refused, SceneError::TooLarge { sector, .. } if sector == "tree"),
         "{refused}"
     );
     let after = [open, tree].map(|id| scene.content(id).expect("ours"));
@@ -292,8 +292,8 @@ fn an_eye_above_an_open_hall_is_in_it_also_after_edits_and_within_another_scene(
     };
     let eye = [0.5, 90.0, 0.5];
     let name = |scene: &Scene| {
-        let fragment = scene.locate(eye, [0.0; 3]).expect("a fragment");
-        scene.fragment_name(fragment).to_owned()
+        let sector = scene.locate(eye, [0.0; 3]).expect("a sector");
+        scene.sector_name(sector).to_owned()
     };
     let mut builder = SceneBuilder::new();
     let hall = builder.add("hall", content(0.0), Method::ZBuffer);

@@ -3,9 +3,9 @@
 use allocation_counter::measure;
 use enfilade::laws::OwnerPicture;
 use enfilade::{
-    ContentBuilder, Contract, ConvexPolygon, Diagonal, Fragment, FragmentId, HeightBytes, HeightField,
-    HeightFieldError, HeightFormat, Heights, LargeTerrain, Material, MaterialId, Mesh, Method, Opening,
-    OpeningId, Ray, Scene, SceneBuilder, Transform, View, Viewer,
+    ContentBuilder, Contract, ConvexPolygon, Diagonal, HeightBytes, HeightField, HeightFieldError,
+    HeightFormat, Heights, LargeTerrain, Material, MaterialId, Mesh, Method, Opening, OpeningId, Ray, Scene,
+    SceneBuilder, Sector, SectorId, Transform, View, Viewer,
 };
 use enfilade_scenes::Random;
 use std::sync::Arc;
@@ -107,10 +107,10 @@ fn as_content(field: &HeightField) -> ContentBuilder {
     content
 }
 
-fn alone(add: impl FnOnce(&mut SceneBuilder) -> FragmentId) -> Scene {
+fn alone(add: impl FnOnce(&mut SceneBuilder) -> SectorId) -> Scene {
     let mut scene = SceneBuilder::new();
     add(&mut scene);
-    scene.build().expect("one fragment")
+    scene.build().expect("one sector")
 }
 
 #[test]
@@ -120,12 +120,12 @@ fn it_is_seen_as_the_same_heights_are_as_a_content() {
     for number in 0..60 {
         let (field, large) = both(&mut random);
         let views = views(&mut random, &field);
-        let large = alone(|scene| scene.add_own("ground", Arc::new(large)));
+        let large = alone(|scene| scene.add_custom("ground", Arc::new(large)));
         let content = as_content(&field).build().expect("sound blocks");
         let content = alone(|scene| scene.add("ground", content, Method::FloatingHorizon));
         assert_eq!(large.item_count(), content.item_count());
         assert_eq!(large.triangle_count(), content.triangle_count());
-        assert_eq!(large.bounds(FragmentId(0)), content.bounds(FragmentId(0)));
+        assert_eq!(large.bounds(SectorId(0)), content.bounds(SectorId(0)));
         let [mut viewer, mut other] = [Viewer::new(), Viewer::new()];
         for (look, view) in views.iter().enumerate().filter(|(_, view)| view.check().is_ok()) {
             let items = |viewer: &Viewer| -> Vec<_> {
@@ -209,7 +209,7 @@ fn with_a_door(field: &HeightField, large: Option<LargeTerrain>) -> Scene {
                 outline: doorway,
             };
             let large = large.with_openings(vec![opening]).expect("a few openings");
-            scene.add_own("ground", Arc::new(large))
+            scene.add_custom("ground", Arc::new(large))
         }
         None => {
             let mut content = as_content(field);
@@ -236,7 +236,7 @@ fn an_opening_in_it_is_followed() {
     let [mut viewer, mut other] = [Viewer::new(), Viewer::new()];
     for eye in [[21.0, 2.0, 30.0], [24.0, 6.0, 50.0], [21.5, 2.0, 20.5]] {
         let mut view = View::new(eye, [21.5, 2.0, 15.0], SCREEN);
-        view.fragment = Some(FragmentId(0));
+        view.sector = Some(SectorId(0));
         let [mut seen, mut expected] = [OwnerPicture::new(SCREEN), OwnerPicture::new(SCREEN)];
         viewer.draw(&large, &view, &mut seen);
         other.draw(&content, &view, &mut expected);
@@ -337,7 +337,7 @@ fn a_look_allocates_nothing_and_the_tree_takes_eleven_bytes_a_block() {
         (large.contract(), large.built().faces),
         (Contract::Exact, 2 * 2048 * 1024)
     );
-    let scene = alone(|scene| scene.add_own("ground", Arc::new(large)));
+    let scene = alone(|scene| scene.add_custom("ground", Arc::new(large)));
     let views =
         [[900.0, 40.0, 500.0], [20.0, 70.0, 20.0]].map(|eye| View::new(eye, [1024.0, 0.0, 512.0], SCREEN));
     let mut viewer = Viewer::new();

@@ -2,9 +2,9 @@
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    Capsule, Cast, ContentBuilder, ContentError, ConvexPolygon, FragmentId, HeightField, HeightFieldError,
-    Light, Limits, MAX_COORDINATE, Material, MaterialId, Mesh, MeshError, Met, Method, Place, PortalId, Ray,
-    Scene, SceneBuilder, SceneError, Transform, View, ViewError, Viewer, Walked, geom::PolygonError,
+    Capsule, Cast, ContentBuilder, ContentError, ConvexPolygon, HeightField, HeightFieldError, Light, Limits,
+    MAX_COORDINATE, Material, MaterialId, Mesh, MeshError, Met, Method, Place, PortalId, Ray, Scene,
+    SceneBuilder, SceneError, SectorId, Transform, View, ViewError, Viewer, Walked, geom::PolygonError,
 };
 
 /// A room whose opening fills the view, and shows the room itself from the same eye, a little smaller: so the opening
@@ -34,7 +34,7 @@ fn as_many_portals_in_a_row_are_followed_as_the_limits_allow() {
     let mut limits = Limits::default();
     limits.max_crossings = u16::MAX;
     let mut view = View::new([0.0; 3], [0.0, 0.0, -1.0], [8, 6]);
-    view.fragment = Some(FragmentId(0));
+    view.sector = Some(SectorId(0));
     view.near = 1e-6;
     let scene = endless();
     let truth = Reference::new(&scene).see(&scene, &view, &limits);
@@ -78,7 +78,7 @@ fn loop_of(scale: f32) -> Scene {
 }
 
 const START: Place = Place {
-    fragment: FragmentId(0),
+    sector: SectorId(0),
     position: [0.0; 3],
 };
 
@@ -117,7 +117,7 @@ fn a_ray_through_a_teleport_that_scales_again_and_again_ends_at_a_limit() {
             origin: [0.0; 3],
             direction: [1.0, 0.0, 0.0],
         };
-        let cast = loop_of(scale).cast(FragmentId(0), &ray);
+        let cast = loop_of(scale).cast(SectorId(0), &ray);
         assert!(matches!(cast.met, Met::Limit(_)), "scale {scale}: {:?}", cast.met);
         assert!(!cast.crossed.is_empty() && cast.crossed.len() <= Cast::MOST_CROSSED);
         assert!(cast.there_from_here.is_finite());
@@ -188,7 +188,7 @@ fn coordinates_beyond_the_bound_are_refused_wherever_they_come_in() {
     let mut builder = SceneBuilder::new();
     let nested = builder.nest(&scene);
     assert!(builder.build().is_ok(), "{nested:?}");
-    let light = Light::point(FragmentId(0), [0.0, far, 0.0], [1.0; 3], 1.0);
+    let light = Light::point(SectorId(0), [0.0, far, 0.0], [1.0; 3], 1.0);
     assert_eq!(scene.add_light(light), Err(SceneError::BadLight(0)));
 
     let view = View::new([far, 0.0, 0.0], [0.0; 3], [8, 8]);

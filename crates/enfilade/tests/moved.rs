@@ -9,16 +9,13 @@ fn clusters(viewer: &Viewer, scene: &Scene) -> BTreeMap<(u32, ItemId, u32), u64>
     let set = viewer.visible();
     let mut all = BTreeMap::new();
     for item in set.items() {
-        let fragment = set.passage(item.passage).fragment;
-        let mesh = scene.content(fragment).expect("of ours").mesh_of(item.item);
+        let sector = set.passage(item.passage).sector;
+        let mesh = scene.content(sector).expect("of ours").mesh_of(item.item);
         let only = [0];
         let seen = set.clusters(item);
         for &cluster in if seen.is_empty() { &only[..] } else { seen } {
             let faces = mesh.clusters()[cluster as usize].faces.clone();
-            all.insert(
-                (fragment.0, item.item, cluster),
-                u64::from(faces.end - faces.start),
-            );
+            all.insert((sector.0, item.item, cluster), u64::from(faces.end - faces.start));
         }
     }
     all

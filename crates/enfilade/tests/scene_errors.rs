@@ -3,9 +3,9 @@
 //! A scene cannot stand in itself: [`SceneBuilder::nest`] takes one that is built already.
 
 use enfilade::{
-    Aabb, Canvas, Content, ContentBuilder, Contract, ConvexPolygon, End, Fragment, FragmentId, Hit, ItemId,
-    Light, Material, MaterialId, Memory, Mesh, Method, Opening, OpeningId, Passage, PortalId, Ray, Scene,
-    SceneBuilder, SceneError, Seen, Surface, Transform,
+    Aabb, Canvas, Content, ContentBuilder, Contract, ConvexPolygon, End, Hit, ItemId, Light, Material,
+    MaterialId, Memory, Mesh, Method, Opening, OpeningId, Passage, PortalId, Ray, Scene, SceneBuilder,
+    SceneError, Sector, SectorId, Seen, Surface, Transform,
 };
 use std::sync::Arc;
 
@@ -30,7 +30,7 @@ fn room() -> Content {
 }
 
 /// A hall, and whatever else `add` puts into the scene; why that makes none.
-fn refused(add: impl FnOnce(&mut SceneBuilder, FragmentId)) -> SceneError {
+fn refused(add: impl FnOnce(&mut SceneBuilder, SectorId)) -> SceneError {
     let mut builder = SceneBuilder::new();
     let hall = builder.add("hall", room(), Method::ZBuffer);
     add(&mut builder, hall);
@@ -52,24 +52,24 @@ fn cabinet() -> Scene {
 }
 
 #[test]
-fn a_fragment_that_is_not_there() {
-    let nowhere = FragmentId(12);
+fn a_sector_that_is_not_there() {
+    let nowhere = SectorId(12);
     let error = refused(|scene, hall| {
         scene
             .door((hall, DOOR), (hall, WINDOW))
             .portal((hall, DOOR), nowhere, Transform::IDENTITY);
     });
-    says(&error, "portal 2 names fragment 12, but there are only 1");
+    says(&error, "portal 2 names sector 12, but there are only 1");
     let error = refused(|scene, _| {
         scene.exit("gate", (nowhere, DOOR));
     });
-    says(&error, "exit `gate` names fragment 12, but there are only 1");
-    // A nested scene's fragments are its own affair: they are reached through its exits.
+    says(&error, "exit `gate` names sector 12, but there are only 1");
+    // A nested scene's sectors are its own affair: they are reached through its exits.
     let error = refused(|scene, hall| {
         scene.nest(&cabinet());
-        scene.portal((hall, DOOR), FragmentId(1), Transform::IDENTITY);
+        scene.portal((hall, DOOR), SectorId(1), Transform::IDENTITY);
     });
-    says(&error, "portal 0 names fragment 1, but there are only 1");
+    says(&error, "portal 0 names sector 1, but there are only 1");
 }
 
 #[test]
@@ -79,14 +79,14 @@ fn an_opening_that_is_not_there() {
     });
     says(
         &error,
-        "portal 0 uses opening 7 of fragment `hall`, which has only 2",
+        "portal 0 uses opening 7 of sector `hall`, which has only 2",
     );
     let error = refused(|scene, hall| {
         scene.exit("gate", (hall, OpeningId(2)));
     });
     says(
         &error,
-        "exit `gate` uses opening 2 of fragment `hall`, which has only 2",
+        "exit `gate` uses opening 2 of sector `hall`, which has only 2",
     );
 }
 
@@ -120,8 +120,7 @@ fn an_exit_that_is_not_there() {
 
 #[test]
 fn a_way_out_of_anywhere() {
-    let rule =
-        "begins anywhere in a fragment; it must lead out of an opening, or out of a nested scene's exit";
+    let rule = "begins anywhere in a sector; it must lead out of an opening, or out of a nested scene's exit";
     let error = refused(|scene, hall| {
         scene.portal(hall, (hall, DOOR), Transform::IDENTITY);
     });
@@ -139,7 +138,7 @@ fn two_portals_out_of_one_opening() {
     });
     says(
         &error,
-        "portal 0 and portal 2 both lead out of opening `window` of fragment `hall`",
+        "portal 0 and portal 2 both lead out of opening `window` of sector `hall`",
     );
     // Portals of nested scenes have no number in the outer one.
     let mut inner = SceneBuilder::new();
@@ -152,7 +151,7 @@ fn two_portals_out_of_one_opening() {
     });
     says(
         &error,
-        "a portal of a nested scene and portal 1 both lead out of opening `door` of fragment `cabinet`",
+        "a portal of a nested scene and portal 1 both lead out of opening `door` of sector `cabinet`",
     );
 }
 
@@ -186,46 +185,47 @@ fn a_transform_that_shears() {
 
 #[test]
 fn a_lamp_that_cannot_shine() {
-    let lamp = |fragment, range| Light::point(fragment, [0.0; 3], [1.0; 3], range);
+    let lamp = |sector, range| Light::point(sector, [0.0; 3], [1.0; 3], range);
     let error = refused(|scene, hall| {
         scene.light(lamp(hall, 1.0));
         scene.light(lamp(hall, 0.0));
     });
-    let rule = "must have finite numbers, a position within 1e12 units, a range above 0, and a fragment of this scene";
+    let rule =
+        "must have finite numbers, a position within 1e12 units, a range above 0, and a sector of this scene";
     says(&error, &format!("light 1 {rule}"));
     let error = refused(|scene, _| {
-        scene.light(lamp(FragmentId(1), 1.0));
+        scene.light(lamp(SectorId(1), 1.0));
     });
     says(&error, &format!("light 0 {rule}"));
     // One that is hung up later is held to the same.
     let mut scene = cabinet();
-    let later = scene.add_light(lamp(FragmentId(0), -1.0)).expect_err("no range");
+    let later = scene.add_light(lamp(SectorId(0), -1.0)).expect_err("no range");
     says(&later, &format!("light 0 {rule}"));
     assert!(scene.lights().is_empty());
 }
 
 #[test]
-fn a_fragment_that_needs_too_much_memory() {
+fn a_sector_that_needs_too_much_memory() {
     let error = refused(|scene, _| {
         scene.limit_bytes(100);
         scene.add("tower", room(), Method::Bsp);
     });
-    let SceneError::TooLarge { fragment, why } = &error else {
+    let SceneError::TooLarge { sector, why } = &error else {
         panic!("{error}");
     };
-    assert_eq!((&**fragment, why.limit), ("tower", 100));
+    assert_eq!((&**sector, why.limit), ("tower", 100));
     let said = error.to_string();
     assert!(
-        said.starts_with("fragment `tower`: bsp needs about ")
+        said.starts_with("sector `tower`: bsp needs about ")
             && said.ends_with(", above the limit of 100 bytes; z-buffer needs less"),
         "{said}"
     );
 }
 
-/// A fragment that shows nothing.
+/// A sector that shows nothing.
 struct Void(Aabb);
 
-impl Fragment for Void {
+impl Sector for Void {
     fn bounds(&self) -> Aabb {
         self.0
     }
@@ -248,9 +248,9 @@ impl Fragment for Void {
 #[test]
 fn what_is_not_ours_is_not_exchanged() {
     let mut builder = SceneBuilder::new();
-    let void = builder.add_own("void", Arc::new(Void(Aabb::EMPTY)));
+    let void = builder.add_custom("void", Arc::new(Void(Aabb::EMPTY)));
     let mut scene = builder.build().expect("a scene of one's own");
-    let message = "fragment `void` is one of your own: it has neither content nor method to exchange";
+    let message = "sector `void` is one of your own: it has neither content nor method to exchange";
     says(&scene.set_content(void, room()).expect_err("not ours"), message);
     says(
         &scene.set_method(void, Method::Bsp).expect_err("not ours"),
@@ -259,7 +259,7 @@ fn what_is_not_ours_is_not_exchanged() {
 }
 
 #[test]
-fn a_custom_fragment_with_a_box_of_no_numbers() {
+fn a_custom_sector_with_a_box_of_no_numbers() {
     for (side, is_sound) in [
         (f32::INFINITY, true),
         (1e12, true),
@@ -271,14 +271,14 @@ fn a_custom_fragment_with_a_box_of_no_numbers() {
             max: [1.0, side, 1.0],
         };
         let mut builder = SceneBuilder::new();
-        builder.add_own("sky", Arc::new(Void(bounds)));
+        builder.add_custom("sky", Arc::new(Void(bounds)));
         match builder.build() {
             Ok(_) => assert!(is_sound, "{side}"),
             Err(error) => {
                 assert!(!is_sound, "{side}");
                 says(
                     &error,
-                    "the box of fragment `sky` has a coordinate that is not a number, or is farther out than 1e12 units and not infinite",
+                    "the box of sector `sky` has a coordinate that is not a number, or is farther out than 1e12 units and not infinite",
                 );
             }
         }
@@ -293,12 +293,12 @@ fn a_content_with_fewer_openings() {
     let closed = ContentBuilder::new([]).build().expect("nothing");
     says(
         &scene.set_content(hall, closed).expect_err("openings are missing"),
-        "fragment `hall` has 2 openings, but the content that is to replace its own has 0",
+        "sector `hall` has 2 openings, but the content that is to replace its own has 0",
     );
 }
 
 #[test]
-fn a_method_is_exchanged_in_one_fragment_or_not_at_all() {
+fn a_method_is_exchanged_in_one_sector_or_not_at_all() {
     let mut builder = SceneBuilder::new();
     builder.limit_bytes(100);
     let [hall, tower] = ["hall", "tower"].map(|name| builder.add(name, room(), Method::ZBuffer));
@@ -316,9 +316,9 @@ fn a_method_is_exchanged_in_one_fragment_or_not_at_all() {
 }
 
 #[test]
-fn a_fragment_that_is_open_above_and_not_there() {
+fn a_sector_that_is_open_above_and_not_there() {
     let error = refused(|builder, _| {
-        builder.open_above(FragmentId(7));
+        builder.open_above(SectorId(7));
     });
-    says(&error, "open_above names fragment 7, but there are only 1");
+    says(&error, "open_above names sector 7, but there are only 1");
 }

@@ -1,7 +1,7 @@
 //! However many threads look and build, what is seen is the same, and so is what is built.
 
 use enfilade::{
-    ContentBuilder, FragmentId, Limits, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, Stats,
+    ContentBuilder, Limits, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, SectorId, Stats,
     Transform, View, Viewer,
 };
 use enfilade_scenes::built_in;
@@ -103,7 +103,7 @@ fn town() -> Scene {
     }
     let mut scene = SceneBuilder::new();
     scene.add("town", builder.build().expect("sound houses"), Method::ZBuffer);
-    scene.build().expect("one fragment")
+    scene.build().expect("one sector")
 }
 
 /// From the middle of a street, from above, and from beside the town.
@@ -169,17 +169,17 @@ fn a_viewer_that_is_not_parallel_does_what_one_thread_does() {
 }
 
 #[test]
-fn fragments_of_one_content_are_built_side_by_side_without_waiting_for_each_other() {
-    let content = town().content(FragmentId(0)).expect("of ours").clone();
+fn sectors_of_one_content_are_built_side_by_side_without_waiting_for_each_other() {
+    let content = town().content(SectorId(0)).expect("of ours").clone();
     let mut builder = SceneBuilder::new();
     for name in ["here", "there", "yonder"] {
         builder.add(name, content.clone(), Method::ZBuffer);
     }
-    let scene = builder.build().expect("three fragments");
+    let scene = builder.build().expect("three sectors");
     for pool in pools() {
         for method in [Method::Bsp, Method::Svbsp] {
             let built = pool.install(|| scene.with_method(method, Method::DEFAULT_LIMIT));
-            assert!(built.is_ok_and(|built| built.fragments().all(|id| built.builds(id) == 2)));
+            assert!(built.is_ok_and(|built| built.sectors().all(|id| built.builds(id) == 2)));
         }
     }
 }

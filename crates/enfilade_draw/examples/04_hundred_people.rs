@@ -13,16 +13,16 @@ const UP_TO_MIDDLE: Vec3 = vec3(0.0, 0.95, 0.0);
 struct Person {
     place: Place,
     goal: Vec3,
-    /// It is an item of each fragment that it stands in.
-    items: Vec<(FragmentId, ItemId)>,
+    /// It is an item of each sector that it stands in.
+    items: Vec<(SectorId, ItemId)>,
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let palace = built_in("enfilade").ok_or("the palace is built in")?;
     let mut scene = palace.scene;
-    let mut doors: Vec<(PortalId, FragmentId, Vec3)> = Vec::new();
+    let mut doors: Vec<(PortalId, SectorId, Vec3)> = Vec::new();
     for (id, portal) in (0..).map(PortalId).zip(scene.portals()) {
-        let opening = &scene.fragment(portal.from).openings()[usize::from(portal.opening.0)];
+        let opening = &scene.sector(portal.from).openings()[usize::from(portal.opening.0)];
         if opening.name.ends_with("door") || opening.name.ends_with("arch") {
             doors.push((id, portal.from, opening.outline.bounds().center().into()));
         }
@@ -30,11 +30,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // What stops them: the palace without people, for nobody is in their own way.
     let mut walls = scene.clone();
     let start = |number: usize| {
-        let (_, fragment, goal) = doors[number * 7 % doors.len()];
-        let middle = Vec3::from(scene.bounds(fragment).center()) * vec3(1.0, 0.0, 1.0);
+        let (_, sector, goal) = doors[number * 7 % doors.len()];
+        let middle = Vec3::from(scene.bounds(sector).center()) * vec3(1.0, 0.0, 1.0);
         let at = goal.with_y(0.0).lerp(middle, 0.2 + 0.006 * number as f32) + UP_TO_MIDDLE;
         let (position, items) = (at.into(), Vec::new());
-        let place = Place { fragment, position };
+        let place = Place { sector, position };
         Person { place, goal, items }
     };
     let mut people: Vec<Person> = (0..100).map(start).collect();
@@ -51,9 +51,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let step = 0.12 * way.normalize_or_zero() - 0.02 * Vec3::Y;
             person.place = walls.slide(from, Capsule::new(0.25, 1.9), step.into()).place;
             let here = Vec3::from(person.place.position);
-            if person.place.fragment != from.fragment || here.distance(from.position.into()) < 0.03 {
+            if person.place.sector != from.sector || here.distance(from.position.into()) < 0.03 {
                 // On, to another door of the room that it is in.
-                let ways = doors.iter().filter(|door| door.1 == person.place.fragment);
+                let ways = doors.iter().filter(|door| door.1 == person.place.sector);
                 let way = ways.cycle().nth(number + frame as usize);
                 person.goal = way.map_or(here, |&(.., door)| door + 0.3 * (door - here).normalize());
             }
@@ -68,21 +68,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         for (number, somebody) in people.iter_mut().enumerate() {
             let before = std::mem::take(&mut somebody.items);
             for presence in walls.stands_in(somebody.place, 0.4) {
-                let Place { fragment, position } = presence.place;
+                let Place { sector, position } = presence.place;
                 let (way, feet) = (
                     somebody.goal - Vec3::from(position),
                     Vec3::from(position) - UP_TO_MIDDLE,
                 );
                 let turn = Transform::rotation([0.0, 1.0, 0.0], f64::from(way.x.atan2(way.z)));
                 let there = Transform::translation(feet.into()) * turn;
-                let item = match before.iter().find(|item| item.0 == fragment) {
-                    Some(&(_, item)) => edit.place(fragment, item, there).map(|()| item)?,
-                    None => edit.add(fragment, "person", kinds[number % 7].clone(), there)?,
+                let item = match before.iter().find(|item| item.0 == sector) {
+                    Some(&(_, item)) => edit.place(sector, item, there).map(|()| item)?,
+                    None => edit.add(sector, "person", kinds[number % 7].clone(), there)?,
                 };
-                somebody.items.push((fragment, item));
+                somebody.items.push((sector, item));
             }
-            for &(fragment, item) in before.iter().filter(|gone| !somebody.items.contains(gone)) {
-                edit.remove(fragment, item)?;
+            for &(sector, item) in before.iter().filter(|gone| !somebody.items.contains(gone)) {
+                edit.remove(sector, item)?;
             }
         }
         edit.finish()?;

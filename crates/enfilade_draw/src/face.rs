@@ -74,16 +74,13 @@ impl Rays {
     pub(crate) fn new(passage: &Passage) -> Rays {
         let direction = |at| DVec3::from(passage.ray(at)[1]);
         let corner = direction([0.5, 0.5]);
-        let fragment_from_eye = passage
-            .eye_from_fragment()
-            .inverse()
-            .unwrap_or(Transform::IDENTITY);
+        let sector_from_eye = passage.eye_from_sector().inverse().unwrap_or(Transform::IDENTITY);
         Rays {
             eye: passage.eye().into(),
             corner,
             right: direction([1.5, 0.5]) - corner,
             down: direction([0.5, 1.5]) - corner,
-            back: Vec3::from(fragment_from_eye.direction([0.0, 0.0, 1.0])).normalize_or_zero(),
+            back: Vec3::from(sector_from_eye.direction([0.0, 0.0, 1.0])).normalize_or_zero(),
         }
     }
 
@@ -260,7 +257,7 @@ impl Slopes<'_> {
     }
 }
 
-/// Normals of corners in the space of the fragment, on the side of the face's own, which is turned to the eye. Corners
+/// Normals of corners in the space of the sector, on the side of the face's own, which is turned to the eye. Corners
 /// without one have the face's own; `None` where all have.
 fn normals(
     list: &[[f32; 3]],

@@ -1,36 +1,36 @@
-//! Where the light of a scene's lamps and suns goes: into which fragments, through which openings, and how much of it is
+//! Where the light of a scene's lamps and suns goes: into which sectors, through which openings, and how much of it is
 //! sent back there by walls.
 
-use enfilade::{Aabb, FragmentId, Light, LightId, LightShape, Limits, Passage, Ray, Reached, Scene};
+use enfilade::{Aabb, Light, LightId, LightShape, Limits, Passage, Ray, Reached, Scene, SectorId};
 use glam::{DVec3, Vec3};
 
-/// Fragments that one lamp is followed into at most: two mirrors face to face would go on for ever.
+/// Sectors that one lamp is followed into at most: two mirrors face to face would go on for ever.
 const MOST_REACHED: u32 = 4096;
 /// Portals in a row that light goes through.
 const MOST_CROSSED: u16 = 8;
 
-/// Where the lights of a scene shine, and how bright it is in each fragment.
+/// Where the lights of a scene shine, and how bright it is in each sector.
 pub(crate) struct Lamps {
-    /// Fragment after fragment.
+    /// Sector after sector.
     all: Vec<Lamp>,
-    /// By fragment: what faces send back, and what eyes get used to.
+    /// By sector: what faces send back, and what eyes get used to.
     rooms: Vec<Brightness>,
     /// How many lights there are.
     pub(crate) lights: usize,
 }
 
-/// A light as it is seen from a fragment that it shines into.
+/// A light as it is seen from a sector that it shines into.
 struct Lamp {
     light: usize,
     lamp: Light,
     reached: Reached,
     /// Where the middle of its light goes, of unit length; zero of a point.
     onwards: DVec3,
-    /// Lengths in the fragment for one where the lamp hangs.
+    /// Lengths in the sector for one where the lamp hangs.
     scale: f64,
 }
 
-/// How bright it is in a fragment.
+/// How bright it is in a sector.
 #[derive(Clone, Copy, Default)]
 struct Brightness {
     /// What surfaces get from others that are lit.
@@ -74,7 +74,7 @@ impl Lamps {
         limits.max_crossings = MOST_CROSSED;
         limits.max_passages = MOST_REACHED;
         let mut all: Vec<Lamp> = Vec::new();
-        let mut rooms = vec![Brightness::default(); scene.fragments().count()];
+        let mut rooms = vec![Brightness::default(); scene.sectors().count()];
         for (light, lamp) in scene.lights().iter().enumerate() {
             let usual = usual_distance(scene, lamp);
             for reached in scene.light_reach(LightId(light as u32), &limits) {
@@ -91,7 +91,7 @@ impl Lamps {
                 });
             }
         }
-        all.sort_by_key(|lamp| lamp.reached.fragment);
+        all.sort_by_key(|lamp| lamp.reached.sector);
         Lamps {
             all,
             rooms,
@@ -104,20 +104,17 @@ impl Lamps {
         self.lights == 0
     }
 
-    /// What surfaces of a fragment get from others that are lit, linear: some even in the darkest.
-    pub(crate) fn bounced(&self, fragment: FragmentId) -> Vec3 {
+    /// What surfaces of a sector get from others that are lit, linear: some even in the darkest.
+    pub(crate) fn bounced(&self, sector: SectorId) -> Vec3 {
         const LEAST: f32 = 0.05;
-        let here = self.rooms.get(fragment.0 as usize);
+        let here = self.rooms.get(sector.0 as usize);
         here.map_or(Vec3::ZERO, |room| room.bounced) + Vec3::splat(LEAST * self.brightest())
     }
 
-    /// What a white surface that is lit well sends back in a fragment, about; above 0.
-    pub(crate) fn lit(&self, fragment: FragmentId) -> f32 {
+    /// What a white surface that is lit well sends back in a sector, about; above 0.
+    pub(crate) fn lit(&self, sector: SectorId) -> f32 {
         const DARKEST: f32 = 0.1;
-        let here = self
-            .rooms
-            .get(fragment.0 as usize)
-            .map_or(0.0, Brightness::used_to);
+        let here = self.rooms.get(sector.0 as usize).map_or(0.0, Brightness::used_to);
         here.max(DARKEST * self.brightest()).max(f32::MIN_POSITIVE)
     }
 
@@ -129,10 +126,10 @@ impl Lamps {
     pub(crate) fn near<'a>(&'a self, passage: &'a Passage) -> impl Iterator<Item = (usize, Near)> + 'a {
         let first = self
             .all
-            .partition_point(|lamp| lamp.reached.fragment < passage.fragment);
+            .partition_point(|lamp| lamp.reached.sector < passage.sector);
         let here = self.all[first..]
             .iter()
-            .take_while(|lamp| lamp.reached.fragment == passage.fragment);
+            .take_while(|lamp| lamp.reached.sector == passage.sector);
         let eye = DVec3::from(passage.eye());
         here.filter(|lamp| passage.may_show(&lamp.around()))
             .map(move |lamp| (lamp.light, lamp.near(eye)))
@@ -140,7 +137,7 @@ impl Lamps {
 }
 
 impl Lamp {
-    /// Lengths of the fragment that it reaches.
+    /// Lengths of the sector that it reaches.
     fn range(&self) -> f64 {
         match self.lamp.shape {
             LightShape::Sun { .. } => f64::INFINITY,
@@ -253,7 +250,7 @@ impl Near {
 
 /// How far from a lamp the surfaces are that it lights well: nearer than most of several tried.
 fn usual_distance(scene: &Scene, lamp: &Light) -> f64 {
-    let fragment = scene.fragment(lamp.fragment);
+    let sector = scene.sector(lamp.sector);
     let corner = 1.0 / 3.0_f32.sqrt();
     let axes = [0, 1, 2].map(|axis| std::array::from_fn(|i| f32::from(u8::from(i == axis))));
     let corners = [
@@ -270,7 +267,7 @@ fn usual_distance(scene: &Scene, lamp: &Light) -> f64 {
             .flat_map(|direction| [direction, direction.map(|value: f32| -value)])
             .collect(),
     };
-    let size = DVec3::from(fragment.bounds().size().map(f64::from)).length();
+    let size = DVec3::from(sector.bounds().size().map(f64::from)).length();
     let mut distances: Vec<f64> = directions
         .into_iter()
         .filter_map(|direction| {
@@ -279,7 +276,7 @@ fn usual_distance(scene: &Scene, lamp: &Light) -> f64 {
                 origin: lamp.position,
                 direction,
             };
-            fragment.cast(&ray).map(|hit| hit.distance * length)
+            sector.cast(&ray).map(|hit| hit.distance * length)
         })
         // The lamp's own shade is not what it lights.
         .filter(|&distance| distance > 0.02 * size.min(20.0))
@@ -289,11 +286,11 @@ fn usual_distance(scene: &Scene, lamp: &Light) -> f64 {
     near.unwrap_or(0.25 * size).min(0.5 * f64::from(lamp.range))
 }
 
-/// Adds what a light does in a fragment that it reaches. What comes through an opening counts by how large that is beside
-/// the walls; what fills a small part of a large fragment, by that part.
+/// Adds what a light does in a sector that it reaches. What comes through an opening counts by how large that is beside
+/// the walls; what fills a small part of a large sector, by that part.
 fn brighten(scene: &Scene, rooms: &mut [Brightness], lamp: &Light, reached: &Reached, usual: f64) {
     const SENT_BACK: f32 = 0.35;
-    let size = DVec3::from(scene.fragment(reached.fragment).bounds().size().map(f64::from));
+    let size = DVec3::from(scene.sector(reached.sector).bounds().size().map(f64::from));
     let walls = 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
     let is_sun = matches!(lamp.shape, LightShape::Sun { .. });
     let part = if reached.parent.is_some() {
@@ -314,7 +311,7 @@ fn brighten(scene: &Scene, rooms: &mut [Brightness], lamp: &Light, reached: &Rea
     };
     let color = Vec3::from(lamp.color);
     let brightness = color.dot(Vec3::new(0.2126, 0.7152, 0.0722));
-    let room = &mut rooms[reached.fragment.0 as usize];
+    let room = &mut rooms[reached.sector.0 as usize];
     room.bounced += color * (SENT_BACK * part as f32);
     room.lit += brightness * part as f32;
     if reached.parent.is_none() && !is_sun {

@@ -3,17 +3,17 @@
 
 use crate::lamps::Lamps;
 use crate::stage::Exposure;
-use enfilade::FragmentId;
+use enfilade::SectorId;
 use glam::Vec3;
 
-/// Towards the sun, in the space of the fragment at hand; nothing casts a shadow.
+/// Towards the sun, in the space of the sector at hand; nothing casts a shadow.
 const SUN: Vec3 = Vec3::new(0.424, 0.755, 0.5);
 const SUNLIGHT: Vec3 = Vec3::new(0.58, 0.53, 0.45);
 const ZENITH: Vec3 = Vec3::new(0.36, 0.40, 0.48);
 const GROUND: Vec3 = Vec3::new(0.20, 0.18, 0.16);
 const FROM_THE_EYE: f32 = 0.22;
 
-/// The light in a fragment that comes from no lamp in particular, as it is shown.
+/// The light in a sector that comes from no lamp in particular, as it is shown.
 #[derive(Clone, Copy)]
 pub(crate) struct Daylight {
     sun: Vec3,
@@ -33,7 +33,7 @@ pub(crate) struct Tone {
 
 impl Daylight {
     /// Lamps would be lost in the sun: where there are any, and it is not known how bright they are, it is evening.
-    pub(crate) fn of(lamps: &Lamps, fragment: FragmentId, exposure: Exposure, tone: &Tone) -> Daylight {
+    pub(crate) fn of(lamps: &Lamps, sector: SectorId, exposure: Exposure, tone: &Tone) -> Daylight {
         const EVENING: f32 = 0.4;
         let day = |part: f32| Daylight {
             sun: SUNLIGHT * part,
@@ -45,7 +45,7 @@ impl Daylight {
             _ if lamps.is_empty() => day(1.0),
             Exposure::Fixed(_) => day(EVENING),
             Exposure::Eye(_) => {
-                let bounced = lamps.bounced(fragment) * tone.exposure;
+                let bounced = lamps.bounced(sector) * tone.exposure;
                 Daylight {
                     sun: Vec3::ZERO,
                     above: bounced * Vec3::new(1.0, 1.05, 1.12),
@@ -68,17 +68,17 @@ impl Daylight {
 }
 
 impl Tone {
-    /// What an eye that stands in a fragment gets used to.
-    pub(crate) fn of(lamps: &Lamps, fragment: Option<FragmentId>, exposure: Exposure) -> Tone {
+    /// What an eye that stands in a sector gets used to.
+    pub(crate) fn of(lamps: &Lamps, sector: Option<SectorId>, exposure: Exposure) -> Tone {
         /// How bright a white surface that is lit well is shown.
         const LIT_WELL: f32 = 0.6;
-        match (exposure, fragment) {
+        match (exposure, sector) {
             (Exposure::Fixed(exposure), _) => Tone {
                 exposure,
                 soft: false,
             },
-            (Exposure::Eye(stops), Some(fragment)) if !lamps.is_empty() => Tone {
-                exposure: LIT_WELL / lamps.lit(fragment) * stops.exp2(),
+            (Exposure::Eye(stops), Some(sector)) if !lamps.is_empty() => Tone {
+                exposure: LIT_WELL / lamps.lit(sector) * stops.exp2(),
                 soft: true,
             },
             _ => Tone {

@@ -13,7 +13,7 @@ use crate::show::Show;
 use crate::sky::Sky;
 use crate::smooth::SmoothRow;
 use crate::stage::{Picture, Settings, Stage};
-use enfilade::{Alpha, Canvas, CoverSpan, FragmentId, Method, Owner, Passage, PassageId, Scene, Span, View};
+use enfilade::{Alpha, Canvas, CoverSpan, Method, Owner, Passage, PassageId, Scene, SectorId, Span, View};
 use glam::Vec3;
 use image::RgbImage;
 use rayon::prelude::*;
@@ -33,7 +33,7 @@ pub struct Painter<'a> {
     cover: Option<CoverPicture>,
     sky: Sky,
     tone: Tone,
-    fragment: FragmentId,
+    sector: SectorId,
     rays: Rays,
     /// The lights that may shine on what the passage at hand shows.
     near: Vec<Near>,
@@ -61,7 +61,7 @@ impl<'a> Painter<'a> {
         let show = settings.show;
         let samples = view.size[0] as usize * view.size[1] as usize;
         let counted = matches!(show, Show::Overdraw | Show::Order);
-        let tone = Tone::of(&stage.lamps, scene.fragment_of(view), settings.exposure);
+        let tone = Tone::of(&stage.lamps, scene.sector_of(view), settings.exposure);
         Painter {
             scene,
             stage,
@@ -71,10 +71,10 @@ impl<'a> Painter<'a> {
             counts: vec![0; if counted { samples } else { 0 }],
             cover: (show == Show::Cover).then(|| CoverPicture::new(view.size)),
             sky: Sky::new(view),
-            fragment: FragmentId(0),
+            sector: SectorId(0),
             rays: Rays::default(),
             near: Vec::new(),
-            daylight: Daylight::of(&stage.lamps, FragmentId(0), settings.exposure, &tone),
+            daylight: Daylight::of(&stage.lamps, SectorId(0), settings.exposure, &tone),
             tone,
             shines: vec![false; stage.lamps.lights],
             pending: Pending::default(),
@@ -189,7 +189,7 @@ impl<'a> Painter<'a> {
                 coverage: 1.0,
             });
         };
-        let surface = self.scene.fragment(self.fragment).surface(item, face);
+        let surface = self.scene.sector(self.sector).surface(item, face);
         let coverage = if surface.alpha == Alpha::Blend {
             surface.color[3]
         } else {
@@ -202,14 +202,14 @@ impl<'a> Painter<'a> {
             })
         };
         match self.settings.show {
-            Show::Items => plain(distinct(u64::from(self.fragment.0) << 32 | u64::from(item.0))),
-            Show::Fragments => {
+            Show::Items => plain(distinct(u64::from(self.sector.0) << 32 | u64::from(item.0))),
+            Show::Sectors => {
                 let seen = Face::plain(&surface, light.rays);
                 let lit = light.daylight.at(seen.normal, light.rays.back);
-                plain((lit * Vec3::from(distinct(u64::from(self.fragment.0)))).into())
+                plain((lit * Vec3::from(distinct(u64::from(self.sector.0)))).into())
             }
             _ => {
-                let made = match self.scene.content(self.fragment) {
+                let made = match self.scene.content(self.sector) {
                     Some(content) => {
                         let of = (&**content, self.stage);
                         Face::of_content(of, (item, face), &surface, light.rays, light.lights)
@@ -313,14 +313,14 @@ fn mix(name: u64) -> u64 {
 impl Canvas for Painter<'_> {
     fn enter(&mut self, _id: PassageId, passage: &Passage) {
         self.flush();
-        self.fragment = passage.fragment;
+        self.sector = passage.sector;
         if let Some(cover) = &mut self.cover {
-            let method = self.scene.method(passage.fragment);
+            let method = self.scene.method(passage.sector);
             return cover.enter(method.and_then(Method::cover_shape));
         }
         self.rays = Rays::new(passage);
         let exposure = self.settings.exposure;
-        self.daylight = Daylight::of(&self.stage.lamps, passage.fragment, exposure, &self.tone);
+        self.daylight = Daylight::of(&self.stage.lamps, passage.sector, exposure, &self.tone);
         self.near.clear();
         if self.settings.show == Show::Image {
             for (light, near) in self.stage.lamps.near(passage) {
@@ -328,9 +328,9 @@ impl Canvas for Painter<'_> {
                 self.near.push(near);
             }
         }
-        let columns = passage.eye_from_fragment().columns();
+        let columns = passage.eye_from_sector().columns();
         let bits = columns.iter().flatten().map(|value| u64::from(value.to_bits()));
-        self.passage = bits.fold(u64::from(passage.fragment.0), |name, bits| mix(name ^ bits));
+        self.passage = bits.fold(u64::from(passage.sector.0), |name, bits| mix(name ^ bits));
     }
 
     fn row(&mut self, y: u16, spans: &[Span]) {

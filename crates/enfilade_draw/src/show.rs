@@ -12,8 +12,8 @@ pub enum Show {
     Items,
     /// When each sample's owner was handed out: blue first, red last.
     Order,
-    /// Each fragment in a colour of its own.
-    Fragments,
+    /// Each sector in a colour of its own.
+    Sectors,
     /// What each passage's cover knows when all that hides is in it, nearer lighter; what is seen through an opening is
     /// painted over it, for that has a cover of its own. Only of methods with a [`CoverShape`](enfilade::CoverShape):
     ///
@@ -34,7 +34,7 @@ impl Show {
         Show::Overdraw,
         Show::Items,
         Show::Order,
-        Show::Fragments,
+        Show::Sectors,
         Show::Cover,
     ];
 
@@ -45,7 +45,7 @@ impl Show {
             Show::Overdraw => "overdraw",
             Show::Items => "items",
             Show::Order => "order",
-            Show::Fragments => "fragments",
+            Show::Sectors => "sectors",
             Show::Cover => "cover",
         }
     }

@@ -99,8 +99,8 @@ mod tests {
     use crate::shade::Row;
     use crate::stage::{Exposure, Stage};
     use enfilade::{
-        Attributes, ContentBuilder, FragmentId, ItemId, Material, MaterialId, Mesh, Method, Part,
-        SceneBuilder, Transform, View, Viewer,
+        Attributes, ContentBuilder, ItemId, Material, MaterialId, Mesh, Method, Part, SceneBuilder, SectorId,
+        Transform, View, Viewer,
     };
 
     /// Numbers that are everywhere between −1 and 1.
@@ -136,18 +136,18 @@ mod tests {
             builder.item("face", mesh, Transform::IDENTITY);
             let mut scene = SceneBuilder::new();
             scene.add("all", builder.build().expect("one item"), Method::ZBuffer);
-            let scene = scene.build().expect("one fragment");
+            let scene = scene.build().expect("one sector");
             let stage = Stage::new(&scene);
             let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [64, 48]);
             let rays = crate::face::Rays::new(&Viewer::new().look(&scene, &view).passages()[0]);
-            let content = scene.content(FragmentId(0)).expect("a content");
-            let surface = scene.fragment(FragmentId(0)).surface(ItemId(0), 0);
+            let content = scene.content(SectorId(0)).expect("a content");
+            let surface = scene.sector(SectorId(0)).surface(ItemId(0), 0);
             let face = Face::of_content((content, &stage), (ItemId(0), 0), &surface, &rays, &[]);
             let tone = crate::light::Tone {
                 exposure: 1.0,
                 soft: false,
             };
-            let daylight = Daylight::of(&stage.lamps, FragmentId(0), Exposure::Fixed(1.0), &tone);
+            let daylight = Daylight::of(&stage.lamps, SectorId(0), Exposure::Fixed(1.0), &tone);
             let light = Illumination {
                 rays: &rays,
                 lights: &[],

@@ -48,7 +48,7 @@ pub enum Samples {
 pub enum Exposure {
     /// What one unit of a light's color becomes; what is brighter than white is cut off. Where no light is it is evening.
     Fixed(f32),
-    /// As an eye sees it that has got used to the fragment it stands in, brighter by so many stops; what is very bright
+    /// As an eye sees it that has got used to the sector it stands in, brighter by so many stops; what is very bright
     /// grows pale.
     Eye(f32),
 }
@@ -79,7 +79,7 @@ pub struct Picture {
 impl Stage {
     /// Makes a scene's textures ready, on all cores, and follows its lights.
     pub fn new(scene: &Scene) -> Stage {
-        let contents = || scene.fragments().filter_map(|id| scene.content(id));
+        let contents = || scene.sectors().filter_map(|id| scene.content(id));
         let mut unique: HashMap<usize, &Arc<Texture>> = HashMap::new();
         for texture in contents().flat_map(|content| content.textures()) {
             unique.insert(address(texture), texture);

@@ -45,19 +45,19 @@ fn encode(linear: f64) -> f64 {
         }
 }
 
-/// Lamplight, the colour that it falls on, and the fragment, item and face.
+/// Lamplight, the colour that it falls on, and the sector, item and face.
 type Lit = (DVec3, [f32; 4], (u32, u32, u32));
 
 /// What is seen in a direction: lamplight there, and the colour that it falls on. `None` where that cannot be told.
 fn lamplight_along(scene: &Scene, lamplight: &Lamplight, view: &View, direction: DVec3) -> Option<Lit> {
-    let fragment = scene.fragment_of(view).expect("a room");
+    let sector = scene.sector_of(view).expect("a room");
     let ray = Ray {
         origin: view.eye,
         direction: direction.as_vec3().into(),
     };
-    let cast = scene.cast(fragment, &ray);
+    let cast = scene.cast(sector, &ray);
     let Met::Face(hit) = cast.met else { return None };
-    let surface = scene.fragment(cast.fragment).surface(hit.item, hit.face);
+    let surface = scene.sector(cast.sector).surface(hit.item, hit.face);
     // A face of one side is not seen from behind, and glass does not stop the eye.
     if hit.from_behind || surface.alpha != enfilade::Alpha::Opaque {
         return None;
@@ -75,12 +75,8 @@ fn lamplight_along(scene: &Scene, lamplight: &Lamplight, view: &View, direction:
     } else {
         normal
     };
-    let light = lamplight.at(cast.fragment, point.into(), normal.into())?;
-    Some((
-        light.into(),
-        surface.color,
-        (cast.fragment.0, hit.item.0, hit.face),
-    ))
+    let light = lamplight.at(cast.sector, point.into(), normal.into())?;
+    Some((light.into(), surface.color, (cast.sector.0, hit.item.0, hit.face)))
 }
 
 /// Directions through and about the middle of a pixel.
@@ -133,7 +129,7 @@ fn lamplight_falls_through_doors_mirrors_and_teleports_as_far_as_they_let_it() {
                     }
                     compared += 1;
                     lit += usize::from(light.length() > 0.01);
-                    let home = scene.lights().iter().all(|lamp| lamp.fragment.0 != face.0);
+                    let home = scene.lights().iter().all(|lamp| lamp.sector.0 != face.0);
                     through += usize::from(home && light.length() > 0.01);
                     let [shown, before] = [&picture, &unlit].map(|image| image.get_pixel(x, y).0);
                     for channel in 0..3 {

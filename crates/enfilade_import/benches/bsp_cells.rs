@@ -190,7 +190,7 @@ fn part(content: &Content, items: &[ItemId]) -> Content {
     builder.build().expect("part of a sound content")
 }
 
-/// The way into the one fragment, at each view.
+/// The way into the one sector, at each view.
 fn passages(place: &Place) -> Vec<Passage> {
     let mut viewer = Viewer::new();
     let passage = |view| viewer.look(&place.scene, view).passages()[0].clone();
@@ -202,7 +202,7 @@ impl Cut {
     fn walk(&mut self, passage: &Passage, lens: &Lens) -> [u64; 2] {
         let mut counts = [0; 2];
         for (content, tree) in self.parts.iter().zip(&self.trees) {
-            if lens.may_show(&lens.screen_from_fragment, &content.bounds()) {
+            if lens.may_show(&lens.screen_from_sector, &content.bounds()) {
                 let mut pieces = Pieces { content, count: 0 };
                 tree.visit(content, passage, &mut self.scratch, &mut pieces);
                 counts[0] += 1;

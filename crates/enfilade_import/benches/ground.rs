@@ -32,7 +32,7 @@ fn main() {
     let import = read(&file, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     let scene = import
         .scene(Method::ZBuffer, Method::DEFAULT_LIMIT)
-        .expect("one fragment");
+        .expect("one sector");
     let content = &import.rooms[0].content;
     let clusters: usize = (0..content.items().len() as u32)
         .map(|item| content.mesh_of(ItemId(item)).clusters().len())
@@ -90,7 +90,7 @@ fn main() {
 
 /// From the lowest place of each of nine parts of the field, to the four winds.
 fn valleys(scene: &Scene) -> Vec<View> {
-    let only = scene.fragments().next().expect("one fragment");
+    let only = scene.sectors().next().expect("one sector");
     let bounds = scene.bounds(only);
     let at = |share: f32, axis: usize| bounds.min[axis] + share * (bounds.max[axis] - bounds.min[axis]);
     let height = |x: f32, z: f32| {
@@ -99,7 +99,7 @@ fn valleys(scene: &Scene) -> Vec<View> {
             origin: [x, top, z],
             direction: [0.0, -1.0, 0.0],
         };
-        let hit = scene.fragment(only).cast(&down);
+        let hit = scene.sector(only).cast(&down);
         hit.map_or(f32::INFINITY, |hit| top - hit.distance as f32)
     };
     let mut views = Vec::new();

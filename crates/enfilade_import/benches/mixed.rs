@@ -10,7 +10,7 @@ mod common;
 
 use common::land::{INSIDE, OUTSIDE, house_in_a_valley};
 use common::{Paint, SIZE, folder, in_turn};
-use enfilade::{Contract, FragmentId, ItemId, Method, Scene, View, Viewer};
+use enfilade::{Contract, ItemId, Method, Scene, SectorId, View, Viewer};
 use std::collections::BTreeSet;
 
 const ROUNDS: usize = 5;
@@ -70,8 +70,8 @@ fn main() {
 
 fn by(scene: &Scene, methods: [Method; 2]) -> Scene {
     let mut scene = scene.clone();
-    for (fragment, method) in [OUTSIDE, INSIDE].into_iter().zip(methods) {
-        scene.set_method(fragment, method).expect("it suits");
+    for (sector, method) in [OUTSIDE, INSIDE].into_iter().zip(methods) {
+        scene.set_method(sector, method).expect("it suits");
     }
     scene
 }
@@ -80,8 +80,8 @@ fn by(scene: &Scene, methods: [Method; 2]) -> Scene {
 fn items(scene: &Scene, exact: &Scene, views: &[View]) -> usize {
     let [mut viewer, mut exact_viewer] = [(); 2].map(|()| Viewer::new());
     let is_exact = scene
-        .fragments()
-        .all(|id| scene.fragment(id).contract() == Contract::Exact);
+        .sectors()
+        .all(|id| scene.sector(id).contract() == Contract::Exact);
     let mut sum = 0;
     for view in views {
         let [found, must] = [
@@ -100,11 +100,11 @@ fn items(scene: &Scene, exact: &Scene, views: &[View]) -> usize {
     sum
 }
 
-fn distinct(viewer: &mut Viewer, scene: &Scene, view: &View) -> BTreeSet<(FragmentId, ItemId)> {
+fn distinct(viewer: &mut Viewer, scene: &Scene, view: &View) -> BTreeSet<(SectorId, ItemId)> {
     let set = viewer.look(scene, view);
     let items = set.items().iter();
     items
-        .map(|seen| (set.passage(seen.passage).fragment, seen.item))
+        .map(|seen| (set.passage(seen.passage).sector, seen.item))
         .collect()
 }
 

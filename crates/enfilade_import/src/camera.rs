@@ -1,6 +1,6 @@
 //! Cameras that stand in a file.
 
-use enfilade::FragmentId;
+use enfilade::SectorId;
 
 /// A camera in world space: what [`enfilade::View`] needs, but for the size of the screen.
 ///
@@ -24,9 +24,9 @@ pub struct Camera {
     /// What is nearer than this is not seen; above 0, in scene units. Of an orthographic one, where its author has its
     /// picture begin.
     pub near: f32,
-    /// The room to look from. `None`: to be found, from where it stands, as [`enfilade::View::fragment`] says; of an
+    /// The room to look from. `None`: to be found, from where it stands, as [`enfilade::View::sector`] says; of an
     /// orthographic one, which stands elsewhere, it is always said.
-    pub fragment: Option<FragmentId>,
+    pub sector: Option<SectorId>,
     /// What an orthographic one shows from bottom to top, in scene units; `None` of one with a lens.
     pub height: Option<f32>,
 }

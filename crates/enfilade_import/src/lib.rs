@@ -2,7 +2,7 @@
 //! and their images beside it; compiled maps of Quake and Quake 3; and terrain, as heights with a JSON file that describes them.
 //!
 //! ```
-//! use enfilade::{FragmentId, Method};
+//! use enfilade::{SectorId, Method};
 //! use enfilade_import::{ReadOptions, read_bytes};
 //!
 //! let file = br#"{
@@ -18,7 +18,7 @@
 //! assert_eq!(leaf.rooms[0].content.triangle_count(), 1);
 //! assert_eq!(leaf.rooms[0].content.bounds().max, [1.0, 3.0, 0.0]);
 //! let scene = leaf.scene(Method::HierarchicalZ, Method::DEFAULT_LIMIT)?;
-//! assert_eq!(scene.fragment_name(FragmentId(0)), "scene");
+//! assert_eq!(scene.sector_name(SectorId(0)), "scene");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -27,7 +27,7 @@
 //!
 //! | a node's name ends in | `extras.enfilade` | it is |
 //! |---|---|---|
-//! | `-room` | `{"kind": "room", "method": "bsp"}` | a room: what is below it, up to rooms nested in it, is a fragment |
+//! | `-room` | `{"kind": "room", "method": "bsp"}` | a room: what is below it, up to rooms nested in it, is a sector |
 //! | `-portal` | `{"kind": "portal", "to": "Hall-room", "one_way": true}` | a flat convex mesh to look through |
 //! | `-portal` | `{"kind": "portal", "exit": "NODE"}` | the same as a teleport: in along its −Z, out along the exit's |
 //! | `-mirror` | `{"kind": "mirror"}` | a flat convex mesh that mirrors its room |
@@ -146,7 +146,7 @@ pub struct Import {
     /// `NAME#itemIndex` where groups share the name, `default` where it has none; of a map for what shows it. No two items of a
     /// file have the same name.
     pub rooms: Vec<Room>,
-    /// The ways between them; [`FragmentId`](enfilade::FragmentId) n is room n. A door is two, a mirror one that reflects.
+    /// The ways between them; [`SectorId`](enfilade::SectorId) n is room n. A door is two, a mirror one that reflects.
     pub portals: Vec<Portal>,
     /// The cameras of that scene, in the order of their nodes, named as items are.
     pub cameras: Vec<Camera>,
@@ -163,7 +163,7 @@ pub struct Import {
     pub files: Vec<PathBuf>,
 }
 
-/// A fragment of a file.
+/// A sector of a file.
 #[derive(Clone, Debug)]
 pub struct Room {
     /// How its author called it; the file's name without its ending (`scene` for bytes) where nobody marked it.
@@ -176,7 +176,7 @@ pub struct Room {
     pub method: Option<Method>,
     /// It has no top, as a garden or a courtyard: what is above it, however far, is in it.
     pub open_above: bool,
-    /// Terrain that would not have fit in memory as meshes: then `content` holds nothing, and this is the fragment, whatever
+    /// Terrain that would not have fit in memory as meshes: then `content` holds nothing, and this is the sector, whatever
     /// `method` says.
     pub large: Option<Arc<LargeTerrain>>,
 }
@@ -193,7 +193,7 @@ impl Import {
         builder.limit_bytes(limit_bytes);
         for room in &self.rooms {
             if let Some(large) = &room.large {
-                builder.add_own(&room.name, Arc::clone(large) as _);
+                builder.add_custom(&room.name, Arc::clone(large) as _);
                 continue;
             }
             let id = builder.add(

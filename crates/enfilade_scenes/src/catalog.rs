@@ -6,7 +6,7 @@ use enfilade::Scene;
 /// A scene, and places to look at it from; the first is the default.
 #[derive(Clone)]
 pub struct BuiltIn {
-    /// The scene. Every fragment is seen by the method that its author chose.
+    /// The scene. Every sector is seen by the method that its author chose.
     pub scene: Scene,
     /// At least one; names are unique.
     pub cameras: Vec<Camera>,
@@ -28,7 +28,7 @@ pub struct Named {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Group {
-    /// Openings that lead into other fragments.
+    /// Openings that lead into other sectors.
     Doors,
     /// Mirrors.
     Mirrors,

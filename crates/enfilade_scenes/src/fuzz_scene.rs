@@ -5,14 +5,14 @@
 
 use crate::random::Random;
 use enfilade::{
-    Alpha, Content, ContentBuilder, ConvexPolygon, FragmentId, Material, MaterialId, Mesh, Method, OpeningId,
-    Scene, SceneBuilder, Transform, View,
+    Alpha, Content, ContentBuilder, ConvexPolygon, Material, MaterialId, Mesh, Method, OpeningId, Scene,
+    SceneBuilder, SectorId, Transform, View,
 };
 use glam::{Vec2, Vec3, vec3};
 
 /// A scene, and views of it.
 pub struct FuzzScene {
-    /// One to four fragments, joined by portals of every kind.
+    /// One to four sectors, joined by portals of every kind.
     pub scene: Scene,
     /// Views on planes, edges, corners and in openings; some at random.
     pub views: Vec<View>,
@@ -27,7 +27,7 @@ struct World {
     world_from_local: Transform,
 }
 
-/// A fragment while it is made.
+/// A sector while it is made.
 struct Room {
     content: ContentBuilder,
     /// Its corner of least coordinates, in rooms.
@@ -71,8 +71,8 @@ pub fn fuzz_scene(seed: u64) -> FuzzScene {
     let mut seen = Vec::new();
     for room in rooms {
         let content: Content = room.content.build().expect("content within its limits");
-        let fragment = scene.add("room", content, Method::HierarchicalZ);
-        seen.push((fragment, room.outlines, room.corners));
+        let sector = scene.add("room", content, Method::HierarchicalZ);
+        seen.push((sector, room.outlines, room.corners));
     }
     for portal in portals {
         portal.add_to(&mut scene);
@@ -301,9 +301,9 @@ fn pyramid(sides: usize) -> Vec<[Vec3; 3]> {
 
 /// A portal to be, in the terms of the builder.
 enum Portal {
-    Door([(FragmentId, OpeningId); 2]),
-    Mirror(FragmentId, OpeningId),
-    OneWay([(FragmentId, OpeningId); 2], Transform),
+    Door([(SectorId, OpeningId); 2]),
+    Mirror(SectorId, OpeningId),
+    OneWay([(SectorId, OpeningId); 2], Transform),
 }
 
 impl Portal {
@@ -312,8 +312,8 @@ impl Portal {
             Portal::Door([a, b]) => {
                 scene.door(a, b);
             }
-            Portal::Mirror(fragment, opening) => {
-                scene.mirror(fragment, opening);
+            Portal::Mirror(sector, opening) => {
+                scene.mirror(sector, opening);
             }
             Portal::OneWay([from, to], there_from_here) => {
                 scene.portal(from, to, there_from_here);
@@ -370,8 +370,8 @@ fn outline(room: &Room, world: &World, random: &mut Random) -> Option<ConvexPoly
 /// A portal from one room to another, or back into the same.
 fn join(rooms: &mut [Room], [from, to]: [usize; 2], world: &World, random: &mut Random) -> Option<Portal> {
     let outline = outline(&rooms[from], world, random)?;
-    let here = FragmentId(from as u32);
-    let there = FragmentId(to as u32);
+    let here = SectorId(from as u32);
+    let there = SectorId(to as u32);
     let kind = random.below(6);
     if kind == 0 || from == to && kind < 4 {
         let opening = rooms[from].opening(outline);
@@ -414,8 +414,8 @@ fn join(rooms: &mut [Room], [from, to]: [usize; 2], world: &World, random: &mut 
 }
 
 /// A view from somewhere hard.
-fn view(rooms: &[(FragmentId, Vec<ConvexPolygon>, Vec<Vec3>)], world: &World, random: &mut Random) -> View {
-    let (fragment, outlines, corners) = &rooms[random.below(rooms.len())];
+fn view(rooms: &[(SectorId, Vec<ConvexPolygon>, Vec<Vec3>)], world: &World, random: &mut Random) -> View {
+    let (sector, outlines, corners) = &rooms[random.below(rooms.len())];
     let anywhere =
         |random: &mut Random| world.point(grid_point(random) + ROOM * vec3(random.below(2) as f32, 0.0, 0.0));
     let mut toward = anywhere(random);
@@ -459,7 +459,7 @@ fn view(rooms: &[(FragmentId, Vec<ConvexPolygon>, Vec<Vec3>)], world: &World, ra
         [0.0, 0.0, 1.0],
     ]);
     if random.once_in(2) {
-        view.fragment = Some(*fragment);
+        view.sector = Some(*sector);
     }
     if random.once_in(4) {
         view.near = random.pick(&[1e-6, 1e-4, 0.05, 0.5]) * world.scale;

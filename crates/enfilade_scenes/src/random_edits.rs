@@ -1,12 +1,12 @@
 //! Edits at random, for properties that must hold of a scene however it was changed.
 
 use crate::random::Random;
-use enfilade::{Content, Edited, FragmentId, ItemId, Scene, SceneError, Transform};
+use enfilade::{Content, Edited, ItemId, Scene, SceneError, SectorId, Transform};
 use std::sync::Arc;
 
 /// So many edits at random, all done at once: things go, come as copies of others, move near and far, turn, are mirrored and
-/// flattened, become copies of other meshes, and hide or do not. The same for the same scene and numbers. Where a fragment
-/// has more items than `at_first`, by fragment, more go than come.
+/// flattened, become copies of other meshes, and hide or do not. The same for the same scene and numbers. Where a sector
+/// has more items than `at_first`, by sector, more go than come.
 ///
 /// # Errors
 /// As [`Edit::finish`](enfilade::Edit::finish).
@@ -16,16 +16,16 @@ pub fn random_edits(
     at_first: &[usize],
     random: &mut Random,
 ) -> Result<Edited, SceneError> {
-    let has_items = |id: &FragmentId| {
+    let has_items = |id: &SectorId| {
         scene
             .content(*id)
             .is_some_and(|content| !content.items().is_empty())
     };
-    let fragments: Vec<FragmentId> = scene.fragments().filter(has_items).collect();
+    let sectors: Vec<SectorId> = scene.sectors().filter(has_items).collect();
     let mut edit = scene.edit();
     for _ in 0..count {
-        let fragment = random.pick(&fragments);
-        let Some(content) = edit.scene().content(fragment) else {
+        let sector = random.pick(&sectors);
+        let Some(content) = edit.scene().content(sector) else {
             continue;
         };
         let item = ItemId(random.below(content.items().len()) as u32);
@@ -35,21 +35,21 @@ pub fn random_edits(
         let name = content.name(item).to_owned();
         let there = elsewhere(content, item, random);
         let is_there = content.holds(item);
-        let crowded = content.item_count() > at_first[fragment.0 as usize];
+        let crowded = content.item_count() > at_first[sector.0 as usize];
         // Some cannot be: of what has gone already, or would have no faces. Then nothing is asked for.
         let _ = match random.below(10) {
-            0 if crowded => edit.remove(fragment, item),
-            0 | 1 if is_there => edit.add(fragment, &name, mesh, there).map(|_| ()),
-            2 => edit.remove(fragment, item),
-            3 => edit.set_mesh(fragment, item, other_mesh),
-            4 => edit.set_hides(fragment, item, random.below(3) > 0),
-            _ => edit.place(fragment, item, there),
+            0 if crowded => edit.remove(sector, item),
+            0 | 1 if is_there => edit.add(sector, &name, mesh, there).map(|_| ()),
+            2 => edit.remove(sector, item),
+            3 => edit.set_mesh(sector, item, other_mesh),
+            4 => edit.set_hides(sector, item, random.below(3) > 0),
+            _ => edit.place(sector, item, there),
         };
     }
     edit.finish()
 }
 
-/// Where something may be moved to: near, anywhere in the fragment or a little outside, turned, mirrored, flattened.
+/// Where something may be moved to: near, anywhere in the sector or a little outside, turned, mirrored, flattened.
 fn elsewhere(content: &Content, item: ItemId, random: &mut Random) -> Transform {
     let held = content.bounds();
     let size = held.size();

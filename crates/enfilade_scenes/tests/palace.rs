@@ -1,6 +1,6 @@
 //! The palace stands as drawn: counted, closed, joined, and the same every time.
 
-use enfilade::{Aabb, Content, FragmentId, ItemId, Method, Scene, Transform};
+use enfilade::{Aabb, Content, ItemId, Method, Scene, SectorId, Transform};
 use enfilade_scenes::{BuiltIn, FOUNTAIN_SECONDS, built_in, fountain};
 use std::collections::{BTreeSet, HashMap};
 
@@ -8,11 +8,11 @@ fn palace() -> BuiltIn {
     built_in("enfilade").expect("the palace is built in")
 }
 
-fn rooms(scene: &Scene) -> impl Iterator<Item = (FragmentId, &str, &Content)> {
-    scene.fragments().map(|id| {
+fn rooms(scene: &Scene) -> impl Iterator<Item = (SectorId, &str, &Content)> {
+    scene.sectors().map(|id| {
         (
             id,
-            scene.fragment_name(id),
+            scene.sector_name(id),
             &**scene.content(id).expect("all rooms are ours"),
         )
     })
@@ -32,7 +32,7 @@ fn it_has_the_rooms_doors_items_and_triangles_that_it_is_known_for() {
         .iter()
         .filter(|portal| portal.from == portal.to)
         .count();
-    assert_eq!((scene.fragment_count(), doors, mirrors), (34, 59, 8));
+    assert_eq!((scene.sector_count(), doors, mirrors), (34, 59, 8));
     assert_eq!((scene.item_count(), scene.triangle_count()), (5593, 2_730_439));
 }
 
@@ -66,7 +66,7 @@ impl Fnv {
     fn content(&mut self, content: &Content) {
         for (number, item) in content.items().iter().enumerate() {
             self.add(content.name(ItemId(number as u32)).as_bytes());
-            self.floats(&item.fragment_from_item);
+            self.floats(&item.sector_from_item);
         }
         for mesh in content.meshes() {
             self.floats(mesh.positions());
@@ -80,7 +80,7 @@ impl Fnv {
     }
 }
 
-fn room(scene: &Scene, wanted: &str) -> FragmentId {
+fn room(scene: &Scene, wanted: &str) -> SectorId {
     let mut all = rooms(scene);
     all.find(|(_, name, _)| *name == wanted).expect("a room").0
 }
@@ -150,8 +150,8 @@ fn two_mirrors_of_the_mirror_room_face_each_other() {
 fn the_garden_is_seen_as_terrain_and_the_painted_gallery_as_convex_cells() {
     let scene = palace().scene;
     let seen_by = |method: Method| -> Vec<&str> {
-        let all = scene.fragments().filter(|&id| scene.method(id) == Some(method));
-        all.map(|id| scene.fragment_name(id)).collect()
+        let all = scene.sectors().filter(|&id| scene.method(id) == Some(method));
+        all.map(|id| scene.sector_name(id)).collect()
     };
     assert_eq!(seen_by(Method::FloatingHorizon), ["Garden"]);
     let cells = seen_by(Method::Cell);
@@ -205,8 +205,8 @@ fn every_thing_has_a_name_of_its_own() {
 #[test]
 fn one_can_walk_from_the_first_room_to_every_other() {
     let scene = palace().scene;
-    let mut reached = BTreeSet::from([FragmentId(0)]);
-    let mut waiting = vec![FragmentId(0)];
+    let mut reached = BTreeSet::from([SectorId(0)]);
+    let mut waiting = vec![SectorId(0)];
     while let Some(room) = waiting.pop() {
         for portal in scene.portals().iter().filter(|portal| portal.from == room) {
             if reached.insert(portal.to) {
@@ -214,7 +214,7 @@ fn one_can_walk_from_the_first_room_to_every_other() {
             }
         }
     }
-    assert_eq!(reached.len(), scene.fragment_count());
+    assert_eq!(reached.len(), scene.sector_count());
 }
 
 #[test]
@@ -222,7 +222,7 @@ fn a_camera_that_is_named_for_a_room_stands_in_it() {
     let BuiltIn { scene, cameras } = palace();
     let located = |camera: &enfilade_scenes::Camera| {
         let room = scene.locate(camera.eye, camera.toward).expect("there are rooms");
-        scene.fragment_name(room).to_lowercase()
+        scene.sector_name(room).to_lowercase()
     };
     let names: BTreeSet<String> = rooms(&scene).map(|(_, name, _)| name.to_lowercase()).collect();
     let named: Vec<_> = cameras
@@ -239,12 +239,12 @@ fn a_camera_that_is_named_for_a_room_stands_in_it() {
 #[test]
 fn rooms_meet_at_their_doors_and_nowhere_overlap() {
     let scene = palace().scene;
-    for a in scene.fragments() {
-        for b in scene.fragments().filter(|b| b.0 > a.0) {
+    for a in scene.sectors() {
+        for b in scene.sectors().filter(|b| b.0 > a.0) {
             let [a_box, b_box] = [scene.bounds(a), scene.bounds(b)];
             let shared = a_box.intersection(&b_box);
             let overlap = if shared.is_empty() { 0.0 } else { shared.volume() };
-            let [a, b] = [a, b].map(|id| scene.fragment_name(id));
+            let [a, b] = [a, b].map(|id| scene.sector_name(id));
             assert!(overlap < 1e-2, "{a} and {b} share {overlap} cubic metres");
         }
     }
@@ -265,7 +265,7 @@ fn rooms_meet_at_their_doors_and_nowhere_overlap() {
         } else {
             bounds.max[axis]
         };
-        let room = scene.fragment_name(portal.from);
+        let room = scene.sector_name(portal.from);
         assert_eq!(
             end, min[axis],
             "{room} does not end at the plane of `{}`",

@@ -1,7 +1,7 @@
 //! The palace is painted and lit as it should be: every face that has a texture says where it is in it, lamps hang in
 //! their rooms, and the sun comes in through the windows.
 
-use enfilade::{Content, FragmentId, LightId, LightShape, Limits, Scene};
+use enfilade::{Content, LightId, LightShape, Limits, Scene, SectorId};
 use enfilade_scenes::built_in;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,7 +9,7 @@ fn palace() -> Scene {
     built_in("enfilade").expect("the palace is built in").scene
 }
 
-fn content(scene: &Scene, room: FragmentId) -> &Content {
+fn content(scene: &Scene, room: SectorId) -> &Content {
     scene.content(room).expect("all rooms are ours")
 }
 
@@ -18,7 +18,7 @@ fn every_face_with_a_texture_has_a_part_of_it() {
     let scene = palace();
     let mut faces = 0;
     let mut seen = BTreeSet::new();
-    for room in scene.fragments() {
+    for room in scene.sectors() {
         let content = content(&scene, room);
         for mesh in content.meshes() {
             for cluster in mesh.clusters() {
@@ -36,7 +36,7 @@ fn every_face_with_a_texture_has_a_part_of_it() {
                     assert!(
                         differ,
                         "a face in {} shows one point of its texture",
-                        scene.fragment_name(room)
+                        scene.sector_name(room)
                     );
                     faces += 1;
                 }
@@ -52,19 +52,19 @@ fn lamps_hang_in_their_rooms_and_are_not_too_many() {
     let scene = palace();
     let mut rooms: BTreeMap<u32, usize> = BTreeMap::new();
     for light in scene.lights() {
-        let name = scene.fragment_name(light.fragment);
-        *rooms.entry(light.fragment.0).or_default() += 1;
+        let name = scene.sector_name(light.sector);
+        *rooms.entry(light.sector.0).or_default() += 1;
         if matches!(light.shape, LightShape::Sun { .. }) {
             continue;
         }
-        let bounds = scene.bounds(light.fragment);
+        let bounds = scene.bounds(light.sector);
         let inside = (0..3)
             .all(|axis| (bounds.min[axis] + 0.1..bounds.max[axis] - 0.1).contains(&light.position[axis]));
         assert!(inside, "a lamp of {name} hangs at {:?}", light.position);
     }
-    let dark: Vec<&str> = (scene.fragments())
+    let dark: Vec<&str> = (scene.sectors())
         .filter(|room| !rooms.contains_key(&room.0))
-        .map(|room| scene.fragment_name(room))
+        .map(|room| scene.sector_name(room))
         .collect();
     assert!(dark.is_empty(), "no light in {dark:?}");
     assert!(rooms.values().all(|&count| count <= 7), "{rooms:?}");
@@ -80,7 +80,7 @@ fn the_sun_comes_in_through_the_windows() {
         }
         for reached in scene.light_reach(LightId(number as u32), &Limits::default()) {
             if reached.parent.is_some() {
-                lit.insert(scene.fragment_name(reached.fragment));
+                lit.insert(scene.sector_name(reached.sector));
             }
         }
     }

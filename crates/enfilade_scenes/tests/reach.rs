@@ -1,7 +1,7 @@
 //! What reaches where through portals, held against all chains of portals tried one by one.
 
 use enfilade::laws::{chains, goes_straight};
-use enfilade::{FragmentId, Light, Limits, Met, Place, PortalId, Ray, Scene, Transform};
+use enfilade::{Light, Limits, Met, Place, PortalId, Ray, Scene, SectorId, Transform};
 use enfilade_scenes::{BuiltIn, built_in};
 use glam::Vec3;
 
@@ -14,9 +14,9 @@ fn limits() -> Limits {
     limits
 }
 
-/// Points all over a fragment's box.
-fn points(scene: &Scene, fragment: FragmentId, per_side: u32) -> Vec<[f32; 3]> {
-    let bounds = scene.bounds(fragment);
+/// Points all over a sector's box.
+fn points(scene: &Scene, sector: SectorId, per_side: u32) -> Vec<[f32; 3]> {
+    let bounds = scene.bounds(sector);
     let along = |axis: usize, i: u32| {
         let part = (i as f32 + 0.37) / per_side as f32;
         bounds.min[axis] + (bounds.max[axis] - bounds.min[axis]) * part
@@ -35,9 +35,9 @@ fn a_beam_holds_what_a_straight_line_through_the_same_openings_leads_to() {
     for name in SCENES {
         let BuiltIn { scene, cameras } = built_in(name).expect("it is built in");
         for camera in &cameras {
-            let fragment = scene.locate(camera.eye, camera.toward).expect("a room");
+            let sector = scene.locate(camera.eye, camera.toward).expect("a room");
             let from = Place {
-                fragment,
+                sector,
                 position: camera.eye,
             };
             let beams = scene.reach(from, 1e6, &limits());
@@ -49,7 +49,7 @@ fn a_beam_holds_what_a_straight_line_through_the_same_openings_leads_to() {
                 }
                 chain
             };
-            for (chain, to) in chains(&scene, fragment, MOST_CROSSED) {
+            for (chain, to) in chains(&scene, sector, MOST_CROSSED) {
                 let beam = (0..beams.len()).find(|&number| chain_of(number) == chain);
                 for point in points(&scene, to, 5) {
                     let Some(expected) = goes_straight(&scene, from, &chain, point.map(f64::from)) else {
@@ -76,20 +76,20 @@ fn one_place_sees_another_where_no_face_is_on_the_straight_line_between() {
     for name in SCENES {
         let BuiltIn { scene, cameras } = built_in(name).expect("it is built in");
         let camera = &cameras[0];
-        let fragment = scene.locate(camera.eye, camera.toward).expect("a room");
+        let sector = scene.locate(camera.eye, camera.toward).expect("a room");
         let from = Place {
-            fragment,
+            sector,
             position: camera.eye,
         };
-        for to in scene.fragments() {
+        for to in scene.sectors() {
             for point in points(&scene, to, 4) {
-                let chains = chains(&scene, fragment, MOST_CROSSED)
+                let chains = chains(&scene, sector, MOST_CROSSED)
                     .into_iter()
                     .filter(|(_, end)| *end == to);
                 let answers: Vec<_> = chains
                     .map(|(chain, _)| {
                         goes_straight(&scene, from, &chain, point.map(f64::from))
-                            .map(|straight| straight && is_free(&scene, camera.eye, fragment, &chain, point))
+                            .map(|straight| straight && is_free(&scene, camera.eye, sector, &chain, point))
                     })
                     .collect();
                 let expected = answers.contains(&Some(true));
@@ -97,7 +97,7 @@ fn one_place_sees_another_where_no_face_is_on_the_straight_line_between() {
                     continue;
                 }
                 let place = Place {
-                    fragment: to,
+                    sector: to,
                     position: point,
                 };
                 let line = scene.sees(from, place).filter(|line| line.crossed.len() <= 3);
@@ -111,7 +111,7 @@ fn one_place_sees_another_where_no_face_is_on_the_straight_line_between() {
 }
 
 /// Is there no face on a straight line that is known to go through a chain of portals?
-fn is_free(scene: &Scene, from: [f32; 3], fragment: FragmentId, chain: &[PortalId], to: [f32; 3]) -> bool {
+fn is_free(scene: &Scene, from: [f32; 3], sector: SectorId, chain: &[PortalId], to: [f32; 3]) -> bool {
     let back = chain.iter().rev().fold(Transform::IDENTITY, |sum, id| {
         let portal = &scene.portals()[id.0 as usize];
         portal.there_from_here.inverse().expect("it leads back") * sum
@@ -121,7 +121,7 @@ fn is_free(scene: &Scene, from: [f32; 3], fragment: FragmentId, chain: &[PortalI
         origin: from,
         direction: (target - Vec3::from(from)).into(),
     };
-    let cast = scene.cast(fragment, &ray);
+    let cast = scene.cast(sector, &ray);
     assert!(cast.distance < 0.999 || cast.met == Met::Nothing || cast.crossed.starts_with(chain));
     cast.distance >= 0.9999
 }
@@ -129,16 +129,16 @@ fn is_free(scene: &Scene, from: [f32; 3], fragment: FragmentId, chain: &[PortalI
 #[test]
 fn a_lamp_reaches_no_farther_than_its_range() {
     let BuiltIn { scene, cameras } = built_in("two-rooms").expect("it is built in");
-    let fragment = scene.locate(cameras[0].eye, cameras[0].toward).expect("a room");
+    let sector = scene.locate(cameras[0].eye, cameras[0].toward).expect("a room");
     let portal = scene
         .portals()
         .iter()
-        .find(|portal| portal.from == fragment)
+        .find(|portal| portal.from == sector)
         .expect("a door");
-    let outline = &scene.fragment(fragment).openings()[usize::from(portal.opening.0)].outline;
+    let outline = &scene.sector(sector).openings()[usize::from(portal.opening.0)].outline;
     let [middle, normal] = [outline.bounds().center(), outline.normal()];
     let place = Place {
-        fragment,
+        sector,
         position: std::array::from_fn(|axis| middle[axis] + 1.5 * normal[axis]),
     };
     assert_eq!(scene.reach(place, 1.4, &limits()).len(), 1);
@@ -147,7 +147,7 @@ fn a_lamp_reaches_no_farther_than_its_range() {
 
 #[test]
 fn light_fades_to_nothing_at_its_range_and_stays_finite_at_the_lamp() {
-    let lamp = Light::point(FragmentId(0), [0.0; 3], [1.0; 3], 10.0);
+    let lamp = Light::point(SectorId(0), [0.0; 3], [1.0; 3], 10.0);
     assert!((lamp.falloff(1.0) - (1.0 - 1e-4)).abs() < 1e-12);
     assert_eq!([lamp.falloff(10.0), lamp.falloff(11.0)], [0.0; 2]);
     assert!(lamp.falloff(0.0).is_finite());
@@ -161,11 +161,11 @@ fn what_is_behind_a_door_is_near_by_the_way_through_it_and_not_when_it_is_closed
     let [here, there] = [scene.portals()[0].from, scene.portals()[0].to];
     // Beside the door, at the wall in which it is: the way to the box beyond bends at the post.
     let place = Place {
-        fragment: here,
+        sector: here,
         position: [-0.6, 1.0, -2.0],
     };
-    let named = |scene: &Scene, fragment: FragmentId, name: &str| {
-        let content = scene.content(fragment).expect("ours");
+    let named = |scene: &Scene, sector: SectorId, name: &str| {
+        let content = scene.content(sector).expect("ours");
         let mut items = (0..content.items().len() as u32).map(enfilade::ItemId);
         let item = items
             .find(|&item| content.name(item) == name)
@@ -177,7 +177,7 @@ fn what_is_behind_a_door_is_near_by_the_way_through_it_and_not_when_it_is_closed
     assert!(all.windows(2).all(|pair| pair[0].distance <= pair[1].distance));
     let found = all
         .iter()
-        .find(|near| near.fragment == there && near.item == left_box)
+        .find(|near| near.sector == there && near.item == left_box)
         .expect("it is near");
     assert_eq!(found.crossed.len(), 1);
     let nearest: Vec3 = Vec3::from(place.position)
@@ -201,7 +201,7 @@ fn what_is_behind_a_door_is_near_by_the_way_through_it_and_not_when_it_is_closed
     let within = |radius: f64| {
         let near = scene.near(place, radius as f32).items;
         near.iter()
-            .any(|near| near.fragment == there && near.item == left_box)
+            .any(|near| near.sector == there && near.item == left_box)
     };
     assert!(within(found.distance + 1e-3) && !within(found.distance - 1e-3));
     ids.iter().for_each(|&id| scene.set_open(id, false));
@@ -210,6 +210,6 @@ fn what_is_behind_a_door_is_near_by_the_way_through_it_and_not_when_it_is_closed
         !near.is_empty()
             && near
                 .iter()
-                .all(|near| near.fragment == here && near.crossed.is_empty())
+                .all(|near| near.sector == here && near.crossed.is_empty())
     );
 }

@@ -3,7 +3,7 @@
 //! They are written here again, in a few lines, with a ray for each sample as the truth, so that the figures can be
 //! trusted whatever the methods do; then the methods are held against the same table.
 
-use enfilade::{Canvas, Content, FragmentId, ItemId, Method, Owner, Passage, PassageId, Scene, Span, Viewer};
+use enfilade::{Canvas, Content, ItemId, Method, Owner, Passage, PassageId, Scene, SectorId, Span, Viewer};
 use enfilade_scenes::{BuiltIn, Camera, Group, figures};
 use glam::{DMat3, DVec3};
 
@@ -101,7 +101,7 @@ fn edges(corners: &[DVec3]) -> impl Iterator<Item = [DVec3; 2]> {
 }
 
 fn content(figure: &BuiltIn) -> &Content {
-    figure.scene.content(FragmentId(0)).expect("figures are ours")
+    figure.scene.content(SectorId(0)).expect("figures are ours")
 }
 
 /// The polygons of a figure, item after item.

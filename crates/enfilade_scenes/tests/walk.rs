@@ -1,6 +1,6 @@
 //! Walking through the built-in scenes: nobody leaks through an edge or a corner, and everybody knows where they are.
 
-use enfilade::{FragmentId, Place, Ray, Scene, Transform};
+use enfilade::{Place, Ray, Scene, SectorId, Transform};
 use enfilade_scenes::{BuiltIn, built_in};
 
 /// Numbers by chance, the same every time. Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, 2014.
@@ -16,14 +16,14 @@ impl Chance {
     }
 }
 
-/// The fragments whose boxes hold a place, a hair's breadth more or less: told without any portal.
-fn holders(scene: &Scene, position: [f32; 3]) -> Vec<FragmentId> {
+/// The sectors whose boxes hold a place, a hair's breadth more or less: told without any portal.
+fn holders(scene: &Scene, position: [f32; 3]) -> Vec<SectorId> {
     const HAIR: f32 = 1e-3;
-    let holds = |&id: &FragmentId| {
+    let holds = |&id: &SectorId| {
         let bounds = scene.bounds(id);
         (0..3).all(|a| bounds.min[a] - HAIR <= position[a] && position[a] <= bounds.max[a] + HAIR)
     };
-    scene.fragments().filter(holds).collect()
+    scene.sectors().filter(holds).collect()
 }
 
 /// Wanders about in the free space that rays find; gives how many portals were crossed.
@@ -40,7 +40,7 @@ fn wander(scene: &Scene, from: Place, steps: usize, seed: u64, check: impl Fn(&P
             origin: place.position,
             direction,
         };
-        let cast = scene.cast(place.fragment, &ray);
+        let cast = scene.cast(place.sector, &ray);
         // Nobody walks into a wall, nor so near that the next ray starts in it.
         const AWAY: f32 = 0.05;
         let length = direction.map(|value| value * value).iter().sum::<f32>().sqrt();
@@ -74,9 +74,9 @@ fn a_hundred_thousand_steps_through_the_palace_never_leak() {
     let BuiltIn { scene, cameras } = built_in("enfilade").expect("it is built in");
     let mut crossings = 0;
     for (camera, seed) in cameras.iter().zip(0..) {
-        let fragment = scene.locate(camera.eye, camera.toward).expect("there are rooms");
+        let sector = scene.locate(camera.eye, camera.toward).expect("there are rooms");
         let place = Place {
-            fragment,
+            sector,
             position: camera.eye,
         };
         crossings += wander(
@@ -87,7 +87,7 @@ fn a_hundred_thousand_steps_through_the_palace_never_leak() {
             |before, after| {
                 let holders = holders(&scene, after.position);
                 assert!(
-                    holders.contains(&after.fragment),
+                    holders.contains(&after.sector),
                     "{before:?} to {after:?}, but there are {holders:?}"
                 );
             },
@@ -102,9 +102,9 @@ fn steps_through_teleports_mirrors_and_other_scales_go_where_rays_go() {
     for name in ["teleport", "impossible", "mirrors", "nested", "free-doorway"] {
         let BuiltIn { scene, cameras } = built_in(name).expect("it is built in");
         for (camera, seed) in cameras.iter().zip(0..) {
-            let fragment = scene.locate(camera.eye, camera.toward).expect("a room");
+            let sector = scene.locate(camera.eye, camera.toward).expect("a room");
             let place = Place {
-                fragment,
+                sector,
                 position: camera.eye,
             };
             crossings += wander(&scene, place, 2000, seed, |_, _| {});
@@ -119,7 +119,7 @@ fn steps_through_edges_and_corners_of_neighbouring_openings_never_leak() {
     let scene = honeycomb();
     let mut chance = Chance(7);
     let mut place = Place {
-        fragment: FragmentId(13),
+        sector: SectorId(13),
         position: [1.5; 3],
     };
     let mut at_edges = 0;
@@ -135,7 +135,7 @@ fn steps_through_edges_and_corners_of_neighbouring_openings_never_leak() {
         let walked = scene.walk(place, step);
         assert_eq!(walked.place.position, end);
         at_edges += usize::from(end.iter().filter(|value| value.fract() == 0.0).count() > 1);
-        let room = walked.place.fragment.0;
+        let room = walked.place.sector.0;
         for (axis, value) in end.iter().enumerate() {
             let low = (room / 3_u32.pow(axis as u32) % 3) as f32;
             assert!(
@@ -154,7 +154,7 @@ fn honeycomb() -> Scene {
     const N: u32 = 3;
     let number = |[x, y, z]: [u32; 3]| x + N * (y + N * z);
     let mut scene = SceneBuilder::new();
-    let mut doors: Vec<Vec<(FragmentId, enfilade::OpeningId)>> = vec![Vec::new(); 3 * (N * N * N) as usize];
+    let mut doors: Vec<Vec<(SectorId, enfilade::OpeningId)>> = vec![Vec::new(); 3 * (N * N * N) as usize];
     for room in 0..N * N * N {
         let at = [room % N, room / N % N, room / N / N];
         let mut content = ContentBuilder::new([Material::opaque([1.0; 3])]);
@@ -198,7 +198,7 @@ fn honeycomb() -> Scene {
 fn who_walks_through_a_mirror_stands_before_it_again_turned_over() {
     let BuiltIn { scene, .. } = built_in("mirror").expect("it is built in");
     let before = Place {
-        fragment: FragmentId(0),
+        sector: SectorId(0),
         position: [0.3, 1.5, -2.0],
     };
     let walked = scene.walk(before, [0.0, 0.0, -2.0]);
@@ -215,11 +215,11 @@ fn who_walks_through_a_mirror_stands_before_it_again_turned_over() {
 fn a_ball_in_a_doorway_stands_in_both_rooms_and_one_in_a_room_in_that_alone() {
     let BuiltIn { scene, cameras } = built_in("two-rooms").expect("it is built in");
     let portal = &scene.portals()[0];
-    let door = &scene.fragment(portal.from).openings()[usize::from(portal.opening.0)].outline;
+    let door = &scene.sector(portal.from).openings()[usize::from(portal.opening.0)].outline;
     let middle: [f32; 3] = door.bounds().center();
     let normal = door.normal();
     let at = |off: f32| Place {
-        fragment: portal.from,
+        sector: portal.from,
         position: std::array::from_fn(|axis| middle[axis] + normal[axis] * off),
     };
     for (off, radius, expected) in [(0.2, 0.3, 2), (0.4, 0.3, 1), (0.0, 0.3, 2)] {
@@ -228,12 +228,12 @@ fn a_ball_in_a_doorway_stands_in_both_rooms_and_one_in_a_room_in_that_alone() {
         assert_eq!(present[0].place, at(off));
         assert_eq!(present[0].there_from_here, Transform::IDENTITY);
         if let Some(other) = present.get(1) {
-            assert_eq!(other.place.fragment, portal.to);
+            assert_eq!(other.place.sector, portal.to);
         }
     }
-    let fragment = scene.locate(cameras[0].eye, cameras[0].toward).expect("a room");
+    let sector = scene.locate(cameras[0].eye, cameras[0].toward).expect("a room");
     let far = Place {
-        fragment,
+        sector,
         position: cameras[0].eye,
     };
     assert_eq!(scene.stands_in(far, 0.1).len(), 1);

@@ -295,7 +295,7 @@ fn rooms(report: &Value, quantity: &OfRooms) -> Result<(Vec<&'static str>, Vec<R
                 Some((value / quantity.unit).max(quantity.least))
             };
             Row {
-                name: choice["fragment"].as_str().unwrap_or_default().to_owned(),
+                name: choice["sector"].as_str().unwrap_or_default().to_owned(),
                 values: all.iter().map(|method| of(method)).collect(),
             }
         })

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// Options of `choose`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Every method that may be taken is tried in each fragment, alone, from eight places in each and through the openings by which \
+Every method that may be taken is tried in each sector, alone, from eight places in each and through the openings by which \
 it is seen from there. What counts is the time of a look, or of drawing, and a ten-thousandth of the time to build; of \
 methods that are as fast, the one that takes least memory is taken. `--method auto` of other verbs does the same first.
 
@@ -28,7 +28,7 @@ pub(crate) struct ChooseArgs {
     /// Take also methods that may call more visible than is; without it, what is seen does not hang on the choice
     #[arg(long)]
     pub(crate) conservative: bool,
-    /// Fragments in which an item moves between any two looks
+    /// Sectors in which an item moves between any two looks
     #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
     pub(crate) moving: Vec<String>,
     /// Measure again on other views, and say how far from the best the choice is there

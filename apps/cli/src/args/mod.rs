@@ -46,7 +46,7 @@ pub(crate) enum Verb {
     Compare(CompareArgs),
     /// Times all methods over a path of views, and holds what they see against what is expected
     Bench(BenchArgs),
-    /// Finds the method that suits each fragment, and says what each costs there
+    /// Finds the method that suits each sector, and says what each costs there
     Choose(ChooseArgs),
     /// Joins separately exported files by portals
     Link(LinkArgs),
@@ -75,7 +75,7 @@ pub(crate) struct DrawArgs {
     /// Where the picture goes; it is written whole or not at all
     #[arg(short, long, value_name = "FILE.png")]
     pub(crate) output: PathBuf,
-    /// What the picture shows: image, overdraw, items, order, fragments or cover
+    /// What the picture shows: image, overdraw, items, order, sectors or cover
     #[arg(long, value_name = "WHAT", default_value = "image", value_parser = values::show)]
     pub(crate) show: Show,
     /// Samples of each pixel: 1, or 4 for smooth edges

@@ -11,7 +11,7 @@ use crate::prepare::{Prepared, drawn_by};
 use crate::progress::Progress;
 use crate::report::{ExpectedReport, Report};
 use anyhow::Result;
-use enfilade::{Contract, FragmentId, ItemId, Method, View, Viewer};
+use enfilade::{Contract, ItemId, Method, SectorId, View, Viewer};
 
 /// Looks at all views once more, by the viewers that were timed, and adds to the reports how what they see compares with
 /// what they saw before and with what is expected.
@@ -70,8 +70,8 @@ pub(super) fn hold(
 /// Is a set what it must be, even if nothing were contested? Both are in order.
 fn is_plainly_right(
     contract: Contract,
-    seen: &[(FragmentId, ItemId)],
-    expected: &[(FragmentId, ItemId)],
+    seen: &[(SectorId, ItemId)],
+    expected: &[(SectorId, ItemId)],
 ) -> bool {
     match contract {
         Contract::Exact => seen == expected,
@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn exact_sets_are_equal_others_hold_what_is_expected_and_approximate_ones_promise_nothing() {
         let set =
-            |items: &[u32]| -> Vec<_> { items.iter().map(|&item| (FragmentId(0), ItemId(item))).collect() };
+            |items: &[u32]| -> Vec<_> { items.iter().map(|&item| (SectorId(0), ItemId(item))).collect() };
         let right = |contract, seen: &[u32]| is_plainly_right(contract, &set(seen), &set(&[1, 3]));
         assert!(right(Contract::Exact, &[1, 3]));
         assert!(!right(Contract::Exact, &[1, 2, 3]));

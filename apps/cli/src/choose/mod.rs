@@ -1,4 +1,4 @@
-//! `choose`: which method suits which fragment, with what each costs there; and what `--method auto` takes.
+//! `choose`: which method suits which sector, with what each costs there; and what `--method auto` takes.
 
 mod report;
 
@@ -12,14 +12,14 @@ use crate::report::Sink;
 use crate::run_files::RunFiles;
 use crate::values::{Choice, among};
 use anyhow::{Context, Result, anyhow, ensure};
-use enfilade::{Aim, FragmentId, MethodChoice, Scene, Terms, View, choose_methods, survey_in};
+use enfilade::{Aim, MethodChoice, Scene, SectorId, Terms, View, choose_methods, survey_in};
 use std::path::Path;
 use std::time::Instant;
 
 pub(crate) use report::{ChoiceReport, in_words};
 use report::{Chosen, HeldBack};
 
-/// Views in each fragment that methods are tried on, and as many that are held back.
+/// Views in each sector that methods are tried on, and as many that are held back.
 const PLACES: usize = 32;
 
 /// Runs `choose`.
@@ -76,15 +76,15 @@ pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Finds the methods that suit a scene's fragments, by views from places all over them.
+/// Finds the methods that suit a scene's sectors, by views from places all over them.
 pub(crate) fn choose(scene: &Scene, size: [u32; 2], terms: &Terms) -> Vec<MethodChoice> {
     measured(scene, &views(scene, size, 0), terms, "trying methods")
 }
 
-/// Views from every other place in each fragment, from the first on (those that methods are chosen by) or the second.
+/// Views from every other place in each sector, from the first on (those that methods are chosen by) or the second.
 fn views(scene: &Scene, size: [u32; 2], from: usize) -> Vec<View> {
-    let places = scene.fragments().flat_map(|fragment| {
-        let places = survey_in(scene, fragment, 2 * PLACES).places;
+    let places = scene.sectors().flat_map(|sector| {
+        let places = survey_in(scene, sector, 2 * PLACES).places;
         places.into_iter().skip(from).step_by(2)
     });
     places
@@ -106,10 +106,10 @@ fn measured(scene: &Scene, views: &[View], terms: &Terms, what: &str) -> Vec<Met
 /// What a method of the choice builds was within the limit when it was tried, so none is expected.
 pub(crate) fn take_over(scene: &mut Scene, choices: &[MethodChoice]) -> Result<()> {
     for choice in choices {
-        // A fragment that is no content has no other method.
-        let method = scene.method(choice.fragment);
+        // A sector that is no content has no other method.
+        let method = scene.method(choice.sector);
         if method.is_some_and(|method| method != choice.method) {
-            scene.set_method(choice.fragment, choice.method)?;
+            scene.set_method(choice.sector, choice.method)?;
         }
     }
     Ok(())
@@ -122,15 +122,15 @@ pub(crate) fn terms(aim: Aim, exact: bool, limit_bytes: u64) -> Terms {
     terms
 }
 
-/// Fragments by their names.
-fn named(names: &[String], opened: &Opened) -> Result<Vec<FragmentId>> {
+/// Sectors by their names.
+fn named(names: &[String], opened: &Opened) -> Result<Vec<SectorId>> {
     let scene = &opened.scene;
     let find = |name: &String| {
-        let mut found = scene.fragments().filter(|&id| scene.fragment_name(id) == name);
+        let mut found = scene.sectors().filter(|&id| scene.sector_name(id) == name);
         found.next().ok_or_else(|| {
-            let all = scene.fragments().map(|id| scene.fragment_name(id));
+            let all = scene.sectors().map(|id| scene.sector_name(id));
             anyhow!(
-                "{}: there is no fragment `{name}`; {}",
+                "{}: there is no sector `{name}`; {}",
                 opened.file,
                 among(name, all)
             )

@@ -20,12 +20,12 @@ pub(super) struct Chosen {
     held_back: Option<HeldBack>,
 }
 
-/// The method of a fragment, and what all cost there.
+/// The method of a sector, and what all cost there.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct ChoiceReport {
-    fragment: String,
+    sector: String,
     method: &'static str,
-    /// Whether both halves of the views agree; else it is the fragment's own.
+    /// Whether both halves of the views agree; else it is the sector's own.
     sure: bool,
     views: usize,
     trials: Vec<TrialReport>,
@@ -60,15 +60,15 @@ enum OutcomeReport {
 #[derive(Debug, Serialize)]
 pub(super) struct HeldBack {
     views: usize,
-    /// Of each fragment that both see, in order.
-    fragments: Vec<HeldBackReport>,
+    /// Of each sector that both see, in order.
+    sectors: Vec<HeldBackReport>,
     /// How many of them take at most a tenth longer than the best there.
     near_the_best: usize,
 }
 
 #[derive(Debug, Serialize)]
 struct HeldBackReport {
-    fragment: u32,
+    sector: u32,
     chosen: &'static str,
     chosen_ms: f64,
     best: &'static str,
@@ -81,7 +81,7 @@ const NEAR: f64 = 1.1;
 impl ChoiceReport {
     pub(crate) fn new(scene: &Scene, choice: &MethodChoice) -> ChoiceReport {
         ChoiceReport {
-            fragment: scene.fragment_name(choice.fragment).to_owned(),
+            sector: scene.sector_name(choice.sector).to_owned(),
             method: choice.method.name(),
             sure: choice.sure,
             views: choice.views,
@@ -103,7 +103,7 @@ pub(crate) fn in_words(choices: &[ChoiceReport]) -> String {
     const FEW: usize = 3;
     let of = |method: Method| {
         let here = choices.iter().filter(|choice| choice.method == method.name());
-        let names: Vec<&str> = here.map(|choice| choice.fragment.as_str()).collect();
+        let names: Vec<&str> = here.map(|choice| choice.sector.as_str()).collect();
         let more = match names.len().saturating_sub(FEW) {
             0 => String::new(),
             more => format!(" and {more} more"),
@@ -169,16 +169,16 @@ fn in_ms(time: Duration) -> f64 {
 }
 
 impl HeldBack {
-    /// Holds choices against the same fragments measured on other views.
+    /// Holds choices against the same sectors measured on other views.
     pub(super) fn new(choices: &[MethodChoice], again: &[MethodChoice], views: usize) -> HeldBack {
-        let fragments: Vec<HeldBackReport> = choices.iter().zip(again).filter_map(held_back).collect();
+        let sectors: Vec<HeldBackReport> = choices.iter().zip(again).filter_map(held_back).collect();
         HeldBack {
             views,
-            near_the_best: fragments
+            near_the_best: sectors
                 .iter()
                 .filter(|held| held.chosen_ms <= NEAR * held.best_ms)
                 .count(),
-            fragments,
+            sectors,
         }
     }
 }
@@ -191,7 +191,7 @@ fn held_back((choice, again): (&MethodChoice, &MethodChoice)) -> Option<HeldBack
     let (best, best_frame) = costs().min_by_key(|&(_, frame)| frame)?;
     let (_, chosen_frame) = costs().find(|&(method, _)| method == choice.method)?;
     (choice.views > 0).then(|| HeldBackReport {
-        fragment: choice.fragment.0,
+        sector: choice.sector.0,
         chosen: choice.method.name(),
         chosen_ms: in_ms(chosen_frame),
         best: best.name(),
@@ -227,14 +227,14 @@ impl Chosen {
             file,
             items,
             triangles,
-            fragments,
+            sectors,
             ..
         } = &self.scene;
         let mut text = format!(
             "{file}: {}, {} triangles, {}; ms a frame to {}, {width}x{height}, {}, {}\n\n",
             plural(*items, "item"),
             count(*triangles),
-            plural(*fragments, "fragment"),
+            plural(*sectors, "sector"),
             self.aim,
             plural(self.threads, "thread"),
             self.simd
@@ -247,12 +247,12 @@ impl Chosen {
         text
     }
 
-    /// What a frame takes in each fragment by each method that was tried anywhere.
+    /// What a frame takes in each sector by each method that was tried anywhere.
     fn costs(&self) -> String {
         let names = Method::ALL.map(Method::name);
         let tried = |name: &&&str| self.choices.iter().any(|choice| choice.frame_ms(name).is_some());
         let tried: Vec<&str> = names.iter().filter(tried).copied().collect();
-        let header: Vec<&str> = ["fragment", "views", "method", "builds"]
+        let header: Vec<&str> = ["sector", "views", "method", "builds"]
             .into_iter()
             .chain(tried.iter().copied())
             .collect();
@@ -268,7 +268,7 @@ impl Chosen {
                 }
             });
             let first = [
-                choice.fragment.clone(),
+                choice.sector.clone(),
                 choice.views.to_string(),
                 choice.chosen(),
                 choice.built(),
@@ -310,7 +310,7 @@ fn in_three_places(ms: f64) -> String {
     format!("{ms:.3}")
 }
 
-/// The methods that were tried in no fragment, by why not in the first.
+/// The methods that were tried in no sector, by why not in the first.
 fn left_out(choices: &[ChoiceReport]) -> String {
     let mut by_reason: Vec<(&str, Vec<&str>)> = Vec::new();
     for (place, method) in Method::ALL.into_iter().enumerate() {
@@ -332,10 +332,10 @@ fn left_out(choices: &[ChoiceReport]) -> String {
 
 impl HeldBack {
     fn for_people(&self, choices: &[ChoiceReport]) -> String {
-        let header = ["fragment", "chosen", "ms", "best", "ms", "times"];
+        let header = ["sector", "chosen", "ms", "best", "ms", "times"];
         let row = |held: &HeldBackReport| {
             vec![
-                choices[held.fragment as usize].fragment.clone(),
+                choices[held.sector as usize].sector.clone(),
                 held.chosen.to_owned(),
                 in_three_places(held.chosen_ms),
                 held.best.to_owned(),
@@ -343,13 +343,13 @@ impl HeldBack {
                 short(held.chosen_ms / held.best_ms.max(1e-4)),
             ]
         };
-        let rows: Vec<Vec<String>> = self.fragments.iter().map(row).collect();
+        let rows: Vec<Vec<String>> = self.sectors.iter().map(row).collect();
         format!(
             "\non {} that methods were not chosen by:\n{}{} of {} within a tenth of the best\n",
             plural(self.views, "view"),
             table(&header, &rows),
             self.near_the_best,
-            plural(self.fragments.len(), "fragment"),
+            plural(self.sectors.len(), "sector"),
         )
     }
 }

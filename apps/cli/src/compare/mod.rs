@@ -96,7 +96,7 @@ fn faces(scene: &Scene) -> u64 {
         Some(content) => content.face_count(),
         None => scene.triangles_of(id),
     };
-    scene.fragments().map(faces).sum()
+    scene.sectors().map(faces).sum()
 }
 
 fn destination(path: &Path, files: &mut RunFiles) -> Result<Destination> {

@@ -226,7 +226,7 @@ pub(super) fn scene_facts(comparison: &Comparison) -> Vec<(&'static str, String)
         ("items", count(scene.items as u64)),
         ("triangles", count(scene.triangles)),
         ("faces", count(comparison.faces)),
-        ("fragments", count(scene.fragments as u64)),
+        ("sectors", count(scene.sectors as u64)),
         ("portals", count(scene.portals as u64)),
         ("screen", format!("{width} × {height}")),
         ("views", count(comparison.views as u64)),

@@ -33,13 +33,13 @@ struct Inventory {
     triangles_drawn: u64,
     clusters: usize,
     materials: Materials,
-    /// Around all fragments, each in its own space; none where the scene is empty.
+    /// Around all sectors, each in its own space; none where the scene is empty.
     bounds: Option<Bounds>,
     cameras: Vec<CameraEntry>,
     lights: Lights,
     /// Of a compiled map; none of other files.
     map: Option<MapEntry>,
-    fragments: Vec<FragmentEntry>,
+    sectors: Vec<SectorEntry>,
     portals: usize,
     /// The portals one by one; a door is two.
     ways: Vec<WayEntry>,
@@ -85,7 +85,7 @@ struct CameraEntry {
 }
 
 #[derive(Debug, Serialize)]
-struct FragmentEntry {
+struct SectorEntry {
     name: String,
     method: &'static str,
     items: usize,
@@ -135,11 +135,11 @@ impl Inventory {
     fn of(opened: Opened) -> Inventory {
         let scene = &opened.scene;
         let contents: Vec<&Content> = scene
-            .fragments()
+            .sectors()
             .filter_map(|id| scene.content(id))
             .map(|c| &**c)
             .collect();
-        // Fragments may share meshes and tables of materials: each is counted once.
+        // Sectors may share meshes and tables of materials: each is counted once.
         let mut counted = HashSet::new();
         let meshes: Vec<_> = contents
             .iter()
@@ -163,7 +163,7 @@ impl Inventory {
             });
         }
         let boxes = scene
-            .fragments()
+            .sectors()
             .map(|id| scene.bounds(id))
             .filter(|bounds| !bounds.is_empty());
         Inventory {
@@ -178,13 +178,10 @@ impl Inventory {
                 .reduce(|a, b| a.union(&b))
                 .map(|Aabb { min, max, .. }| Bounds { min, max }),
             map: opened.map.as_ref().map(|map| MapEntry::of(map, &contents)),
-            fragments: fragments(scene),
+            sectors: sectors(scene),
             portals: scene.portals().len(),
             ways: ways(scene),
-            openings: scene
-                .fragments()
-                .map(|id| scene.fragment(id).openings().len())
-                .sum(),
+            openings: scene.sectors().map(|id| scene.sector(id).openings().len()).sum(),
             occluders: Occluders::of(&contents),
             bytes: scene.bytes(),
             load_ms: rounded(opened.load_ms),
@@ -257,20 +254,20 @@ impl Inventory {
             say("map", map.for_people());
             say("visible", map.visible_for_people());
         }
-        for fragment in &self.fragments {
-            let FragmentEntry {
+        for sector in &self.sectors {
+            let SectorEntry {
                 name,
                 method,
                 items,
                 triangles,
                 openings,
                 open_above,
-            } = fragment;
+            } = sector;
             let openings = plural(*openings, "opening");
             let top = if *open_above { ", open above" } else { "" };
             let items = plural(*items, "item");
             say(
-                "fragment",
+                "sector",
                 format!(
                     "{name}: {items}, {} triangles, {openings}{top}, by {method}",
                     count(*triangles)
@@ -355,11 +352,11 @@ impl From<crate::cameras::Camera> for CameraEntry {
 
 fn ways(scene: &Scene) -> Vec<WayEntry> {
     let entry = |portal: &Portal| WayEntry {
-        opening: scene.fragment(portal.from).openings()[usize::from(portal.opening.0)]
+        opening: scene.sector(portal.from).openings()[usize::from(portal.opening.0)]
             .name
             .clone(),
-        from: scene.fragment_name(portal.from).to_owned(),
-        to: scene.fragment_name(portal.to).to_owned(),
+        from: scene.sector_name(portal.from).to_owned(),
+        to: scene.sector_name(portal.to).to_owned(),
         kind: if portal.there_from_here.mirrors() {
             "mirror"
         } else if portal.there_from_here == Transform::IDENTITY {
@@ -371,18 +368,18 @@ fn ways(scene: &Scene) -> Vec<WayEntry> {
     scene.portals().iter().map(entry).collect()
 }
 
-fn fragments(scene: &Scene) -> Vec<FragmentEntry> {
+fn sectors(scene: &Scene) -> Vec<SectorEntry> {
     let entry = |id| {
         let content = scene.content(id);
-        let fragment = scene.fragment(id);
-        FragmentEntry {
-            name: scene.fragment_name(id).to_owned(),
+        let sector = scene.sector(id);
+        SectorEntry {
+            name: scene.sector_name(id).to_owned(),
             method: scene.method(id).map_or("its own", |method| method.name()),
-            items: content.map_or(fragment.item_count() as usize, |content| content.items().len()),
+            items: content.map_or(sector.item_count() as usize, |content| content.items().len()),
             triangles: scene.triangles_of(id),
-            openings: fragment.openings().len(),
+            openings: sector.openings().len(),
             open_above: scene.is_open_above(id),
         }
     };
-    scene.fragments().map(entry).collect()
+    scene.sectors().map(entry).collect()
 }

@@ -8,8 +8,8 @@
 mod pairs;
 
 use enfilade::{
-    Aabb, Between, Capsule, Content, ContentBuilder, FragmentId, ItemId, Material, MaterialId, Mesh, Method,
-    OccluderSet, Place, Ray, Scene, SceneBuilder, Transform, View,
+    Aabb, Between, Capsule, Content, ContentBuilder, ItemId, Material, MaterialId, Mesh, Method, OccluderSet,
+    Place, Ray, Scene, SceneBuilder, SectorId, Transform, View,
 };
 use enfilade_scenes::{Random, built_in};
 use pairs::pairs;
@@ -67,9 +67,9 @@ fn city() -> Content {
 
 fn largest(name: &str) -> Arc<Content> {
     let scene = built_in(name).expect("it is built in").scene;
-    let contents = scene.fragments().filter_map(|id| scene.content(id));
+    let contents = scene.sectors().filter_map(|id| scene.content(id));
     let largest = contents.max_by_key(|content| content.items().len());
-    Arc::clone(largest.expect("it has fragments"))
+    Arc::clone(largest.expect("it has sectors"))
 }
 
 /// A row of the table: nanoseconds a question, of ours and of the other crate.
@@ -357,17 +357,17 @@ fn main() {
     }
     let palace = built_in("enfilade").expect("it is built in");
     let camera = &palace.cameras[0];
-    let fragment = palace.scene.locate(camera.eye, camera.toward).expect("a hall");
+    let sector = palace.scene.locate(camera.eye, camera.toward).expect("a hall");
     let place = Place {
-        fragment,
+        sector,
         position: camera.eye,
     };
     capsule(&bench, "palace", &palace.scene, place);
     let mut streets = SceneBuilder::new();
     streets.add("city", city, Method::ZBuffer);
-    let streets = streets.build().expect("one fragment");
+    let streets = streets.build().expect("one sector");
     let corner = Place {
-        fragment: FragmentId(0),
+        sector: SectorId(0),
         position: [499.5, 1.0, 499.5],
     };
     capsule(&bench, "city", &streets, corner);

@@ -308,11 +308,11 @@ mod tests {
 
     fn through(eye: [f32; 3], z: f32) -> Option<Aperture> {
         let view = View::new(eye, [eye[0], eye[1], eye[2] - 1.0], [100, 100]);
-        let eye_from_fragment = view.eye_from_fragment();
+        let eye_from_sector = view.eye_from_sector();
         let k = view.screen_from_eye();
         let screen = DAffine3 {
-            matrix3: k * eye_from_fragment.matrix3,
-            translation: k * eye_from_fragment.translation,
+            matrix3: k * eye_from_sector.matrix3,
+            translation: k * eye_from_sector.translation,
         };
         let window = window(z);
         let corners = window

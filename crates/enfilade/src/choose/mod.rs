@@ -1,22 +1,22 @@
-//! Which method suits which fragment: those that may be taken are tried on views of the scene, and the cheapest is chosen.
+//! Which method suits which sector: those that may be taken are tried on views of the scene, and the cheapest is chosen.
 //!
-//! What a fragment costs hangs on how it is seen: through which openings, and how near. So the scene is looked at from all
-//! views, and then each fragment is tried alone, through the passages by which it was seen.
-//! Source: Boreskov, Using portals to create aggregate scenes ("with each fragment its own most suitable method"); that it is
+//! What a sector costs hangs on how it is seen: through which openings, and how near. So the scene is looked at from all
+//! views, and then each sector is tried alone, through the passages by which it was seen.
+//! Source: Boreskov, Using portals to create aggregate scenes ("with each sector its own most suitable method"); that it is
 //!     measured, and not told by rules, is ours.
-//! Cost: for each fragment, and each view of those it is tried on, one look (or drawing, by the aim) by every method that may be
+//! Cost: for each sector, and each view of those it is tried on, one look (or drawing, by the aim) by every method that may be
 //!     taken, and some more by those that are not far from the best. Methods take turns at each view, so that what else the machine
 //!     does disturbs all of them alike, and the least time of a view counts. Where the two halves of the views disagree, or the
-//!     noise of the clock could decide, the choice is unsure, and the fragment keeps its method.
+//!     noise of the clock could decide, the choice is unsure, and the sector keeps its method.
 
 mod trial;
 
 use crate::content::{Content, ItemId};
-use crate::fragment::Contract;
 use crate::geom::Transform;
 use crate::method::{Method, Unsuited};
 use crate::passage::Passage;
-use crate::scene::{FragmentId, Scene};
+use crate::scene::{Scene, SectorId};
+use crate::sector::Contract;
 use crate::view::View;
 use crate::viewer::Viewer;
 use std::sync::Arc;
@@ -33,17 +33,17 @@ pub struct Terms {
     /// Only methods whose set is what is seen at the samples of the screen, so that no answer depends on the choice? On unless
     /// told. Else also those that may call more visible; never those that may miss anything.
     pub exact: bool,
-    /// Fragments in which an item moves between any two looks.
-    pub moving: Vec<FragmentId>,
+    /// Sectors in which an item moves between any two looks.
+    pub moving: Vec<SectorId>,
     /// Looks over which what it takes to build a method is spread: 10,000 unless told, some minutes of a game.
     pub frames: u32,
-    /// What one fragment's method may build, in bytes.
+    /// What one sector's method may build, in bytes.
     pub limit_bytes: u64,
     /// Methods that take longer to build, by an estimate, are not tried: 20 s unless told.
     pub longest_build: Duration,
     /// Number of measurements per view, of which the minimum counts; default 4. Methods far from the best are measured less often.
     pub rounds: u32,
-    /// Maximum number of views per fragment, taken evenly from those that see it; default 64. The costs of methods vary more from
+    /// Maximum number of views per sector, taken evenly from those that see it; default 64. The costs of methods vary more from
     /// view to view than from one measurement to the next.
     pub most_views: u32,
 }
@@ -73,14 +73,14 @@ pub enum Aim {
     Draw,
 }
 
-/// The method chosen for a fragment, and why.
+/// The method chosen for a sector, and why.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct MethodChoice {
-    /// Which fragment.
-    pub fragment: FragmentId,
-    /// The cheapest method. Of methods at most 12 % slower than the fastest, the one that the fragment has, else the one that takes
-    /// least memory. The fragment's own if nothing could be tried, or if the choice is not sure.
+    /// Which sector.
+    pub sector: SectorId,
+    /// The cheapest method. Of methods at most 12 % slower than the fastest, the one that the sector has, else the one that takes
+    /// least memory. The sector's own if nothing could be tried, or if the choice is not sure.
     pub method: Method,
     /// Whether the method is at most 15 % slower than the fastest in both halves of the views, and would still be chosen if 10 % or
     /// 15 % counted as equally fast.
@@ -101,7 +101,7 @@ pub struct Trial {
     pub outcome: Result<Cost, NotTried>,
 }
 
-/// What a method cost in a fragment.
+/// What a method cost in a sector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Cost {
@@ -120,7 +120,7 @@ pub struct Cost {
     pub frame: Duration,
 }
 
-/// Why a method was not tried in a fragment.
+/// Why a method was not tried in a sector.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum NotTried {
@@ -136,8 +136,8 @@ pub enum NotTried {
     /// It cannot see the content once an item has moved.
     #[error("an item that moves would leave what it cannot see")]
     Moves,
-    /// No view sees the fragment.
-    #[error("no view sees the fragment")]
+    /// No view sees the sector.
+    #[error("no view sees the sector")]
     NotSeen,
 }
 
@@ -172,10 +172,10 @@ impl Views {
     }
 }
 
-/// Finds the method that suits each fragment of a scene, but for those of the user's own. The scene stays as it is:
+/// Finds the method that suits each sector of a scene, but for those of the user's own. The scene stays as it is:
 /// [`Scene::set_method`] takes a choice over.
 ///
-/// `views` should stand for how the scene will be looked at; [`survey_in`](crate::survey_in) gives places in a fragment. `clock`
+/// `views` should stand for how the scene will be looked at; [`survey_in`](crate::survey_in) gives places in a sector. `clock`
 /// gives the time since any moment, and never less than before; the library has none of its own. Methods are tried with as many
 /// threads as looks may use.
 pub fn choose_methods(
@@ -189,18 +189,18 @@ pub fn choose_methods(
         .iter()
         .map(|view| viewer.look(scene, view).passages().to_vec())
         .collect();
-    let choices = scene.fragments().filter_map(|fragment| {
-        let own = scene.method(fragment)?;
-        let through = ways_into(fragment, &ways, terms.most_views);
-        Some(choose(scene, fragment, own, &through, terms, clock))
+    let choices = scene.sectors().filter_map(|sector| {
+        let own = scene.method(sector)?;
+        let through = ways_into(sector, &ways, terms.most_views);
+        Some(choose(scene, sector, own, &through, terms, clock))
     });
     choices.collect()
 }
 
-/// The passages that lead into a fragment, view by view, of some of the views that see it.
-fn ways_into(fragment: FragmentId, ways: &[Vec<Passage>], most: u32) -> Vec<Vec<&Passage>> {
+/// The passages that lead into a sector, view by view, of some of the views that see it.
+fn ways_into(sector: SectorId, ways: &[Vec<Passage>], most: u32) -> Vec<Vec<&Passage>> {
     let here = ways.iter().map(|passages| {
-        let here = passages.iter().filter(|passage| passage.fragment == fragment);
+        let here = passages.iter().filter(|passage| passage.sector == sector);
         here.collect::<Vec<&Passage>>()
     });
     let mut seeing: Vec<Vec<&Passage>> = here.filter(|passages| !passages.is_empty()).collect();
@@ -216,7 +216,7 @@ fn ways_into(fragment: FragmentId, ways: &[Vec<Passage>], most: u32) -> Vec<Vec<
 
 fn choose(
     scene: &Scene,
-    fragment: FragmentId,
+    sector: SectorId,
     own: Method,
     through: &[Vec<&Passage>],
     terms: &Terms,
@@ -224,7 +224,7 @@ fn choose(
 ) -> MethodChoice {
     let mut tried: Vec<(Method, Result<Tried, NotTried>)> = Method::ALL
         .into_iter()
-        .map(|method| (method, begin(scene, fragment, method, through, terms, clock)))
+        .map(|method| (method, begin(scene, sector, method, through, terms, clock)))
         .collect();
     measure(&mut tried, through, terms, clock);
     let [lower, cheapest, upper] = EQUALLY_FAST.map(|within| cheapest(&tried, own, terms, within));
@@ -242,7 +242,7 @@ fn choose(
         })
         .collect();
     MethodChoice {
-        fragment,
+        sector,
         method: cheapest.filter(|_| sure).unwrap_or(own),
         sure,
         views: through.len(),
@@ -288,7 +288,7 @@ fn measure(tried: &mut Outcomes, through: &[Vec<&Passage>], terms: &Terms, clock
     }
 }
 
-/// Returns the cheapest method; of those at most `within` times as slow as it the fragment's own, else the one that takes least
+/// Returns the cheapest method; of those at most `within` times as slow as it the sector's own, else the one that takes least
 /// memory, else the first of [`Method::ALL`].
 fn cheapest(tried: &Outcomes, own: Method, terms: &Terms, within: f64) -> Option<Method> {
     let all = || frames(tried, Views::All, terms);
@@ -305,10 +305,10 @@ fn is_near_the_best(tried: &Outcomes, method: Method, views: Views, terms: &Term
     all().any(|(other, frame, _)| other == method && frame <= best.mul_f64(NEAR_THE_BEST))
 }
 
-/// Builds a method over a fragment, if it may be taken there.
+/// Builds a method over a sector, if it may be taken there.
 fn begin(
     scene: &Scene,
-    fragment: FragmentId,
+    sector: SectorId,
     method: Method,
     through: &[Vec<&Passage>],
     terms: &Terms,
@@ -318,7 +318,7 @@ fn begin(
     if contract == Contract::Approximate || (terms.exact && contract != Contract::Exact) {
         return Err(NotTried::Promise(contract));
     }
-    let content = scene.content(fragment).ok_or(NotTried::NotSeen)?;
+    let content = scene.content(sector).ok_or(NotTried::NotSeen)?;
     let first = through.first().ok_or(NotTried::NotSeen)?;
     if method.sorts_faces() {
         let estimate = sorting(content.face_count());
@@ -328,8 +328,8 @@ fn begin(
     }
     let size = first[0].size;
     let mut tried = Tried::build(method, Arc::clone(content), size, terms.limit_bytes, clock)?;
-    if terms.moving.contains(&fragment) {
-        tried.edit = edit(scene, fragment, method, content, clock)?;
+    if terms.moving.contains(&sector) {
+        tried.edit = edit(scene, sector, method, content, clock)?;
     }
     tried.warm_up(first);
     Ok(tried)
@@ -338,7 +338,7 @@ fn begin(
 /// What it takes to follow one item that moves a little and back: of all that may, the one with the fewest faces.
 fn edit(
     scene: &Scene,
-    fragment: FragmentId,
+    sector: SectorId,
     method: Method,
     content: &Content,
     clock: &dyn Fn() -> Duration,
@@ -355,7 +355,7 @@ fn edit(
         return Ok(Duration::ZERO);
     };
     let mut scene = scene.clone();
-    scene.set_method(fragment, method).map_err(|_| NotTried::Moves)?;
+    scene.set_method(sector, method).map_err(|_| NotTried::Moves)?;
     let here = content.item(item).transform();
     // Out of whatever plane it may lie in: a wall that slides along itself would leave a room convex.
     let step = 0.01 * content.bounds().longest_side();
@@ -365,7 +365,7 @@ fn edit(
     for time in 0..4 {
         let start = clock();
         let mut edit = scene.edit();
-        let placed = edit.place(fragment, item, if time % 2 == 0 { there } else { here });
+        let placed = edit.place(sector, item, if time % 2 == 0 { there } else { here });
         placed.map_err(|_| NotTried::Moves)?;
         edit.finish().map_err(|_| NotTried::Moves)?;
         let took = clock().saturating_sub(start);

@@ -1,12 +1,12 @@
-//! One method tried in one fragment.
+//! One method tried in one sector.
 
 use super::{Aim, Cost, Terms, Views};
 use crate::canvas::{Canvas, Span};
 use crate::content::{Content, Owner};
-use crate::fragment::Fragment;
 use crate::memory::Memory;
 use crate::method::{Method, Unsuited};
 use crate::passage::{Passage, PassageId};
+use crate::sector::Sector;
 use crate::seen::Seen;
 use crate::stats::Stats;
 use std::sync::Arc;
@@ -20,9 +20,9 @@ const OTHER_AIM: usize = 8;
 const SHORT_BUILD: Duration = Duration::from_millis(50);
 const SHORT_BUILDS: usize = 3;
 
-/// A method built over a fragment, and what it took so far.
+/// A method built over a sector, and what it took so far.
 pub(super) struct Tried {
-    fragment: Arc<dyn Fragment>,
+    sector: Arc<dyn Sector>,
     memory: Memory,
     seen: Seen,
     owners: Owners,
@@ -55,10 +55,10 @@ impl Tried {
         let shared = content.bytes();
         let build_once = || -> Result<_, Unsuited> {
             let start = clock();
-            let fragment = method.build(Arc::clone(&content), limit_bytes)?;
-            Ok((fragment, clock().saturating_sub(start)))
+            let sector = method.build(Arc::clone(&content), limit_bytes)?;
+            Ok((sector, clock().saturating_sub(start)))
         };
-        let (fragment, mut build) = build_once()?;
+        let (sector, mut build) = build_once()?;
         for _ in 1..SHORT_BUILDS {
             if build < SHORT_BUILD {
                 build = build.min(build_once()?.1);
@@ -66,8 +66,8 @@ impl Tried {
         }
         Ok(Tried {
             build,
-            bytes: fragment.bytes().saturating_sub(shared) + method.screen_bytes(size, None),
-            fragment,
+            bytes: sector.bytes().saturating_sub(shared) + method.screen_bytes(size, None),
+            sector,
             memory: Memory::default(),
             seen: Seen::default(),
             owners: Owners::new(size),
@@ -120,20 +120,20 @@ impl Tried {
 
     fn look(&mut self, passage: &Passage) {
         self.seen.clear(false);
-        self.fragment.gather(passage, &mut self.memory, &mut self.seen);
+        self.sector.gather(passage, &mut self.memory, &mut self.seen);
         self.seen.recycle();
     }
 
     fn draw(&mut self, passage: &Passage) {
         self.owners.enter(PassageId(0), passage);
-        if self.fragment.draws_what_was_gathered(&self.memory) {
+        if self.sector.draws_what_was_gathered(&self.memory) {
             self.seen.clear(false);
-            self.fragment.gather(passage, &mut self.memory, &mut self.seen);
+            self.sector.gather(passage, &mut self.memory, &mut self.seen);
             self.seen.keep_items_alone();
         } else {
             self.seen.clear(true);
         }
-        self.fragment
+        self.sector
             .draw(passage, &mut self.memory, &mut self.seen, &mut self.owners);
         self.seen.recycle();
     }

@@ -8,7 +8,7 @@ use crate::terrain::Terrain;
 use std::sync::{Arc, Mutex, OnceLock, Weak};
 use thiserror::Error;
 
-/// Gathers the things of a fragment; [`ContentBuilder::build`] checks them.
+/// Gathers the things of a sector; [`ContentBuilder::build`] checks them.
 #[derive(Clone, Debug, Default)]
 pub struct ContentBuilder {
     meshes: Vec<Arc<Mesh>>,
@@ -22,7 +22,7 @@ pub struct ContentBuilder {
 }
 
 impl ContentBuilder {
-    /// Starts with a table of materials, which fragments may share.
+    /// Starts with a table of materials, which sectors may share.
     pub fn new(materials: impl Into<Arc<[Material]>>) -> ContentBuilder {
         ContentBuilder {
             materials: materials.into(),
@@ -30,7 +30,7 @@ impl ContentBuilder {
         }
     }
 
-    /// The images that its materials name, which fragments may share; none unless told.
+    /// The images that its materials name, which sectors may share; none unless told.
     pub fn textures(&mut self, textures: impl Into<Arc<[Arc<Texture>]>>) {
         self.textures = textures.into();
     }
@@ -42,8 +42,8 @@ impl ContentBuilder {
     }
 
     /// Places a mesh.
-    pub fn item(&mut self, name: &str, mesh: MeshId, fragment_from_item: Transform) -> ItemId {
-        self.items.push((mesh, fragment_from_item, true));
+    pub fn item(&mut self, name: &str, mesh: MeshId, sector_from_item: Transform) -> ItemId {
+        self.items.push((mesh, sector_from_item, true));
         self.names.push(name);
         ItemId(self.items.len() as u32 - 1)
     }
@@ -127,20 +127,20 @@ impl ContentBuilder {
                     mesh: mesh.0,
                     meshes: meshes.len(),
                 })?;
-            let fragment_from_item = transform.columns();
-            let held = placed_bounds(&Transform::from_columns(fragment_from_item), built);
-            if fragment_from_item.iter().flatten().any(|v| !v.is_finite())
+            let sector_from_item = transform.columns();
+            let held = placed_bounds(&Transform::from_columns(sector_from_item), built);
+            if sector_from_item.iter().flatten().any(|v| !v.is_finite())
                 || !(held.is_empty() || (held.min.iter().chain(&held.max)).all(|v| v.is_finite()))
             {
                 return Err(ContentError::NotFinite(name()));
             }
-            if !(fragment_from_item.iter().flatten().all(|&v| is_in_range(v)) && held.is_in_range()) {
+            if !(sector_from_item.iter().flatten().all(|&v| is_in_range(v)) && held.is_in_range()) {
                 return Err(ContentError::TooFar(name()));
             }
             bounds = bounds.union(&held);
             items.push(Item {
                 mesh,
-                fragment_from_item,
+                sector_from_item,
                 bounds: held,
                 hides,
             });
@@ -242,9 +242,9 @@ pub enum ContentError {
     )]
     TooFar(String),
     /// Faces are numbered with 32 bits.
-    #[error("{0} faces in one fragment; cut it into fragments of fewer than 4 billion")]
+    #[error("{0} faces in one sector; cut it into sectors of fewer than 4 billion")]
     TooManyFaces(u64),
     /// Openings are numbered with 16 bits.
-    #[error("{0} openings in one fragment; cut it into fragments of fewer than 60,000")]
+    #[error("{0} openings in one sector; cut it into sectors of fewer than 60,000")]
     TooManyOpenings(usize),
 }

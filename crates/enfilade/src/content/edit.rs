@@ -46,7 +46,7 @@ struct Change {
 pub struct Moved {
     /// Which; its box is that of the content now, and empty if it is gone.
     pub item: ItemId,
-    /// Its box before, in the space of the fragment; empty if it was not there.
+    /// Its box before, in the space of the sector; empty if it was not there.
     pub was: Aabb,
 }
 
@@ -77,7 +77,7 @@ impl Placing {
         let placed = content.item(item);
         Placing {
             mesh: Arc::clone(&content.meshes[placed.mesh.0 as usize]),
-            place: placed.fragment_from_item,
+            place: placed.sector_from_item,
             hides: placed.hides,
         }
     }
@@ -254,12 +254,12 @@ impl Content {
             && Arc::ptr_eq(&after.mesh, &self.meshes[had.0 as usize])
         {
             let Item {
-                fragment_from_item,
+                sector_from_item,
                 bounds,
                 hides,
                 ..
             } = &mut self.items[number];
-            std::mem::swap(fragment_from_item, &mut after.place);
+            std::mem::swap(sector_from_item, &mut after.place);
             std::mem::swap(bounds, &mut change.bounds);
             std::mem::swap(hides, &mut after.hides);
             return None;
@@ -278,7 +278,7 @@ impl Content {
                 slots.free_items.remove(&item.0);
                 Item {
                     mesh,
-                    fragment_from_item: after.place,
+                    sector_from_item: after.place,
                     bounds,
                     hides: after.hides,
                 }
@@ -331,7 +331,7 @@ impl Item {
     fn nothing(mesh: MeshId) -> Item {
         Item {
             mesh,
-            fragment_from_item: Transform::IDENTITY.columns(),
+            sector_from_item: Transform::IDENTITY.columns(),
             bounds: Aabb::EMPTY,
             hides: true,
         }

@@ -1,4 +1,4 @@
-//! What a fragment is made of: items, materials, openings. Methods share it, whatever they build over it.
+//! What a sector is made of: items, materials, openings. Methods share it, whatever they build over it.
 
 mod baked_cells;
 mod builder;
@@ -27,7 +27,7 @@ use slots::Slots;
 use std::any::Any;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 
-/// An item of a fragment, by its place in [`Content::items`].
+/// An item of a sector, by its place in [`Content::items`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ItemId(pub u32);
 
@@ -35,7 +35,7 @@ pub struct ItemId(pub u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MeshId(pub u32);
 
-/// An opening of a fragment, by its place in [`Content::openings`].
+/// An opening of a sector, by its place in [`Content::openings`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct OpeningId(pub u16);
 
@@ -45,8 +45,8 @@ pub struct Item {
     /// What is placed.
     pub mesh: MeshId,
     /// Three columns of the linear part, then the translation.
-    pub fragment_from_item: [[f32; 3]; 4],
-    /// The smallest box around it that follows from the mesh's box, in the space of the fragment.
+    pub sector_from_item: [[f32; 3]; 4],
+    /// The smallest box around it that follows from the mesh's box, in the space of the sector.
     pub bounds: Aabb,
     /// Does it hide what is behind it? If not, its opaque faces are as those of a cut-out: seen, and seen past.
     pub hides: bool,
@@ -55,7 +55,7 @@ pub struct Item {
 impl Item {
     /// The item's place as a transform.
     pub fn transform(&self) -> Transform {
-        Transform::from_columns(self.fragment_from_item)
+        Transform::from_columns(self.sector_from_item)
     }
 }
 
@@ -68,11 +68,11 @@ impl Item {
 pub struct Opening {
     /// How people call it.
     pub name: String,
-    /// Its outline, in the space of the fragment; the front is where one stands before going in.
+    /// Its outline, in the space of the sector; the front is where one stands before going in.
     pub outline: ConvexPolygon,
 }
 
-/// Items, materials and openings of a fragment. Immutable; built by [`ContentBuilder`].
+/// Items, materials and openings of a sector. Immutable; built by [`ContentBuilder`].
 #[derive(Debug)]
 pub struct Content {
     meshes: Vec<Arc<Mesh>>,
@@ -170,7 +170,7 @@ impl Content {
         &self.opening_tree
     }
 
-    /// The smallest box around all items and openings, in the space of the fragment.
+    /// The smallest box around all items and openings, in the space of the sector.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
@@ -254,7 +254,7 @@ impl Content {
 /// faces.
 const FEW_ITEMS: usize = 6;
 
-/// What is seen at a sample of a fragment.
+/// What is seen at a sample of a sector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Owner {
     /// A face of an item.

@@ -1,4 +1,4 @@
-//! Whom the faces of a fragment belong to, by the numbers that covers keep at samples.
+//! Whom the faces of a sector belong to, by the numbers that covers keep at samples.
 
 use super::{Content, ItemId, OpeningId, Owner};
 

@@ -117,9 +117,9 @@ impl Paints for Horizon {
     }
 }
 
-/// Does what goes up in the fragment go more to the side on the screen than up?
+/// Does what goes up in the sector go more to the side on the screen than up?
 fn up_goes_across(passage: &Passage, rect: &Rect) -> bool {
-    let DVec3 { x, y, z } = passage.screen_from_fragment.transform_vector3(DVec3::Y);
+    let DVec3 { x, y, z } = passage.screen_from_sector.transform_vector3(DVec3::Y);
     let middle = [
         0.5 * (f64::from(rect.x0) + f64::from(rect.x1)),
         0.5 * (f64::from(rect.y0) + f64::from(rect.y1)),

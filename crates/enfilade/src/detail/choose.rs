@@ -19,7 +19,7 @@ impl Details {
     pub(super) fn wanted(&self, scene: &Scene, seen: &[&VisibleSet]) -> Vec<Wanted> {
         let mut most: BTreeMap<Key, f64> = BTreeMap::new();
         let mut note = |passage: &Passage, item: ItemId| {
-            let key = (passage.fragment, item);
+            let key = (passage.sector, item);
             if !self.holds(scene, key) {
                 return;
             }
@@ -57,8 +57,8 @@ impl Details {
     /// what is in them may stand before all that is drawn.
     fn entered(&self, scene: &Scene, passage: &Passage) -> impl Iterator<Item = ItemId> {
         let begins = beginnings(scene, passage);
-        let here = (passage.fragment, ItemId(0))..=(passage.fragment, ItemId(u32::MAX));
-        let content = scene.content(passage.fragment);
+        let here = (passage.sector, ItemId(0))..=(passage.sector, ItemId(u32::MAX));
+        let content = scene.content(passage.sector);
         self.items.range(here).filter_map(move |(key, _)| {
             let held = content.filter(|content| content.holds(key.1))?;
             let bounds = &held.item(key.1).bounds;
@@ -98,7 +98,7 @@ fn beginnings(scene: &Scene, passage: &Passage) -> [Option<Aabb>; 2] {
     let eye = passage.eye().map(|value| value as f32);
     let portal = passage.portal.map(|portal| {
         let portal = &scene.portals()[portal.0 as usize];
-        let opening = &scene.fragment(portal.from).openings()[portal.opening.0 as usize];
+        let opening = &scene.sector(portal.from).openings()[portal.opening.0 as usize];
         let outline = opening.outline.corners().iter();
         Aabb::of(outline.map(|&corner| portal.there_from_here.point(corner)))
     });

@@ -19,7 +19,7 @@ pub use source::DetailSource;
 use crate::content::ItemId;
 use crate::geom::{MAX_COORDINATE, Transform};
 use crate::mesh::Mesh;
-use crate::scene::{EditError, FragmentId, Scene, SceneError};
+use crate::scene::{EditError, Scene, SceneError, SectorId};
 use crate::visible::VisibleSet;
 use choose::Wanted;
 use source::Levels;
@@ -67,7 +67,7 @@ impl Default for DetailOptions {
     }
 }
 
-type Key = (FragmentId, ItemId);
+type Key = (SectorId, ItemId);
 
 /// The levels that items get.
 type Changes = BTreeMap<Key, Option<u32>>;
@@ -96,7 +96,7 @@ pub struct Refined {
     pub waiting: u32,
     /// Items that keep what they have, as a level could not be made or does not fit, and why. Each level of a source is told
     /// once, for the item that asked first.
-    pub failed: Vec<(FragmentId, ItemId, String)>,
+    pub failed: Vec<(SectorId, ItemId, String)>,
     /// Memory of all levels that are kept, in bytes.
     pub bytes: u64,
 }
@@ -117,18 +117,18 @@ impl Details {
     pub fn add(
         &mut self,
         scene: &mut Scene,
-        fragment: FragmentId,
+        sector: SectorId,
         name: &str,
         source: Arc<dyn DetailSource>,
-        fragment_from_item: Transform,
+        sector_from_item: Transform,
     ) -> Result<ItemId, DetailError> {
         let source = self.levels_of(source)?;
         let mut edit = scene.edit();
         let volume = Arc::clone(self.sources[&source].mesh(None));
-        let item = edit.add(fragment, name, volume, fragment_from_item)?;
-        edit.set_hides(fragment, item, false)?;
+        let item = edit.add(sector, name, volume, sector_from_item)?;
+        edit.set_hides(sector, item, false)?;
         edit.finish()?;
-        self.items.insert((fragment, item), Held::new(source, true));
+        self.items.insert((sector, item), Held::new(source, true));
         Ok(item)
     }
 
@@ -139,21 +139,17 @@ impl Details {
     pub fn adopt(
         &mut self,
         scene: &mut Scene,
-        items: impl IntoIterator<Item = (FragmentId, ItemId, Arc<dyn DetailSource>)>,
+        items: impl IntoIterator<Item = (SectorId, ItemId, Arc<dyn DetailSource>)>,
     ) -> Result<(), DetailError> {
         let mut adopted = Vec::new();
-        for (fragment, item, source) in items {
-            let hides = scene_item(scene, (fragment, item)).is_none_or(|(_, hides)| hides);
-            adopted.push(((fragment, item), Held::new(self.levels_of(source)?, hides)));
+        for (sector, item, source) in items {
+            let hides = scene_item(scene, (sector, item)).is_none_or(|(_, hides)| hides);
+            adopted.push(((sector, item), Held::new(self.levels_of(source)?, hides)));
         }
         let mut edit = scene.edit();
-        for ((fragment, item), held) in &adopted {
-            edit.set_mesh(
-                *fragment,
-                *item,
-                Arc::clone(self.sources[&held.source].mesh(None)),
-            )?;
-            edit.set_hides(*fragment, *item, false)?;
+        for ((sector, item), held) in &adopted {
+            edit.set_mesh(*sector, *item, Arc::clone(self.sources[&held.source].mesh(None)))?;
+            edit.set_hides(*sector, *item, false)?;
         }
         edit.finish()?;
         self.items.extend(adopted);
@@ -162,13 +158,13 @@ impl Details {
 
     /// Forgets an item, which keeps the level that it has. One that was removed from the scene, or given another mesh, need
     /// not be forgotten.
-    pub fn forget(&mut self, fragment: FragmentId, item: ItemId) {
-        self.items.remove(&(fragment, item));
+    pub fn forget(&mut self, sector: SectorId, item: ItemId) {
+        self.items.remove(&(sector, item));
     }
 
     /// The level that an item is drawn by, if it has any; `Some(None)` where that is its volume.
-    pub fn level(&self, fragment: FragmentId, item: ItemId) -> Option<Option<u32>> {
-        self.items.get(&(fragment, item)).map(|held| held.level)
+    pub fn level(&self, sector: SectorId, item: ItemId) -> Option<Option<u32>> {
+        self.items.get(&(sector, item)).map(|held| held.level)
     }
 
     fn levels_of(&mut self, source: Arc<dyn DetailSource>) -> Result<usize, DetailError> {
@@ -326,9 +322,9 @@ impl Held {
 }
 
 /// The mesh of an item, and whether it hides.
-fn scene_item(scene: &Scene, (fragment, item): Key) -> Option<(&Arc<Mesh>, bool)> {
-    let there = (fragment.0 as usize) < scene.fragment_count();
-    let content = there.then(|| scene.content(fragment)).flatten()?;
+fn scene_item(scene: &Scene, (sector, item): Key) -> Option<(&Arc<Mesh>, bool)> {
+    let there = (sector.0 as usize) < scene.sector_count();
+    let content = there.then(|| scene.content(sector)).flatten()?;
     let item = content.holds(item).then(|| content.item(item))?;
     Some((&content.meshes()[item.mesh.0 as usize], item.hides))
 }

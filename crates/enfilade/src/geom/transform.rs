@@ -6,8 +6,8 @@ use std::ops::Mul;
 
 /// An affine map from one space to another, f64 inside.
 ///
-/// Name a variable by both ends, target first: `fragment_from_item`, `there_from_here`. Then a product reads as
-/// a chain, `eye_from_item = eye_from_fragment * fragment_from_item`.
+/// Name a variable by both ends, target first: `sector_from_item`, `there_from_here`. Then a product reads as
+/// a chain, `eye_from_item = eye_from_sector * sector_from_item`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform(pub(crate) DAffine3);
 

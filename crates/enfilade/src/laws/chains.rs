@@ -3,18 +3,18 @@
 //! Methods name a chain by a hash; here no name stands for one, so that two chains with one name would be noticed.
 
 use crate::passage::{Passage, PassageId};
-use crate::scene::{FragmentId, PortalId};
+use crate::scene::{PortalId, SectorId};
 use std::collections::HashMap;
 
 /// A chain by its number in a [`Chains`]; 0 is the empty one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct ChainId(u32);
 
-/// A chain of portals that begins where the eye is, and the fragment that it ends in.
+/// A chain of portals that begins where the eye is, and the sector that it ends in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Chain {
     pub(super) id: ChainId,
-    pub(super) fragment: FragmentId,
+    pub(super) sector: SectorId,
 }
 
 /// All chains met so far, as a tree: the last portal of each, and the chain before it.
@@ -89,16 +89,16 @@ pub(super) struct PassageChains {
 impl PassageChains {
     /// The chain of a passage, whose parent must have been asked for before.
     pub(super) fn of(&mut self, id: PassageId, passage: &Passage) -> Chain {
-        let fragment = passage.fragment;
+        let sector = passage.sector;
         let chain = match (passage.parent, passage.portal) {
             (Some(parent), Some(portal)) => {
                 let before = self.known[&parent].id;
                 let id = self.chains.through(before, portal);
-                Chain { id, fragment }
+                Chain { id, sector }
             }
             _ => Chain {
                 id: ChainId::default(),
-                fragment,
+                sector,
             },
         };
         self.known.insert(id, chain);

@@ -3,9 +3,9 @@
 use super::owners::OwnerPicture;
 use super::reference::Reference;
 use super::truth::Verdict;
-use crate::fragment::Contract;
 use crate::method::Method;
 use crate::scene::Scene;
+use crate::sector::Contract;
 use crate::view::View;
 use crate::viewer::{Limits, Viewer};
 use std::fmt;
@@ -53,7 +53,7 @@ impl fmt::Display for Broken {
 const PLACES: u32 = 4;
 
 impl Contestants {
-    /// Builds the reference, and every method that suits the scene and takes no more than `limit_bytes` in each fragment;
+    /// Builds the reference, and every method that suits the scene and takes no more than `limit_bytes` in each sector;
     /// approximate ones are left out.
     pub fn new(scene: &Scene, limits: Limits, limit_bytes: u64) -> Contestants {
         let promises = |method: &Method| method.contract() != Contract::Approximate && scene.suits(*method);

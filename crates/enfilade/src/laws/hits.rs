@@ -1,10 +1,10 @@
-//! What the rays of a bundle meet in one fragment.
+//! What the rays of a bundle meet in one sector.
 
 use super::EPSILON;
 use super::tree::{Found, Meeting};
 use crate::content::Owner;
 
-/// What rays meet in a fragment, sorted out when all is known.
+/// What rays meet in a sector, sorted out when all is known.
 pub(super) struct Hits<const N: usize> {
     active: [bool; N],
     /// Nearer than this a ray sees nothing: the near distance, or the portal; at the least, and at the most.

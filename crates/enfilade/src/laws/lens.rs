@@ -33,8 +33,8 @@ impl Chance {
 /// Directions of rays, from one 4×4 matrix made of the view as its docs state it.
 pub(super) struct Lens {
     eye: DVec3,
-    /// From clip space (x right, y up, −w to w; depth reversed and infinitely far) to the space of the fragment.
-    fragment_from_clip: DMat4,
+    /// From clip space (x right, y up, −w to w; depth reversed and infinitely far) to the space of the sector.
+    sector_from_clip: DMat4,
     forward: DVec3,
     size: [f64; 2],
     sample: [f64; 2],
@@ -59,11 +59,11 @@ impl Lens {
             DVec4::new(0.0, 0.0, f64::from(view.near), 0.0),
         );
         // Without the translation, which would cost digits far from the origin: rays begin at the eye.
-        let eye_from_fragment =
+        let eye_from_sector =
             glam::dcamera::rh::view::look_to_mat4(DVec3::ZERO, forward, up.normalize_or_zero());
         Lens {
             eye,
-            fragment_from_clip: (clip_from_eye * eye_from_fragment).inverse(),
+            sector_from_clip: (clip_from_eye * eye_from_sector).inverse(),
             forward,
             size: [width, height],
             sample: (DVec2::from(view.sample.map(f64::from)) + DVec2::from(View::GENERIC_OFFSET)).into(),
@@ -103,7 +103,7 @@ impl Lens {
             0.0,
             1.0,
         );
-        let direction = (self.fragment_from_clip * clip).truncate();
+        let direction = (self.sector_from_clip * clip).truncate();
         direction / direction.dot(self.forward)
     }
 }

@@ -7,11 +7,11 @@ use super::hits::Hits;
 use super::layers::{Layers, Pane};
 use super::lens::{Chance, Lens, PLACES, RAYS};
 use super::openings::Entered;
-use super::sector::fragment_of_eye;
+use super::sector::sector_of_eye;
 use super::tree::{Built, Meeting, Trees};
 use super::truth::{Possible, Told, Truth};
 use crate::content::{ItemId, OpeningId, Owner};
-use crate::scene::{FragmentId, Scene};
+use crate::scene::{Scene, SectorId};
 use crate::view::View;
 use crate::viewer::Limits;
 use glam::DAffine3;
@@ -19,18 +19,18 @@ use rayon::prelude::*;
 
 /// A scene, ready to be asked what is really seen.
 pub struct Reference {
-    fragments: Vec<Option<Trees>>,
+    sectors: Vec<Option<Trees>>,
 }
 
 impl Reference {
-    /// Builds the trees; the slow part. Fragments of the user's own hold nothing for the reference.
+    /// Builds the trees; the slow part. Sectors of the user's own hold nothing for the reference.
     pub fn new(scene: &Scene) -> Reference {
         let mut built = Built::default();
-        let fragments = scene
-            .fragments()
+        let sectors = scene
+            .sectors()
             .map(|id| scene.content(id).map(|content| Trees::build(content, &mut built)))
             .collect();
-        Reference { fragments }
+        Reference { sectors }
     }
 
     /// What may be seen at each sample of a view, on all threads of the pool at hand. `limits` are those of the
@@ -97,7 +97,7 @@ impl Reference {
         pixel: impl Fn(&mut Look<'_, N>, [u32; 2], &mut T) + Sync,
         settle: impl Fn(&mut T) + Sync,
     ) -> Vec<(Chains, T)> {
-        let Some(fragment) = fragment_of_eye(scene, view) else {
+        let Some(sector) = sector_of_eye(scene, view) else {
             return Vec::new();
         };
         let row = |y| {
@@ -106,7 +106,7 @@ impl Reference {
                 scene,
                 limits,
                 near: f64::from(view.near),
-                fragment,
+                sector,
                 chains: Chains::default(),
                 rays: std::array::from_fn(|_| RaySees::default()),
                 waiting: Vec::new(),
@@ -135,13 +135,13 @@ struct Look<'a, const N: usize> {
     limits: &'a Limits,
     near: f64,
     /// Where the eye is.
-    fragment: FragmentId,
+    sector: SectorId,
     chains: Chains,
     rays: [RaySees; N],
     waiting: Vec<Way<N>>,
 }
 
-/// Where a bundle is: in a fragment, behind a portal.
+/// Where a bundle is: in a sector, behind a portal.
 struct Way<const N: usize> {
     chain: Chain,
     bundle: Bundle<N>,
@@ -181,7 +181,7 @@ impl<const N: usize> Look<'_, N> {
         self.waiting.push(Way {
             chain: Chain {
                 id: ChainId::default(),
-                fragment: self.fragment,
+                sector: self.sector,
             },
             bundle,
             active: std::array::from_fn(|ray| ray < used),
@@ -195,10 +195,10 @@ impl<const N: usize> Look<'_, N> {
         &self.rays[..used]
     }
 
-    /// Follows the active rays through a fragment.
+    /// Follows the active rays through a sector.
     fn follow(&mut self, way: &Way<N>) {
         let Way { chain, certain, .. } = *way;
-        let Some(trees) = &self.reference.fragments[chain.fragment.0 as usize] else {
+        let Some(trees) = &self.reference.sectors[chain.sector.0 as usize] else {
             return;
         };
         let from = way.entry.map(|entry| entry.map(|w| w.max(self.near)));
@@ -209,7 +209,7 @@ impl<const N: usize> Look<'_, N> {
         trees.walk(&way.bundle, &way.active, &mut hits);
 
         let mut ahead: Vec<Ahead<N>> = Vec::new();
-        // Into how many openings each ray goes, and whether it sees anything in this fragment but openings.
+        // Into how many openings each ray goes, and whether it sees anything in this sector but openings.
         let (mut ways, mut ends) = ([0; N], [false; N]);
         for &(Meeting { ray, w, hides, .. }, owner) in hits.meetings() {
             match owner {
@@ -253,13 +253,13 @@ impl<const N: usize> Look<'_, N> {
     }
 
     fn leads_on(&self, way: &Way<N>, opening: OpeningId) -> bool {
-        let portal = self.scene.portal_of(way.chain.fragment, opening);
+        let portal = self.scene.portal_of(way.chain.sector, opening);
         portal.is_some_and(|id| self.scene.portals()[id.0 as usize].open)
             && way.depth < self.limits.max_crossings
     }
 
     fn go_through(&mut self, way: &Way<N>, ahead: &Ahead<N>, certain: [bool; N]) {
-        let Some(portal_id) = self.scene.portal_of(way.chain.fragment, ahead.opening) else {
+        let Some(portal_id) = self.scene.portal_of(way.chain.sector, ahead.opening) else {
             return;
         };
         let portal = &self.scene.portals()[portal_id.0 as usize];
@@ -267,7 +267,7 @@ impl<const N: usize> Look<'_, N> {
         self.waiting.push(Way {
             chain: Chain {
                 id: self.chains.through(way.chain.id, portal_id),
-                fragment: portal.to,
+                sector: portal.to,
             },
             bundle: way.bundle.moved(&there_from_here),
             active: ahead.active,

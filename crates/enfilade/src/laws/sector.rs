@@ -1,17 +1,17 @@
-//! Which fragment an eye is in, by asking all of them.
+//! Which sector an eye is in, by asking all of them.
 
-use crate::scene::{FragmentId, Scene};
+use crate::scene::{Scene, SectorId};
 use crate::view::View;
 use glam::DVec3;
 
-/// The fragment of a view's eye, as the docs of [`Scene::fragment_of`] and [`Scene::locate`] state it.
-pub(super) fn fragment_of_eye(scene: &Scene, view: &View) -> Option<FragmentId> {
-    if let Some(named) = view.fragment {
-        return scene.fragments().find(|&id| id == named);
+/// The sector of a view's eye, as the docs of [`Scene::sector_of`] and [`Scene::locate`] state it.
+pub(super) fn sector_of_eye(scene: &Scene, view: &View) -> Option<SectorId> {
+    if let Some(named) = view.sector {
+        return scene.sectors().find(|&id| id == named);
     }
     let [eye, toward] = [view.eye, view.toward].map(|point| DVec3::from(point.map(f64::from)));
     let solid = || {
-        let all = scene.fragments().map(|id| (id, scene.bounds(id)));
+        let all = scene.sectors().map(|id| (id, scene.bounds(id)));
         all.filter(|(_, bounds)| !bounds.is_empty()).map(|(id, bounds)| {
             let [min, mut max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
             if scene.is_open_above(id) {
@@ -22,16 +22,16 @@ pub(super) fn fragment_of_eye(scene: &Scene, view: &View) -> Option<FragmentId> 
     };
     let strictly = solid().filter(|&(_, min, max)| eye.cmpgt(min).all() && eye.cmplt(max).all());
     let touching = solid().filter(|&(_, min, max)| eye.cmpge(min).all() && eye.cmple(max).all());
-    let volume = |(_, min, max): &(FragmentId, DVec3, DVec3)| (max - min).element_product();
-    let ground = |(_, min, max): &(FragmentId, DVec3, DVec3)| (max.x - min.x) * (max.z - min.z);
-    let ahead = |(_, min, max): &(FragmentId, DVec3, DVec3)| {
+    let volume = |(_, min, max): &(SectorId, DVec3, DVec3)| (max - min).element_product();
+    let ground = |(_, min, max): &(SectorId, DVec3, DVec3)| (max.x - min.x) * (max.z - min.z);
+    let ahead = |(_, min, max): &(SectorId, DVec3, DVec3)| {
         let middle = 0.5 * (min + max);
         let finite = |axis: usize| middle[axis].is_finite();
         let axes = (0..3).filter(|&axis| finite(axis));
         axes.map(|axis| (middle[axis] - eye[axis]) * (toward[axis] - eye[axis]))
             .sum::<f64>()
     };
-    let away = |(_, min, max): &(FragmentId, DVec3, DVec3)| (eye.clamp(*min, *max) - eye).length_squared();
+    let away = |(_, min, max): &(SectorId, DVec3, DVec3)| (eye.clamp(*min, *max) - eye).length_squared();
     strictly
         .min_by(|a, b| {
             volume(a)
@@ -41,5 +41,5 @@ pub(super) fn fragment_of_eye(scene: &Scene, view: &View) -> Option<FragmentId> 
         .or_else(|| touching.max_by(|a, b| ahead(a).total_cmp(&ahead(b))))
         .or_else(|| solid().min_by(|a, b| away(a).total_cmp(&away(b))))
         .map(|(id, ..)| id)
-        .or_else(|| scene.fragments().next())
+        .or_else(|| scene.sectors().next())
 }

@@ -2,11 +2,11 @@
 //! lit pictures are held against.
 
 use crate::query::Place;
-use crate::scene::{FragmentId, Light, LightShape, PortalId, Scene};
+use crate::scene::{Light, LightShape, PortalId, Scene, SectorId};
 use glam::{DAffine3, DVec3};
 
-/// All chains of open portals that begin in a fragment, none longer than `most`, and where each leads.
-pub fn chains(scene: &Scene, from: FragmentId, most: usize) -> Vec<(Vec<PortalId>, FragmentId)> {
+/// All chains of open portals that begin in a sector, none longer than `most`, and where each leads.
+pub fn chains(scene: &Scene, from: SectorId, most: usize) -> Vec<(Vec<PortalId>, SectorId)> {
     let mut all = vec![(Vec::new(), from)];
     let mut next = 0;
     while next < all.len() {
@@ -30,7 +30,7 @@ pub fn chains(scene: &Scene, from: FragmentId, most: usize) -> Vec<(Vec<PortalId
 const CLEAR: f64 = 1e-4;
 
 /// Does the straight line from a place go through all openings of a chain, in their order, to a point of the last
-/// fragment? `None` where that is a matter of rounding.
+/// sector? `None` where that is a matter of rounding.
 pub fn goes_straight(scene: &Scene, from: Place, chain: &[PortalId], to: [f64; 3]) -> Option<bool> {
     let portals: Vec<_> = chain.iter().map(|id| &scene.portals()[id.0 as usize]).collect();
     // The origin in each space, from the first on, and the target in each, from the last back.
@@ -52,7 +52,7 @@ pub fn goes_straight(scene: &Scene, from: Place, chain: &[PortalId], to: [f64; 3
     let mut last = 0.0;
     let mut unsure = false;
     for (i, portal) in portals.iter().enumerate() {
-        let outline = &scene.fragment(portal.from).openings()[usize::from(portal.opening.0)].outline;
+        let outline = &scene.sector(portal.from).openings()[usize::from(portal.opening.0)].outline;
         let corners: Vec<DVec3> = (outline.corners().iter())
             .map(|corner| DVec3::from(corner.map(f64::from)))
             .collect();
@@ -82,11 +82,11 @@ pub struct Lamplight<'a> {
     ways: Vec<Way>,
 }
 
-/// One way of one lamp into a fragment.
+/// One way of one lamp into a sector.
 struct Way {
     light: Light,
     chain: Vec<PortalId>,
-    fragment: FragmentId,
+    sector: SectorId,
     /// Where the lamp is, as seen from there, and lengths there for one where it hangs.
     lamp: DVec3,
     /// Where the middle of its light goes there, of unit length; zero of a point.
@@ -98,14 +98,14 @@ impl Lamplight<'_> {
     /// Along chains of at most `most` portals.
     pub fn new(scene: &Scene, most: usize) -> Lamplight<'_> {
         let ways_of = |&light: &Light| {
-            let way = move |(chain, fragment): (Vec<PortalId>, FragmentId)| {
+            let way = move |(chain, sector): (Vec<PortalId>, SectorId)| {
                 let there_from_here = chain.iter().fold(DAffine3::IDENTITY, |sum, id| {
                     scene.portals()[id.0 as usize].there_from_here.0 * sum
                 });
                 Way {
                     light,
                     chain,
-                    fragment,
+                    sector,
                     lamp: there_from_here.transform_point3(DVec3::from(light.position.map(f64::from))),
                     onwards: there_from_here
                         .transform_vector3(
@@ -117,7 +117,7 @@ impl Lamplight<'_> {
                     scale: there_from_here.matrix3.x_axis.length(),
                 }
             };
-            chains(scene, light.fragment, most).into_iter().map(way)
+            chains(scene, light.sector, most).into_iter().map(way)
         };
         let is_lamp = |light: &&Light| !matches!(light.shape, LightShape::Sun { .. });
         let lamps = scene.lights().iter().filter(is_lamp);
@@ -127,13 +127,13 @@ impl Lamplight<'_> {
         }
     }
 
-    /// What a white surface whose unit normal is `normal` sends back at a point of a fragment, linear. `None` where it is
+    /// What a white surface whose unit normal is `normal` sends back at a point of a sector, linear. `None` where it is
     /// a matter of rounding whether a lamp shines there.
-    pub fn at(&self, fragment: FragmentId, point: [f64; 3], normal: [f64; 3]) -> Option<[f64; 3]> {
+    pub fn at(&self, sector: SectorId, point: [f64; 3], normal: [f64; 3]) -> Option<[f64; 3]> {
         let mut sum = DVec3::ZERO;
-        for way in self.ways.iter().filter(|way| way.fragment == fragment) {
+        for way in self.ways.iter().filter(|way| way.sector == sector) {
             let from = Place {
-                fragment: way.light.fragment,
+                sector: way.light.sector,
                 position: way.light.position,
             };
             let to_lamp = way.lamp - DVec3::from(point);

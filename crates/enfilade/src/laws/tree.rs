@@ -31,10 +31,10 @@ pub(super) struct Trees {
     items: Tree,
     /// The items that the tree holds: those that have faces.
     solid: Vec<ItemId>,
-    /// The tree of each item's faces; in the item's space, or in the fragment's where the item is flattened.
+    /// The tree of each item's faces; in the item's space, or in the sector's where the item is flattened.
     faces: Vec<Arc<Faces>>,
-    /// Into each item's space; `None` where its tree is in the fragment's.
-    item_from_fragment: Vec<Option<DAffine3>>,
+    /// Into each item's space; `None` where its tree is in the sector's.
+    item_from_sector: Vec<Option<DAffine3>>,
     openings: Vec<Outline>,
 }
 
@@ -193,12 +193,12 @@ impl Trees {
             .map(|mesh| (address(mesh), Arc::new(Faces::build(mesh, &Transform::IDENTITY))))
             .collect();
         built.0.extend(new);
-        let item_from_fragment: Vec<Option<DAffine3>> = content
+        let item_from_sector: Vec<Option<DAffine3>> = content
             .items()
             .iter()
             .map(|item| item.transform().inverse().map(|back| back.0))
             .collect();
-        let faces = (content.items().iter().zip(&item_from_fragment))
+        let faces = (content.items().iter().zip(&item_from_sector))
             .map(|(item, back)| {
                 let mesh = &content.meshes()[item.mesh.0 as usize];
                 match back {
@@ -222,7 +222,7 @@ impl Trees {
             items: Tree::build(&boxes),
             solid,
             faces,
-            item_from_fragment,
+            item_from_sector,
         }
     }
 
@@ -251,12 +251,12 @@ impl Trees {
         found: &mut impl Found,
     ) {
         let faces = &self.faces[item.0 as usize];
-        let back = &self.item_from_fragment[item.0 as usize];
+        let back = &self.item_from_sector[item.0 as usize];
         let local = back.map_or(*bundle, |back| bundle.moved(&back));
         let mesh = self.content.mesh_of(item);
-        let fragment_from_item = self.content.item(item).transform();
+        let sector_from_item = self.content.item(item).transform();
         // A flattened item's faces are met where they stand.
-        let place = back.is_none().then_some(fragment_from_item);
+        let place = back.is_none().then_some(sector_from_item);
         visit(&faces.tree, &local, found, |triangle, found| {
             let [face, last] = *faces.triangles.get(triangle as usize).unwrap_or(&[triangle, 2]);
             let corners = mesh.face(face);
@@ -275,7 +275,7 @@ impl Trees {
                 if material.double_sided || !from_behind {
                     let hides = material.alpha == Alpha::Opaque;
                     let placed = match back {
-                        Some(_) => used.map(|corner| fragment_from_item.0.transform_point3(corner)),
+                        Some(_) => used.map(|corner| sector_from_item.0.transform_point3(corner)),
                         None => used,
                     };
                     let off = spread(placed, bundle.directions[ray]);

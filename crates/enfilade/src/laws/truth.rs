@@ -5,7 +5,7 @@ use super::owners::OwnerPicture;
 use super::reference::RaySees;
 use crate::content::{ItemId, Owner};
 use crate::passage::PassageId;
-use crate::scene::FragmentId;
+use crate::scene::SectorId;
 use crate::visible::VisibleSet;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
@@ -134,7 +134,7 @@ pub struct Verdict {
     pub reference_visible: usize,
     /// Those of them that are not in the set, or not in the set of the passage they are seen through. Where several items
     /// may own a sample and none of them is in the set, the first of them.
-    pub missed: Vec<(FragmentId, ItemId)>,
+    pub missed: Vec<(SectorId, ItemId)>,
     /// Items in the set that cannot be seen at any sample; over all passages, each counted once.
     pub extra: usize,
     /// Samples painted with what cannot own them; glass is left aside.
@@ -181,22 +181,19 @@ impl Truth {
     }
 
     /// Items that certainly are seen; over all passages, each counted once.
-    pub fn visible(&self) -> BTreeSet<(FragmentId, ItemId)> {
+    pub fn visible(&self) -> BTreeSet<(SectorId, ItemId)> {
         self.certain
             .iter()
-            .map(|(chain, item)| (chain.fragment, *item))
+            .map(|(chain, item)| (chain.sector, *item))
             .collect()
     }
 
     /// Items of which one certainly owns a sample, though not which, and at how many samples; the most first. Most often
     /// their faces coincide.
-    pub fn contested(&self) -> Vec<(Vec<(FragmentId, ItemId)>, u64)> {
-        let mut all: BTreeMap<Vec<(FragmentId, ItemId)>, u64> = BTreeMap::new();
+    pub fn contested(&self) -> Vec<(Vec<(SectorId, ItemId)>, u64)> {
+        let mut all: BTreeMap<Vec<(SectorId, ItemId)>, u64> = BTreeMap::new();
         for (items, samples) in &self.contests {
-            let mut items: Vec<_> = items
-                .iter()
-                .map(|(chain, item)| (chain.fragment, *item))
-                .collect();
+            let mut items: Vec<_> = items.iter().map(|(chain, item)| (chain.sector, *item)).collect();
             items.sort_unstable();
             items.dedup();
             *all.entry(items).or_default() += samples;
@@ -217,27 +214,27 @@ impl Truth {
             .collect();
         let numbers = self.chains.numbers_of(&passages.chains);
         // `None` for what is seen through a chain that no ray goes along.
-        let answered: HashSet<(FragmentId, Option<Chain>, ItemId)> = set
+        let answered: HashSet<(SectorId, Option<Chain>, ItemId)> = set
             .items()
             .iter()
             .map(|visible| {
                 let chain = chains[visible.passage.0 as usize];
-                (chain.fragment, chain.found(&numbers), visible.item)
+                (chain.sector, chain.found(&numbers), visible.item)
             })
             .collect();
-        let answer = |&(chain, item): &(Chain, ItemId)| (chain.fragment, Some(chain), item);
+        let answer = |&(chain, item): &(Chain, ItemId)| (chain.sector, Some(chain), item);
         let is_missed = |seen: &&(Chain, ItemId)| !answered.contains(&answer(seen));
         let of_several = self
             .contests
             .keys()
             .filter(|items| items.iter().all(|seen| is_missed(&seen)));
-        let missed: BTreeSet<(FragmentId, ItemId)> = (self.certain.iter().filter(is_missed))
+        let missed: BTreeSet<(SectorId, ItemId)> = (self.certain.iter().filter(is_missed))
             .chain(of_several.map(|items| &items[0]))
-            .map(|(chain, item)| (chain.fragment, *item))
+            .map(|(chain, item)| (chain.sector, *item))
             .collect();
         let imaginable: HashSet<_> = self.imaginable.iter().map(answer).collect();
-        let extra: BTreeSet<(FragmentId, ItemId)> = (answered.difference(&imaginable))
-            .map(|&(fragment, _, item)| (fragment, item))
+        let extra: BTreeSet<(SectorId, ItemId)> = (answered.difference(&imaginable))
+            .map(|&(sector, _, item)| (sector, item))
             .collect();
         Verdict {
             reference_visible: self.visible().len(),

@@ -11,10 +11,10 @@ const FRAMES: [i32; 12] = [12, 8, 5, 4, 3, 2, 1, 0, -1, -2, -4, -8];
 /// What a camera sees that goes through the middle of a portal: looking ahead, askew, along the plane and back.
 ///
 /// The near distance is 0.01, or less where the opening is small, so that the frames are 2 mm apart near the plane of a
-/// door. The camera changes fragments as [`Scene::walk`] says.
+/// door. The camera changes sectors as [`Scene::walk`] says.
 pub fn views_through(scene: &Scene, portal: PortalId, size: [u32; 2]) -> Vec<View> {
     let here = &scene.portals()[portal.0 as usize];
-    let outline = &scene.fragment(here.from).openings()[usize::from(here.opening.0)].outline;
+    let outline = &scene.sector(here.from).openings()[usize::from(here.opening.0)].outline;
     let corners: Vec<DVec3> = outline
         .corners()
         .iter()
@@ -36,7 +36,7 @@ pub fn views_through(scene: &Scene, portal: PortalId, size: [u32; 2]) -> Vec<Vie
     let mut views = Vec::new();
     for frame in FRAMES {
         let place = Place {
-            fragment: here.from,
+            sector: here.from,
             position: start.into(),
         };
         let mut walked = scene.walk(place, (at(frame) - start).into());
@@ -52,7 +52,7 @@ pub fn views_through(scene: &Scene, portal: PortalId, size: [u32; 2]) -> Vec<Vie
                 .transform_vector3(direction.normalize() * longest);
             let toward = (eye + direction).as_vec3();
             let mut view = View::new(walked.place.position, toward.into(), size);
-            view.fragment = Some(walked.place.fragment);
+            view.sector = Some(walked.place.sector);
             view.near = near as f32;
             views.push(view);
         }

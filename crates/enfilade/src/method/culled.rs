@@ -15,13 +15,13 @@ use crate::canvas::Canvas;
 use crate::content::{Changes, Content, ItemId, Opening};
 use crate::cover::{Coarse, Hides};
 use crate::faces::Faces;
-use crate::fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
 use crate::geom::Aabb;
 use crate::memory::Memory;
 use crate::occluders::{Choice, OccluderRoom, OccluderSet};
 use crate::order::{Gives, Order};
 use crate::passage::Passage;
 use crate::region::{Region, Sight};
+use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface};
 use crate::seen::Seen;
 use crate::stats::Stats;
 use glam::DAffine3;
@@ -155,7 +155,7 @@ impl<C: Hides> Against for InSamples<'_, C> {
     }
 }
 
-impl<O, C> Fragment for Culled<O, C>
+impl<O, C> Sector for Culled<O, C>
 where
     O: Order,
     C: Hides,

@@ -16,12 +16,12 @@ use crate::canvas::Canvas;
 use crate::content::{Changes, Content, ItemId, Opening};
 use crate::cover::{Coarse, Cover, Surface};
 use crate::faces::Faces;
-use crate::fragment::{Built, Contract, Fragment, Hit, Ray, Surface as FaceSurface};
 use crate::geom::Aabb;
 use crate::memory::Memory;
 use crate::order::Order;
 use crate::passage::Passage;
 use crate::region::{Region, Sight};
+use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface as FaceSurface};
 use crate::seen::Seen;
 use crate::stats::Stats;
 use std::sync::Arc;
@@ -98,7 +98,7 @@ impl<M: InParts> InCells<M> {
     }
 }
 
-impl<M: InParts> Fragment for InCells<M> {
+impl<M: InParts> Sector for InCells<M> {
     fn bounds(&self) -> Aabb {
         self.0.bounds()
     }

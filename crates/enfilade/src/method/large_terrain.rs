@@ -6,12 +6,12 @@ use crate::canvas::Canvas;
 use crate::content::{ItemId, Opening};
 use crate::cover::{Cover, Horizon, Paints};
 use crate::faces::Faces;
-use crate::fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
 use crate::geom::Aabb;
 use crate::memory::Memory;
 use crate::order::Visit;
 use crate::passage::Passage;
 use crate::region::{Region, Sight};
+use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface};
 use crate::seen::Seen;
 use crate::stats::Stats;
 use crate::terrain::{LargeTerrain, Workplace};
@@ -72,7 +72,7 @@ impl Visit for Walk<'_> {
     }
 }
 
-impl Fragment for LargeTerrain {
+impl Sector for LargeTerrain {
     fn bounds(&self) -> Aabb {
         let ground = self.bounds_of(self.level_count() - 1, [0, 0]);
         ground.union(&self.holes().bounds())

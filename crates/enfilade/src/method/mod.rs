@@ -27,11 +27,11 @@ use crate::cover::{
     ByBox, ByFaces, Cover, DepthBuffer, DepthPyramid, Horizon, Mask, MaskedDepth, Nothing, OcclusionTree,
     SpanBuffer, Surface,
 };
-use crate::fragment::{Contract, Fragment};
 use crate::order::{
     BakedCellsOrder, Bsp, BvhOrder, ConvexCell, DepthSort, FarToNear, KdTreeOrder, Mean, Min, NearToFar,
     OctreeOrder, Order, TerrainRows, Unordered,
 };
+use crate::sector::{Contract, Sector};
 use crate::view::View;
 use in_cells::InCells;
 use std::fmt;
@@ -106,7 +106,7 @@ pub type Cell = Paired<ConvexCell, Nothing>;
 /// What else is in the content comes between its blocks, by how near it is, and may hide some of it. An edit that changes the ground is refused.
 pub type FloatingHorizon = Paired<TerrainRows, Horizon>;
 
-/// How a fragment is seen.
+/// How a sector is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Method {
@@ -159,7 +159,7 @@ impl Method {
         Method::FloatingHorizon,
     ];
 
-    /// What one fragment's method may build unless told otherwise, in bytes: 1 GB.
+    /// What one sector's method may build unless told otherwise, in bytes: 1 GB.
     pub const DEFAULT_LIMIT: u64 = 1_000_000_000;
 
     /// Its name on the command line and in files.
@@ -252,7 +252,7 @@ impl Method {
     /// # Errors
     /// [`Unsuited::TooLarge`] where more than `limit_bytes` would be needed, [`Unsuited::NotBaked`], [`Unsuited::NotConvex`] and
     /// [`Unsuited::NoTerrain`] where the content has not what the method goes by.
-    pub fn build(self, content: Arc<Content>, limit_bytes: u64) -> Result<Arc<dyn Fragment>, Unsuited> {
+    pub fn build(self, content: Arc<Content>, limit_bytes: u64) -> Result<Arc<dyn Sector>, Unsuited> {
         Ok(self.build_ours(content, limit_bytes)?)
     }
 

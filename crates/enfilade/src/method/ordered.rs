@@ -11,12 +11,12 @@ use super::{Method, TooLarge, Unsuited};
 use crate::canvas::Canvas;
 use crate::content::{Changes, Content, ItemId, Opening};
 use crate::faces::Faces;
-use crate::fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
 use crate::geom::Aabb;
 use crate::memory::Memory;
 use crate::order::Order;
 use crate::passage::Passage;
 use crate::region::{Region, Sight};
+use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface};
 use crate::seen::Seen;
 use crate::stats::Stats;
 use std::sync::Arc;
@@ -63,7 +63,7 @@ impl Against for Open {
     }
 }
 
-impl<O: Order> Fragment for Ordered<O> {
+impl<O: Order> Sector for Ordered<O> {
     fn bounds(&self) -> Aabb {
         self.content.bounds()
     }

@@ -1,13 +1,13 @@
-//! A fragment that is content, seen by a method of ours: its items can be edited.
+//! A sector that is content, seen by a method of ours: its items can be edited.
 
 use super::{Method, TooLarge, Unsuited};
 use crate::content::{Changes, Content, Exchanged};
-use crate::fragment::Fragment;
 use crate::order::Order;
+use crate::sector::Sector;
 use std::sync::Arc;
 
-/// A fragment that is content, seen by a method of ours: its items can be edited.
-pub(crate) trait Ours: Fragment {
+/// A sector that is content, seen by a method of ours: its items can be edited.
+pub(crate) trait Ours: Sector {
     fn content(&self) -> &Arc<Content>;
 
     /// Exchanges items for those of `changes`, which then undo it; content that others share becomes a copy first. Where
@@ -23,7 +23,7 @@ pub struct Edited {
     pub items: u64,
     /// Nodes of trees that were touched for it, where orders could follow in place.
     pub nodes: u64,
-    /// Fragments whose order could not follow, and was built anew.
+    /// Sectors whose order could not follow, and was built anew.
     pub rebuilt: u64,
 }
 

@@ -9,12 +9,12 @@ use crate::canvas::Canvas;
 use crate::content::{Alpha, Changes, Content, ItemId, Opening};
 use crate::cover::{Coarse, Paints};
 use crate::faces::{Faces, Of};
-use crate::fragment::{Built, Contract, Fragment, Hit, Ray, Surface};
 use crate::geom::Aabb;
 use crate::memory::{Marks, Memory};
 use crate::order::{Gives, Order, Visit};
 use crate::passage::Passage;
 use crate::region::{Region, Sight};
+use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface};
 use crate::seen::Seen;
 use crate::stats::Stats;
 use std::marker::PhantomData;
@@ -217,7 +217,7 @@ impl<C: Paints> Visit for Walk<'_, C> {
     }
 }
 
-impl<O, C> Fragment for Paired<O, C>
+impl<O, C> Sector for Paired<O, C>
 where
     O: Order,
     C: Paints,

@@ -96,7 +96,7 @@ pub struct NotConvex {
     pub wall: FaceName,
     /// What reaches farthest behind it.
     pub behind: FaceName,
-    /// The corner that does, in the space of the fragment.
+    /// The corner that does, in the space of the sector.
     pub point: [f32; 3],
     /// How far that is behind the plane of `wall`, in scene units.
     pub by: f32,

@@ -145,7 +145,7 @@ impl OccluderSet {
         let chooser = Chooser::new(self, content, passage, measure);
         if let Some(root) = self.tree.root() {
             let most = chooser.most(
-                &passage.screen_from_fragment,
+                &passage.screen_from_sector,
                 self.tree.bounds(root),
                 self.largest[0],
                 chooser.eye,
@@ -220,12 +220,12 @@ impl Choosing<'_> {
         while let Some(Waiting { most, what }) = choice.waiting.pop() {
             match what {
                 What::Node(node) => {
-                    if may_be_seen(&passage.screen_from_fragment, set.tree.bounds(node)) {
+                    if may_be_seen(&passage.screen_from_sector, set.tree.bounds(node)) {
                         chooser.enter_node(node, choice);
                     }
                 }
                 What::Item(item) => {
-                    if may_be_seen(&passage.screen_from_fragment, &content.item(ItemId(item)).bounds) {
+                    if may_be_seen(&passage.screen_from_sector, &content.item(ItemId(item)).bounds) {
                         chooser.enter_item(ItemId(item), choice);
                     }
                 }
@@ -280,7 +280,7 @@ impl Choice {
 
 impl Chooser<'_> {
     fn enter_node(&self, node: u32, choice: &mut Choice) {
-        let (set, screen) = (self.set, &self.passage.screen_from_fragment);
+        let (set, screen) = (self.set, &self.passage.screen_from_sector);
         for child in set.tree.children(node) {
             let most = self.most(
                 screen,

@@ -33,30 +33,30 @@ const LEAST_PIXELS: f64 = 16.0;
 pub(super) struct Entered {
     pub(super) item: ItemId,
     pub(super) screen_from_item: DAffine3,
-    fragment_from_item: DAffine3,
-    /// The map of normals times areas into the space of the fragment.
+    sector_from_item: DAffine3,
+    /// The map of normals times areas into the space of the sector.
     areas: DMat3,
     /// By how much that lengthens, at most.
     pub(super) stretch: f64,
     /// The eye in the space of the item.
     pub(super) eye: DVec3,
-    /// By how much the map back from the fragment lengthens, at most.
+    /// By how much the map back from the sector lengthens, at most.
     pub(super) shrink: f64,
 }
 
 impl Entered {
     pub(super) fn of(item: ItemId, content: &Content, passage: &Passage) -> Entered {
-        let fragment_from_item = content.item(item).transform();
-        let screen_from_item = passage.screen_from(&fragment_from_item);
-        let areas = cofactor(&fragment_from_item.0.matrix3);
+        let sector_from_item = content.item(item).transform();
+        let screen_from_item = passage.screen_from(&sector_from_item);
+        let areas = cofactor(&sector_from_item.0.matrix3);
         Entered {
             item,
             screen_from_item,
             areas,
             stretch: greatest_stretch(areas) * ROUND_UP,
             eye: eye_in(&screen_from_item),
-            shrink: greatest_stretch(fragment_from_item.0.matrix3.inverse()) * ROUND_UP,
-            fragment_from_item: fragment_from_item.0,
+            shrink: greatest_stretch(sector_from_item.0.matrix3.inverse()) * ROUND_UP,
+            sector_from_item: sector_from_item.0,
         }
     }
 }
@@ -73,7 +73,7 @@ pub(super) struct Chooser<'a> {
     pub(super) content: &'a Content,
     pub(super) passage: &'a Passage,
     measure: Measure,
-    /// The eye in the space of the fragment.
+    /// The eye in the space of the sector.
     pub(super) eye: DVec3,
     /// Pixels that an area of 1 at distance 1 along the line of sight can cover, at most.
     pixels: f64,
@@ -96,19 +96,19 @@ impl<'a> Chooser<'a> {
         ];
         let secant = (1.0 + (off[0] * off[0] + off[1] * off[1]) / (focal * focal)).sqrt();
         // Portals may scale.
-        let scale = greatest_stretch(passage.eye_from_fragment().0.matrix3);
+        let scale = greatest_stretch(passage.eye_from_sector().0.matrix3);
         Chooser {
             set,
             content,
             passage,
             measure,
-            eye: eye_in(&passage.screen_from_fragment),
+            eye: eye_in(&passage.screen_from_sector),
             pixels: focal * focal * secant * scale * scale * ROUND_UP,
         }
     }
 
-    /// The most that a polygon in a box can measure whose area in the fragment is `area` at most; `None` where none is
-    /// worth taking. `eye` is in the space of the box, of which one unit is `shrink`⁻¹ or more of the fragment's.
+    /// The most that a polygon in a box can measure whose area in the sector is `area` at most; `None` where none is
+    /// worth taking. `eye` is in the space of the box, of which one unit is `shrink`⁻¹ or more of the sector's.
     pub(super) fn most(
         &self,
         screen_from_local: &DAffine3,
@@ -179,7 +179,7 @@ impl<'a> Chooser<'a> {
         Some(match self.measure {
             Measure::ProjectedArea => pixels,
             Measure::AreaAngle => {
-                let way = placed.fragment_from_item.transform_point3(polygon.centre) - self.eye;
+                let way = placed.sector_from_item.transform_point3(polygon.centre) - self.eye;
                 let distance = way.length();
                 polygon.area * (placed.areas * polygon.normal).dot(way).abs()
                     / (distance * distance * distance)

@@ -55,7 +55,7 @@ pub struct OccluderSet {
     waste: usize,
     /// Over the items that have any.
     tree: Octree,
-    /// Of each item the area of its largest, in the space of the fragment, or more; 0 where it hides nothing.
+    /// Of each item the area of its largest, in the space of the sector, or more; 0 where it hides nothing.
     areas: Vec<f64>,
     /// For each node of the tree, the greatest of these below it.
     largest: Vec<f64>,
@@ -196,7 +196,7 @@ impl OccluderSet {
         self.largest = largest_below(&self.tree, |item| self.areas[item as usize]);
     }
 
-    /// The area of an item's largest occluder, in the space of the fragment, or more; 0 where it hides nothing. One that its
+    /// The area of an item's largest occluder, in the space of the sector, or more; 0 where it hides nothing. One that its
     /// place flattens does not, and its areas are nothing.
     fn area_of(&self, content: &Content, item: ItemId) -> f64 {
         let placed = content.item(item);

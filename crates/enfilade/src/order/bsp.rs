@@ -12,10 +12,10 @@ use super::items::{hand_out_openings_at_eye, hand_out_see_through};
 use super::{FarToNear, NearToFar, Order, Refusal, Visit};
 use crate::content::{Alpha, Content, ItemId, OpeningId, Owner, Owners};
 use crate::faces::{Cut, Faces};
-use crate::fragment::Built;
 use crate::geom::{Aabb, BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
 use crate::passage::Passage;
 use crate::region::{Region, Sight};
+use crate::sector::Built;
 use glam::{DAffine3, DMat3, DVec3};
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -110,7 +110,7 @@ impl Sorted {
         let (mut numbers, mut see_through) = (Vec::new(), Vec::new());
         for item in (0..content.items().len() as u32).map(ItemId) {
             let mesh = content.mesh_of(item);
-            let fragment_from_item = content.item(item).transform();
+            let sector_from_item = content.item(item).transform();
             for cluster in mesh.clusters() {
                 if content.material_of(item, cluster).alpha != Alpha::Opaque {
                     if see_through.last() != Some(&item) {
@@ -125,7 +125,7 @@ impl Sorted {
                         .map(|&index| mesh.positions()[index as usize]);
                     add(
                         &mut polygons,
-                        corners.map(|corner| fragment_from_item.point_f64(corner)),
+                        corners.map(|corner| sector_from_item.point_f64(corner)),
                     );
                     numbers.push(content.first_face(item) + face);
                 }
@@ -158,17 +158,17 @@ struct Walk<'a> {
     content: &'a Content,
     passage: &'a Passage,
     screen_from_items: &'a [DAffine3],
-    /// Takes the normals of planes from the space of the fragment to that of (X, Y, W).
+    /// Takes the normals of planes from the space of the sector to that of (X, Y, W).
     normals: DMat3,
 }
 
 impl Walk<'_> {
-    /// A plane n · p ≥ d of the fragment as one of (X, Y, W).
+    /// A plane n · p ≥ d of the sector as one of (X, Y, W).
     fn on_screen(&self, [x, y, z, distance]: [f64; 4]) -> Cut {
         let normal = self.normals * DVec3::new(x, y, z);
         Cut {
             normal,
-            distance: distance + normal.dot(self.passage.screen_from_fragment.translation),
+            distance: distance + normal.dot(self.passage.screen_from_sector.translation),
         }
     }
 }
@@ -225,7 +225,7 @@ impl<D: Direction> Order for Bsp<D> {
             content,
             passage,
             screen_from_items,
-            normals: passage.screen_from_fragment.matrix3.inverse().transpose(),
+            normals: passage.screen_from_sector.matrix3.inverse().transpose(),
         };
         if D::NEAR_FIRST {
             hand_out_openings_at_eye(content, passage, visit);
@@ -236,7 +236,7 @@ impl<D: Direction> Order for Bsp<D> {
             if has_openings {
                 passage.region_around_openings(bounds)
             } else {
-                Region::of(passage, &passage.screen_from_fragment, bounds)
+                Region::of(passage, &passage.screen_from_sector, bounds)
             }
         };
         let mut last = None;

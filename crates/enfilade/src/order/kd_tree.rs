@@ -148,7 +148,7 @@ impl KdTreeOrder {
             return Some(true);
         }
         let bounds = self.tree.bounds(of.node);
-        match sight(passage, &passage.screen_from_fragment, bounds, visit) {
+        match sight(passage, &passage.screen_from_sector, bounds, visit) {
             Sight::Hidden => None,
             Sight::Partly => Some(false),
             Sight::Fully => Some(true),

@@ -51,7 +51,7 @@ impl Way<'_> {
             eye,
         } = *self;
         let bounds = terrain.bounds_of(level, square);
-        if visit.enter_box(passage, &passage.screen_from_fragment, &bounds) == Sight::Hidden {
+        if visit.enter_box(passage, &passage.screen_from_sector, &bounds) == Sight::Hidden {
             return;
         }
         let Some(below) = level.checked_sub(1) else {
@@ -90,7 +90,7 @@ impl Way<'_> {
             for column in columns.clone() {
                 let square = terrain.square(block, [column, row]);
                 let bounds = terrain.bounds_in(&square, block, workplace);
-                if visit.enter_box(passage, &passage.screen_from_fragment, &bounds) == Sight::Hidden {
+                if visit.enter_box(passage, &passage.screen_from_sector, &bounds) == Sight::Hidden {
                     continue;
                 }
                 let (positions, corners) = terrain.triangles(&square, block, workplace);
@@ -103,7 +103,7 @@ impl Way<'_> {
                     corners,
                     starts: None,
                     neighbours: &[],
-                    screen_from_local: &passage.screen_from_fragment,
+                    screen_from_local: &passage.screen_from_sector,
                     mirrored: false,
                     double_sided: true,
                     alpha: Alpha::Opaque,

@@ -25,10 +25,10 @@ pub use unordered::Unordered;
 
 use crate::content::{Content, ItemId, Moved, Owner};
 use crate::faces::Faces;
-use crate::fragment::Built;
 use crate::geom::Aabb;
 use crate::passage::Passage;
 use crate::region::{Region, Sight};
+use crate::sector::Built;
 use glam::DAffine3;
 
 /// What an order promises: nothing.
@@ -76,7 +76,7 @@ pub struct Dent {
     pub wall: Owner,
     /// What has a corner behind it.
     pub behind: Owner,
-    /// That corner, in the space of the fragment.
+    /// That corner, in the space of the sector.
     pub point: [f64; 3],
     /// How far behind the plane of `wall` it is, in scene units.
     pub by: f64,

@@ -18,7 +18,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::ops::Range;
 
-/// A tree over the items of a content, numbered by node; its boxes are in the space of the fragment.
+/// A tree over the items of a content, numbered by node; its boxes are in the space of the sector.
 pub(super) trait Tree {
     /// The number of the root; `None` where the tree holds nothing.
     fn root(&self) -> Option<u32>;
@@ -175,7 +175,7 @@ fn enter_node(
     let children = tree
         .children(node)
         .map(|child| (*tree.bounds(child), What::Node(child)));
-    queue.push_all(passage, &passage.screen_from_fragment, children);
+    queue.push_all(passage, &passage.screen_from_sector, children);
     for &item in tree.items(node).iter().filter(|&&item| wanted(item)) {
         let placed = content.item(ItemId(item));
         let screen_from_item = passage.screen_from(&placed.transform());
@@ -231,7 +231,7 @@ impl Queue {
     fn push_node(&mut self, tree: &impl Tree, node: u32, passage: &Passage) {
         self.push(
             passage,
-            &passage.screen_from_fragment,
+            &passage.screen_from_sector,
             tree.bounds(node),
             What::Node(node),
         );
@@ -297,7 +297,7 @@ mod tests {
     use crate::geom::Transform;
     use crate::mesh::Mesh;
     use crate::order::{BvhOrder, OctreeOrder, Order};
-    use crate::scene::FragmentId;
+    use crate::scene::SectorId;
     use crate::view::View;
     use std::collections::BTreeSet;
 
@@ -377,7 +377,7 @@ mod tests {
             .enumerate()
         {
             let view = View::new([0.3 * i as f32, 1.0, 2.0], toward, [160, 90]);
-            let passage = Passage::at_the_eye(&view, FragmentId(0), false);
+            let passage = Passage::at_the_eye(&view, SectorId(0), false);
             for farthest in [0.0, 0.05] {
                 let octree = met::<OctreeOrder>(&content, &passage, farthest);
                 let bvh = met::<BvhOrder>(&content, &passage, farthest);
@@ -385,7 +385,7 @@ mod tests {
                 // be handed out where a node holds others too.
                 let own = |item: u32| {
                     let bounds = content.item(ItemId(item)).bounds;
-                    Region::of(&passage, &passage.screen_from_fragment, &bounds)
+                    Region::of(&passage, &passage.screen_from_sector, &bounds)
                 };
                 let is_in = |(item, _): &&(u32, u32)| own(*item).is_some_and(|own| own.nearest >= farthest);
                 let [a, b] = [&octree, &bvh].map(|met| met.batches.iter().filter(is_in).collect::<Vec<_>>());

@@ -92,7 +92,7 @@ impl Order for TerrainRows {
             begin(content.item_tree(), content, passage, queue, visit);
         }
         for ground in &self.grounds {
-            let screen_from_field = passage.screen_from(&ground.terrain.fragment_from_field);
+            let screen_from_field = passage.screen_from(&ground.terrain.sector_from_field);
             let way = Way {
                 things: &things,
                 screen_from_field,

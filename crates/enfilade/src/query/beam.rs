@@ -2,39 +2,39 @@
 //!
 //! A beam leaves a point, is narrowed by every opening that it goes through, and nothing else is in its way.
 //! Source: RenderWare, Portal culling: lights reach through portals, transformed.
-//! Cost: O(openings) for each fragment that it reaches, once for each chain of portals.
+//! Cost: O(openings) for each sector that it reaches, once for each chain of portals.
 
 use super::place::{Place, corners, slack};
 use crate::geom::{Transform, nearest_in};
-use crate::scene::{FragmentId, PortalId, Scene};
+use crate::scene::{PortalId, Scene, SectorId};
 use crate::viewer::Limits;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-/// A fragment that a point reaches into, through zero or more portals.
+/// A sector that a point reaches into, through zero or more portals.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Reached {
-    /// Where it comes from, by its place in the list; `None` for the fragment that the point is in.
+    /// Where it comes from, by its place in the list; `None` for the sector that the point is in.
     pub parent: Option<u32>,
     /// The portal through which it leaves its parent.
     pub portal: Option<PortalId>,
-    /// The fragment that is reached.
-    pub fragment: FragmentId,
+    /// The sector that is reached.
+    pub sector: SectorId,
     /// Portals on the way.
     pub crossings: u16,
-    /// From the space that the point is in to that of the fragment.
+    /// From the space that the point is in to that of the sector.
     pub there_from_here: Transform,
-    /// Where the point is, as seen from the fragment.
+    /// Where the point is, as seen from the sector.
     pub origin: [f64; 3],
-    /// What the last opening lets through: a convex outline in the fragment's space. Empty where the point is.
+    /// What the last opening lets through: a convex outline in the sector's space. Empty where the point is.
     pub window: Vec<[f64; 3]>,
     /// The planes that the beam is between, beyond the last opening: it holds points with n · x ≥ d for all.
     planes: SmallVec<[(DVec3, f64); 8]>,
 }
 
 impl Reached {
-    /// The planes that the beam is between: it holds points with n · x ≥ d for all (n, d), in the fragment's space. None
+    /// The planes that the beam is between: it holds points with n · x ≥ d for all (n, d), in the sector's space. None
     /// where the point is.
     pub fn planes(&self) -> impl Iterator<Item = ([f64; 3], f64)> {
         self.planes
@@ -42,7 +42,7 @@ impl Reached {
             .map(|&(normal, distance)| (normal.into(), distance))
     }
 
-    /// Does a straight line from the point, through all openings on the way, lead to a point of the fragment? What is in
+    /// Does a straight line from the point, through all openings on the way, lead to a point of the sector? What is in
     /// its way besides is not asked.
     pub fn holds(&self, point: [f64; 3]) -> bool {
         let point = DVec3::from(point);
@@ -53,17 +53,17 @@ impl Reached {
 }
 
 impl Scene {
-    /// The fragments that a point reaches into in straight lines through open portals, its own first, each after its
+    /// The sectors that a point reaches into in straight lines through open portals, its own first, each after its
     /// parent: the light of a lamp, say. What is farther than `range`, in the point's own units, is not reached.
     ///
-    /// A fragment that is reached in several ways is there several times. Where `limits` bite, the rest is left out, and so
+    /// A sector that is reached in several ways is there several times. Where `limits` bite, the rest is left out, and so
     /// is what is behind portals that enlarge or shrink again and again until 64-bit numbers end. A position that is not
-    /// finite reaches its own fragment only.
+    /// finite reaches its own sector only.
     pub fn reach(&self, from: Place, range: f32, limits: &Limits) -> Vec<Reached> {
         let mut all = vec![Reached {
             parent: None,
             portal: None,
-            fragment: from.fragment,
+            sector: from.sector,
             crossings: 0,
             there_from_here: Transform::IDENTITY,
             origin: from.position.map(f64::from),
@@ -73,7 +73,7 @@ impl Scene {
         let mut next = 0;
         while next < all.len() && from.position.iter().all(|value| value.is_finite()) {
             if all[next].crossings < limits.max_crossings {
-                for (portal, _) in self.ways_out(all[next].fragment) {
+                for (portal, _) in self.ways_out(all[next].sector) {
                     if all.len() >= limits.max_passages as usize {
                         return all;
                     }
@@ -98,7 +98,7 @@ impl Scene {
             return None;
         }
         let portal = &self.portals()[portal_id.0 as usize];
-        let opening = &self.fragment(portal.from).openings()[usize::from(portal.opening.0)];
+        let opening = &self.sector(portal.from).openings()[usize::from(portal.opening.0)];
         let normal = DVec3::from(opening.outline.normal().map(f64::from));
         let mut window = corners(&opening.outline);
         let origin = DVec3::from(beam.origin);
@@ -128,7 +128,7 @@ impl Scene {
         let mut child = Reached {
             parent: Some(number),
             portal: Some(portal_id),
-            fragment: portal.to,
+            sector: portal.to,
             crossings: beam.crossings + 1,
             there_from_here: there_from_start,
             origin: moved(origin).into(),

@@ -9,9 +9,9 @@
 //! changes an answer, and the first of all hits is the first hit.
 
 use crate::content::{Content, ItemId, Material};
-use crate::fragment::{Hit, Ray, Surface};
 use crate::geom::{Line, Step};
 use crate::mesh::Mesh;
+use crate::sector::{Hit, Ray, Surface};
 use glam::DVec3;
 
 impl Content {
@@ -94,10 +94,10 @@ impl Content {
             return;
         }
         // In the item's own space distances, counted in lengths of the direction, stay what they are.
-        let Some(item_from_fragment) = placed.transform().inverse() else {
+        let Some(item_from_sector) = placed.transform().inverse() else {
             return;
         };
-        let line = line.moved(&item_from_fragment.0);
+        let line = line.moved(&item_from_sector.0);
         let mesh = self.mesh_of(item);
         mesh.walk(line.origin.into(), |step| match step {
             Step::Node(bounds) => line.meets(bounds, 0.0, *limit).is_some(),

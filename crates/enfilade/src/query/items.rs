@@ -9,7 +9,7 @@
 use crate::content::{Content, ItemId};
 use crate::geom::{Aabb, Enter, Step};
 use crate::passage::Passage;
-use crate::scene::FragmentId;
+use crate::scene::SectorId;
 use crate::view::View;
 use glam::{DVec3, DVec4};
 
@@ -63,11 +63,11 @@ impl Content {
     ///
     /// It may find one too many, near a corner of the frustum, and never one too few: an item is left out where its box, or
     /// that of its mesh at its place, lies wholly behind one plane. [`VisibleSet::in_frustum`](crate::VisibleSet::in_frustum)
-    /// counts by the same rule. A view that sees nothing ([`View::check`]) finds nothing; which fragment it names is not
+    /// counts by the same rule. A view that sees nothing ([`View::check`]) finds nothing; which sector it names is not
     /// asked.
     pub fn items_in_frustum(&self, view: &View, visit: impl FnMut(ItemId)) {
         if view.check().is_ok() {
-            self.items_in_passage(&Passage::at_the_eye(view, FragmentId(0), false), visit);
+            self.items_in_passage(&Passage::at_the_eye(view, SectorId(0), false), visit);
         }
     }
 
@@ -81,7 +81,7 @@ impl Content {
         let item = |item: ItemId| {
             let placed = self.item(item);
             let screen_from_item = passage.screen_from(&placed.transform());
-            passage.frustum_meets(&passage.screen_from_fragment, &placed.bounds)
+            passage.frustum_meets(&passage.screen_from_sector, &placed.bounds)
                 && passage.frustum_meets(&screen_from_item, &self.mesh_of(item).bounds())
         };
         self.items_by(passage.eye(), meets, item, visit);
@@ -119,9 +119,9 @@ fn farthest_squared(bounds: &Aabb, point: DVec3) -> f64 {
     (min - point).abs().max((max - point).abs()).length_squared()
 }
 
-/// The planes of the frustum in the space of the fragment: it holds points with n · x + d ≥ 0 for all.
+/// The planes of the frustum in the space of the sector: it holds points with n · x + d ≥ 0 for all.
 fn planes_of(passage: &Passage) -> [DVec4; 5] {
-    let map = &passage.screen_from_fragment;
+    let map = &passage.screen_from_sector;
     let row = |axis: usize| map.matrix3.row(axis).extend(map.translation[axis]);
     let [x, y, w] = [0, 1, 2].map(row);
     let [width, height] = passage.size.map(f64::from);

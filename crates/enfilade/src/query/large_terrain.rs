@@ -7,8 +7,8 @@
 
 use super::cast::{line_of, meet};
 use crate::content::ItemId;
-use crate::fragment::{Hit, Ray};
 use crate::geom::Line;
+use crate::sector::{Hit, Ray};
 use crate::terrain::{LargeTerrain, Workplace};
 use glam::DVec3;
 

@@ -11,7 +11,7 @@
 use super::place::{Place, corners};
 use crate::content::ItemId;
 use crate::geom::{Aabb, nearest_in};
-use crate::scene::{FragmentId, PortalId, Scene};
+use crate::scene::{PortalId, Scene, SectorId};
 use glam::{DAffine3, DMat3, DVec3};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -20,8 +20,8 @@ use std::collections::{BTreeMap, BinaryHeap};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Near {
-    /// The fragment that it stands in.
-    pub fragment: FragmentId,
+    /// The sector that it stands in.
+    pub sector: SectorId,
     /// Which.
     pub item: ItemId,
     /// Length of the shortest way to its box through open portals, in units of the space where the way begins. Behind
@@ -35,7 +35,7 @@ pub struct Near {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Nearby {
-    /// Each item once, by its shortest way: the nearest first, then by fragment and number.
+    /// Each item once, by its shortest way: the nearest first, then by sector and number.
     pub items: Vec<Near>,
     /// Whether every way within the radius was searched.
     pub complete: bool,
@@ -60,7 +60,7 @@ impl Nearby {
 
 impl Scene {
     /// Finds the items whose boxes are within `radius` of a place, by ways through open portals. Walls and items within a
-    /// fragment are no obstacles; custom fragments report no items.
+    /// sector are no obstacles; custom sectors report no items.
     ///
     /// A position that is not finite, or a radius that is negative or NaN, finds nothing. Where a limit of [`Nearby`] ends
     /// the search, [`Nearby::complete`] is `false`.
@@ -74,7 +74,7 @@ impl Scene {
             searched: f64::from(radius),
         };
         let complete = if search.start.is_finite() && radius >= 0.0 {
-            search.run(place.fragment)
+            search.run(place.sector)
         } else {
             true
         };
@@ -90,8 +90,8 @@ impl Scene {
 
 /// A chain of portals. All lengths and points are in the space of the start unless said otherwise.
 struct Chain {
-    /// The fragment that it leads to.
-    fragment: FragmentId,
+    /// The sector that it leads to.
+    sector: SectorId,
     /// The chain without its last portal, by number, and that portal; `None` at the start.
     last: Option<(usize, PortalId)>,
     crossings: usize,
@@ -110,15 +110,15 @@ struct Search<'a> {
     start: DVec3,
     radius: f64,
     chains: Vec<Chain>,
-    found: BTreeMap<(FragmentId, ItemId), Near>,
+    found: BTreeMap<(SectorId, ItemId), Near>,
     searched: f64,
 }
 
 impl Search<'_> {
     /// Returns `true` if no limit ended the search.
-    fn run(&mut self, fragment: FragmentId) -> bool {
+    fn run(&mut self, sector: SectorId) -> bool {
         self.chains.push(Chain {
-            fragment,
+            sector,
             last: None,
             crossings: 0,
             window: Vec::new(),
@@ -129,12 +129,12 @@ impl Search<'_> {
         });
         let mut complete = true;
         let mut kept = 0;
-        let mut kept_in: BTreeMap<FragmentId, Vec<usize>> = BTreeMap::new();
+        let mut kept_in: BTreeMap<SectorId, Vec<usize>> = BTreeMap::new();
         // Lengths are not negative, so their bits sort as they do.
         let key = |chains: &[Chain], number: usize| Reverse((chains[number].length.to_bits(), number));
         let mut waiting = BinaryHeap::from([key(&self.chains, 0)]);
         while let Some(Reverse((_, number))) = waiting.pop() {
-            let rivals = kept_in.entry(self.chains[number].fragment).or_default();
+            let rivals = kept_in.entry(self.chains[number].sector).or_default();
             if self.returns(number) || self.is_dominated(number, rivals) {
                 continue;
             }
@@ -159,7 +159,7 @@ impl Search<'_> {
         let mut searched = self.searched;
         let mut complete = true;
         let mut longer = Vec::new();
-        for (portal_id, outline) in self.scene.ways_out(chain.fragment) {
+        for (portal_id, outline) in self.scene.ways_out(chain.sector) {
             if (chain.last).is_some_and(|(_, came)| self.scene.leads_back(came, portal_id)) {
                 continue;
             }
@@ -190,7 +190,7 @@ impl Search<'_> {
                 continue;
             }
             longer.push(Chain {
-                fragment: portal.to,
+                sector: portal.to,
                 last: Some((number, portal_id)),
                 crossings: chain.crossings + 1,
                 window,
@@ -221,13 +221,13 @@ impl Search<'_> {
         windows
     }
 
-    /// Whether the chain comes back to a fragment that it was in before, as if it had not left: then no way by it is
+    /// Whether the chain comes back to a sector that it was in before, as if it had not left: then no way by it is
     /// shorter than the straight one from where it left.
     fn returns(&self, number: usize) -> bool {
         let chain = &self.chains[number];
         let size = extent(&chain.window);
         self.back_from(number).skip(1).any(|(_, before)| {
-            before.fragment == chain.fragment
+            before.sector == chain.sector
                 && chain.window.iter().all(|&corner| {
                     let here = chain.here_from_start.transform_point3(corner);
                     let rounding = corner.abs().max_element() + here.abs().max_element() / chain.scale;
@@ -237,7 +237,7 @@ impl Search<'_> {
         })
     }
 
-    /// Whether one of the `rivals`, chains to the same fragment, reaches every point of the chain's last window by a way
+    /// Whether one of the `rivals`, chains to the same sector, reaches every point of the chain's last window by a way
     /// that is no longer: then it reaches all behind it so.
     fn is_dominated(&self, number: usize, rivals: &[usize]) -> bool {
         const SLACK: f64 = 1.0 + 1e-9;
@@ -278,10 +278,10 @@ impl Search<'_> {
         rivals.iter().any(is_no_longer)
     }
 
-    /// Takes the items of the fragment that a chain leads to, where it is their shortest way as yet.
+    /// Takes the items of the sector that a chain leads to, where it is their shortest way as yet.
     fn take_items(&mut self, number: usize) {
         let chain = &self.chains[number];
-        let Some(content) = self.scene.content(chain.fragment) else {
+        let Some(content) = self.scene.content(chain.sector) else {
             return;
         };
         let windows: Vec<Vec<DVec3>> = (self.windows(number).into_iter())
@@ -305,7 +305,7 @@ impl Search<'_> {
         let found = &mut self.found;
         content.items_within(origin, reach, |item| {
             let bounds = &content.item(item).bounds;
-            let known = found.get(&(chain.fragment, item)).map(|known| known.distance);
+            let known = found.get(&(chain.sector, item)).map(|known| known.distance);
             let beyond = entry.map_or(0.0, |entry| gap(entry, bounds)) / chain.scale;
             if known.is_some_and(|known| known <= chain.length + beyond) {
                 return;
@@ -317,12 +317,12 @@ impl Search<'_> {
             let (distance, _) = way(self.start, &windows, nearest);
             if distance <= self.radius && known.is_none_or(|known| distance < known) {
                 let near = Near {
-                    fragment: chain.fragment,
+                    sector: chain.sector,
                     item,
                     distance,
                     crossed: crossed.clone(),
                 };
-                found.insert((chain.fragment, item), near);
+                found.insert((chain.sector, item), near);
             }
         });
     }

@@ -1,16 +1,16 @@
-//! Positions that know their fragment, and how they move through portals.
+//! Positions that know their sector, and how they move through portals.
 //!
 //! Source: RenderWare, Portal culling: bodies and cameras that cross a portal change section and coordinates.
 
 use crate::geom::{ConvexPolygon, Pierced, Transform, is_in_range, nearest_in, pierced};
-use crate::scene::{FragmentId, Portal, PortalId, Scene};
+use crate::scene::{Portal, PortalId, Scene, SectorId};
 use glam::DVec3;
 
-/// A position in a fragment's space.
+/// A position in a sector's space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// Where it is.
-    pub fragment: FragmentId,
+    pub sector: SectorId,
     /// Where in it, in its own space.
     pub position: [f32; 3],
 }
@@ -36,15 +36,15 @@ impl Walked {
     pub const MOST_CROSSED: usize = 256;
 }
 
-/// A fragment that a body stands in.
+/// A sector that a body stands in.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Presence {
-    /// Where its middle is, as seen from that fragment; it may lie outside.
+    /// Where its middle is, as seen from that sector; it may lie outside.
     pub place: Place,
     /// Its radius there.
     pub radius: f32,
-    /// From the space of the fragment that its middle is in.
+    /// From the space of the sector that its middle is in.
     pub there_from_here: Transform,
     /// The portals between, in order.
     pub crossed: Vec<PortalId>,
@@ -55,7 +55,7 @@ impl Scene {
     /// the back; nothing else stops it. What ends in the plane of an opening has not crossed it. A step that is not finite, or
     /// ends beyond [`MAX_COORDINATE`](crate::MAX_COORDINATE), is none.
     ///
-    /// Cost: O(openings) for each fragment on the way.
+    /// Cost: O(openings) for each sector on the way.
     pub fn walk(&self, from: Place, step: [f32; 3]) -> Walked {
         let mut walked = Walked {
             place: from,
@@ -87,7 +87,7 @@ impl Scene {
             }
             ends = [there[0], rounded.as_dvec3()];
             walked.place = Place {
-                fragment: portal.to,
+                sector: portal.to,
                 position: rounded.into(),
             };
             walked.there_from_here = portal.there_from_here * walked.there_from_here;
@@ -98,9 +98,9 @@ impl Scene {
 
     /// The next portal that a step crosses, if any.
     fn next_crossed(&self, walked: &Walked, ends: [DVec3; 2], at: f64) -> Option<(PortalId, Pierced)> {
-        let fragment = walked.place.fragment;
+        let sector = walked.place.sector;
         let mut first: Option<(PortalId, Pierced)> = None;
-        for (portal_id, outline) in self.ways_out(fragment) {
+        for (portal_id, outline) in self.ways_out(sector) {
             // A line crosses a plane once: it has just come through this one.
             if (walked.crossed.last()).is_some_and(|&came| self.leads_back(came, portal_id)) {
                 continue;
@@ -120,11 +120,11 @@ impl Scene {
         first
     }
 
-    /// The open portals of a fragment, and the outlines of the openings that they lead out of.
-    pub(crate) fn ways_out(&self, fragment: FragmentId) -> impl Iterator<Item = (PortalId, &ConvexPolygon)> {
-        let openings = self.fragment(fragment).openings().iter().zip(0..);
+    /// The open portals of a sector, and the outlines of the openings that they lead out of.
+    pub(crate) fn ways_out(&self, sector: SectorId) -> impl Iterator<Item = (PortalId, &ConvexPolygon)> {
+        let openings = self.sector(sector).openings().iter().zip(0..);
         openings.filter_map(move |(opening, number)| {
-            let portal = self.portal_of(fragment, crate::content::OpeningId(number))?;
+            let portal = self.portal_of(sector, crate::content::OpeningId(number))?;
             let open = self.portals()[portal.0 as usize].open && !self.is_flat();
             open.then_some((portal, &opening.outline))
         })
@@ -137,7 +137,7 @@ impl Scene {
             return false;
         }
         let outline =
-            |portal: &Portal| &self.fragment(portal.from).openings()[usize::from(portal.opening.0)].outline;
+            |portal: &Portal| &self.sector(portal.from).openings()[usize::from(portal.opening.0)].outline;
         let [there, back] = [outline(came), outline(portal)].map(corners);
         let [out, home] = [came.there_from_here.0, portal.there_from_here.0];
         let middle = |corners: &[DVec3]| corners.iter().sum::<DVec3>() / corners.len() as f64;
@@ -150,11 +150,11 @@ impl Scene {
         there.iter().all(returns) && home.transform_point3(middle(&back)).distance(middle(&there)) <= near
     }
 
-    /// The fragments that a sphere stands in, its own first: those that it reaches into through open portals, however
+    /// The sectors that a sphere stands in, its own first: those that it reaches into through open portals, however
     /// many in a row. A body is seen whole if it is an item of each, at the place that is given here.
     ///
-    /// A position beyond [`MAX_COORDINATE`](crate::MAX_COORDINATE) is in its own fragment only, and the sphere is in at most
-    /// 64 fragments. It may say one too many: where the sphere reaches an opening, but not through the one before it.
+    /// A position beyond [`MAX_COORDINATE`](crate::MAX_COORDINATE) is in its own sector only, and the sphere is in at most
+    /// 64 sectors. It may say one too many: where the sphere reaches an opening, but not through the one before it.
     pub fn stands_in(&self, place: Place, radius: f32) -> Vec<Presence> {
         let mut all = vec![Presence {
             place,
@@ -167,7 +167,7 @@ impl Scene {
             let here = all[next].clone();
             next += 1;
             let middle = DVec3::from(here.place.position.map(f64::from));
-            for (portal_id, outline) in self.ways_out(here.place.fragment) {
+            for (portal_id, outline) in self.ways_out(here.place.sector) {
                 let portal = &self.portals()[portal_id.0 as usize];
                 if (here.crossed.last()).is_some_and(|&came| self.leads_back(came, portal_id))
                     || !reaches(outline, middle, f64::from(here.radius))
@@ -183,7 +183,7 @@ impl Scene {
                 crossed.push(portal_id);
                 all.push(Presence {
                     place: Place {
-                        fragment: portal.to,
+                        sector: portal.to,
                         position,
                     },
                     radius: (f64::from(here.radius) * there.scale()) as f32,
@@ -196,7 +196,7 @@ impl Scene {
     }
 }
 
-/// Fragments that one body stands in at most.
+/// Sectors that one body stands in at most.
 const MOST_PRESENT: usize = 64;
 
 /// Does a sphere before an opening reach it?

@@ -1,22 +1,22 @@
 //! Rays that follow portals.
 
 use crate::content::OpeningId;
-use crate::fragment::{Hit, Ray};
 use crate::geom::{Transform, is_in_range, pierced};
-use crate::scene::{FragmentId, PortalId, Scene};
+use crate::scene::{PortalId, Scene, SectorId};
+use crate::sector::{Hit, Ray};
 use glam::DVec3;
 
 /// Where a ray ends.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Cast {
-    /// In which fragment.
-    pub fragment: FragmentId,
+    /// In which sector.
+    pub sector: SectorId,
     /// What stops it there.
     pub met: Met,
     /// How far that is, over all portals, in lengths of the ray's direction.
     pub distance: f64,
-    /// From the space that the ray begins in to that of `fragment`.
+    /// From the space that the ray begins in to that of `sector`.
     pub there_from_here: Transform,
     /// The portals that it went through, in order.
     pub crossed: Vec<PortalId>,
@@ -46,15 +46,15 @@ impl Cast {
 impl Scene {
     /// Follows a ray through every open portal that it crosses, to the first thing that stops it.
     ///
-    /// Cost: for each fragment on the way that of its own [`Fragment::cast`](crate::Fragment::cast), and O(openings).
-    pub fn cast(&self, from: FragmentId, ray: &Ray) -> Cast {
+    /// Cost: for each sector on the way that of its own [`Sector::cast`](crate::Sector::cast), and O(openings).
+    pub fn cast(&self, from: SectorId, ray: &Ray) -> Cast {
         self.cast_until(from, ray, f64::INFINITY)
     }
 
     /// As [`Scene::cast`], but follows no opening that is farther than `limit`.
-    pub(super) fn cast_until(&self, from: FragmentId, ray: &Ray, limit: f64) -> Cast {
+    pub(super) fn cast_until(&self, from: SectorId, ray: &Ray, limit: f64) -> Cast {
         let mut cast = Cast {
-            fragment: from,
+            sector: from,
             met: Met::Nothing,
             distance: 0.0,
             there_from_here: Transform::IDENTITY,
@@ -62,8 +62,8 @@ impl Scene {
         };
         let mut ray = *ray;
         loop {
-            let hit = self.fragment(cast.fragment).cast(&ray);
-            let opening = self.next_opening(cast.fragment, &ray, cast.crossed.last().copied());
+            let hit = self.sector(cast.sector).cast(&ray);
+            let opening = self.next_opening(cast.sector, &ray, cast.crossed.last().copied());
             let Some((opening, at)) = opening.filter(|&(_, at)| hit.is_none_or(|hit| at <= hit.distance))
             else {
                 cast.met = hit.map_or(Met::Nothing, Met::Face);
@@ -71,7 +71,7 @@ impl Scene {
                 return cast;
             };
             cast.distance += at;
-            let way = self.portal_of(cast.fragment, opening);
+            let way = self.portal_of(cast.sector, opening);
             let Some(portal_id) = way.filter(|id| self.portals()[id.0 as usize].open) else {
                 cast.met = Met::Closed(opening);
                 return cast;
@@ -92,7 +92,7 @@ impl Scene {
                 return cast;
             }
             ray = beyond;
-            cast.fragment = portal.to;
+            cast.sector = portal.to;
             cast.there_from_here = there * cast.there_from_here;
             cast.crossed.push(portal_id);
         }
@@ -101,7 +101,7 @@ impl Scene {
     /// The nearest opening that a ray goes into from the front, and where.
     fn next_opening(
         &self,
-        fragment: FragmentId,
+        sector: SectorId,
         ray: &Ray,
         came_through: Option<PortalId>,
     ) -> Option<(OpeningId, f64)> {
@@ -110,10 +110,10 @@ impl Scene {
         }
         let [origin, direction] = [ray.origin, ray.direction].map(|v| DVec3::from(v.map(f64::from)));
         let is_way_back = |opening: OpeningId| {
-            let portal = self.portal_of(fragment, opening);
+            let portal = self.portal_of(sector, opening);
             (came_through.zip(portal)).is_some_and(|(came, portal)| self.leads_back(came, portal))
         };
-        let openings = (0..).map(OpeningId).zip(self.fragment(fragment).openings());
+        let openings = (0..).map(OpeningId).zip(self.sector(sector).openings());
         // Added to a far origin, a direction that portals have shrunk would be lost in rounding.
         let length = direction.abs().max_element();
         openings

@@ -3,8 +3,8 @@
 use super::beam::Reached;
 use super::place::Place;
 use super::ray::{Cast, Met};
-use crate::fragment::Ray;
 use crate::scene::{PortalId, Scene};
+use crate::sector::Ray;
 use crate::viewer::Limits;
 
 /// A straight line from one place to another that nothing stops.
@@ -21,7 +21,7 @@ impl Scene {
     /// Does one place see another, straight or through open portals? Gives the first line that is found, by the fewest
     /// portals; `None` where no line is, or none within the default [`Limits`], or a position is not finite. Faces of glass stop it as others do.
     ///
-    /// Cost: O(beams that reach the other's fragment) rays.
+    /// Cost: O(beams that reach the other's sector) rays.
     pub fn sees(&self, from: Place, to: Place) -> Option<SightLine> {
         if !from
             .position
@@ -32,8 +32,7 @@ impl Scene {
             return None;
         }
         let reached = self.reach(from, f32::INFINITY, &Limits::default());
-        let reaches =
-            |beam: &&Reached| beam.fragment == to.fragment && beam.holds(to.position.map(f64::from));
+        let reaches = |beam: &&Reached| beam.sector == to.sector && beam.holds(to.position.map(f64::from));
         let mut beams = reached.iter().filter(reaches);
         beams.find_map(|beam| self.line_through(from, to, beam, &reached))
     }
@@ -56,7 +55,7 @@ impl Scene {
             distance,
             crossed: followed,
             ..
-        } = self.cast_until(from.fragment, &ray, THERE);
+        } = self.cast_until(from.sector, &ray, THERE);
         let arrives = direction == [0.0; 3] || met == Met::Nothing || distance >= THERE;
         (arrives && followed.starts_with(&crossed)).then_some(SightLine { direction, crossed })
     }

@@ -2,15 +2,15 @@
 
 use super::*;
 use crate::chance::{Dice, levels};
-use crate::scene::FragmentId;
+use crate::scene::SectorId;
 use crate::view::View;
 
 /// What an eye at the origin, looking along −z with a lens of 90 degrees, sees of a box on a square screen.
 fn seen(min: [f32; 3], max: [f32; 3]) -> Option<Region> {
     let mut view = View::new([0.0; 3], [0.0, 0.0, -1.0], [100, 100]);
     view.fov_y = 90.0_f32.to_radians();
-    let passage = Passage::at_the_eye(&view, FragmentId(0), false);
-    Region::of(&passage, &passage.screen_from_fragment, &Aabb { min, max })
+    let passage = Passage::at_the_eye(&view, SectorId(0), false);
+    Region::of(&passage, &passage.screen_from_sector, &Aabb { min, max })
 }
 
 #[test]
@@ -168,7 +168,7 @@ fn eight_boxes_at_once_are_seen_as_one_by_one_at_every_level() {
             [100 + round % 7, 60 + round % 5],
         );
         view.near = 0.01 + dice.within(0.005) as f32;
-        let mut passage = Passage::at_the_eye(&view, FragmentId(0), false);
+        let mut passage = Passage::at_the_eye(&view, SectorId(0), false);
         passage.any_place = round % 3 == 0;
         if round % 4 == 0 {
             passage.entry = Some((DVec3::from(somewhere(&mut dice, 1.0).map(f64::from)), 0.5));
@@ -180,7 +180,7 @@ fn eight_boxes_at_once_are_seen_as_one_by_one_at_every_level() {
             Aabb::of([somewhere(&mut dice, 8.0), somewhere(&mut dice, 8.0)])
         });
         let count = 1 + round as usize % BOXES;
-        let space = passage.screen_from_fragment;
+        let space = passage.screen_from_sector;
         let expected = boxes.map(|bounds| Region::of(&passage, &space, &bounds));
         for level in levels() {
             passage.level = level;

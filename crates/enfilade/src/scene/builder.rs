@@ -1,55 +1,55 @@
 //! Puts a scene together, and refuses one that cannot be.
 
 use super::locate::Boxes;
-use super::{Body, Exit, FragmentId, Light, LightId, Placed, Portal, PortalId, Scene, SceneError, Way};
+use super::{Body, Exit, Light, LightId, Placed, Portal, PortalId, Scene, SceneError, SectorId, Way};
 use crate::content::{Content, Opening, OpeningId};
-use crate::fragment::Fragment;
 use crate::geom::{Transform, is_in_range};
 use crate::method::Method;
+use crate::sector::Sector;
 use std::sync::Arc;
 
-/// Gathers fragments and portals; [`SceneBuilder::build`] checks them.
+/// Gathers sectors and portals; [`SceneBuilder::build`] checks them.
 #[derive(Default)]
 pub struct SceneBuilder {
-    fragments: Vec<Waiting>,
+    sectors: Vec<Waiting>,
     nested: Vec<Scene>,
     portals: Vec<(End, End, Transform)>,
     exits: Vec<(String, End)>,
     lights: Vec<Light>,
-    open_above: Vec<FragmentId>,
+    open_above: Vec<SectorId>,
     limit_bytes: Option<u64>,
 }
 
 enum Waiting {
     Ours(String, Arc<Content>, Method),
-    Own(String, Arc<dyn Fragment>),
+    Own(String, Arc<dyn Sector>),
 }
 
 /// A scene that stands in another, by the order of [`SceneBuilder::nest`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NestedId(u32);
 
-/// One end of a portal: an opening of a fragment, a named exit of a nested scene, or anywhere in a fragment.
+/// One end of a portal: an opening of a sector, a named exit of a nested scene, or anywhere in a sector.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum End {
-    /// An opening of a fragment of this scene.
-    Opening(FragmentId, OpeningId),
+    /// An opening of a sector of this scene.
+    Opening(SectorId, OpeningId),
     /// An exit of a scene that stands in this one.
     Exit(NestedId, String),
-    /// Anywhere in a fragment of this scene, as its portal's transform says: a portal may lead there, as a teleport does,
+    /// Anywhere in a sector of this scene, as its portal's transform says: a portal may lead there, as a teleport does,
     /// but not out of it.
-    Anywhere(FragmentId),
+    Anywhere(SectorId),
 }
 
-impl From<(FragmentId, OpeningId)> for End {
-    fn from((fragment, opening): (FragmentId, OpeningId)) -> End {
-        End::Opening(fragment, opening)
+impl From<(SectorId, OpeningId)> for End {
+    fn from((sector, opening): (SectorId, OpeningId)) -> End {
+        End::Opening(sector, opening)
     }
 }
 
-impl From<FragmentId> for End {
-    fn from(fragment: FragmentId) -> End {
-        End::Anywhere(fragment)
+impl From<SectorId> for End {
+    fn from(sector: SectorId) -> End {
+        End::Anywhere(sector)
     }
 }
 
@@ -65,22 +65,22 @@ impl SceneBuilder {
         SceneBuilder::default()
     }
 
-    /// What one fragment's method may build, in bytes; [`Method::DEFAULT_LIMIT`] unless told.
+    /// What one sector's method may build, in bytes; [`Method::DEFAULT_LIMIT`] unless told.
     pub fn limit_bytes(&mut self, limit: u64) {
         self.limit_bytes = Some(limit);
     }
 
-    /// Adds content as a fragment that `method` sees.
-    pub fn add(&mut self, name: &str, content: impl Into<Arc<Content>>, method: Method) -> FragmentId {
-        self.fragments
+    /// Adds content as a sector that `method` sees.
+    pub fn add(&mut self, name: &str, content: impl Into<Arc<Content>>, method: Method) -> SectorId {
+        self.sectors
             .push(Waiting::Ours(name.to_owned(), content.into(), method));
-        FragmentId(self.fragments.len() as u32 - 1)
+        SectorId(self.sectors.len() as u32 - 1)
     }
 
-    /// Adds a fragment of one's own.
-    pub fn add_own(&mut self, name: &str, fragment: Arc<dyn Fragment>) -> FragmentId {
-        self.fragments.push(Waiting::Own(name.to_owned(), fragment));
-        FragmentId(self.fragments.len() as u32 - 1)
+    /// Adds a sector of one's own.
+    pub fn add_custom(&mut self, name: &str, sector: Arc<dyn Sector>) -> SectorId {
+        self.sectors.push(Waiting::Own(name.to_owned(), sector));
+        SectorId(self.sectors.len() as u32 - 1)
     }
 
     /// Lets a scene stand in this one. It is entered and left through its exits only.
@@ -89,7 +89,7 @@ impl SceneBuilder {
         NestedId(self.nested.len() as u32 - 1)
     }
 
-    /// One way out of `from`, into the fragment that `to` is an opening of.
+    /// One way out of `from`, into the sector that `to` is an opening of.
     pub fn portal(
         &mut self,
         from: impl Into<End>,
@@ -100,17 +100,17 @@ impl SceneBuilder {
         self
     }
 
-    /// Two portals between two openings at one place, in fragments that share their space.
+    /// Two portals between two openings at one place, in sectors that share their space.
     pub fn door(&mut self, a: impl Into<End>, b: impl Into<End>) -> &mut Self {
         let (a, b) = (a.into(), b.into());
         self.portal(a.clone(), b.clone(), Transform::IDENTITY)
             .portal(b, a, Transform::IDENTITY)
     }
 
-    /// A portal back into the fragment of `opening` that reflects in the opening's plane. An opening that is not
+    /// A portal back into the sector of `opening` that reflects in the opening's plane. An opening that is not
     /// there is reported by [`SceneBuilder::build`].
-    pub fn mirror(&mut self, fragment: FragmentId, opening: OpeningId) -> &mut Self {
-        let outline = match self.fragments.get(fragment.0 as usize) {
+    pub fn mirror(&mut self, sector: SectorId, opening: OpeningId) -> &mut Self {
+        let outline = match self.sectors.get(sector.0 as usize) {
             Some(Waiting::Ours(_, content, _)) => {
                 content.openings().get(opening.0 as usize).map(|o| &o.outline)
             }
@@ -120,7 +120,7 @@ impl SceneBuilder {
         let reflection = outline.map_or(Transform::IDENTITY, |outline| {
             Transform::reflection(outline.corners()[0], outline.normal())
         });
-        self.portal((fragment, opening), (fragment, opening), reflection)
+        self.portal((sector, opening), (sector, opening), reflection)
     }
 
     /// Names an opening through which one leaves this scene when it stands in another.
@@ -129,48 +129,48 @@ impl SceneBuilder {
         self
     }
 
-    /// Hangs up a lamp in a fragment of this scene.
+    /// Hangs up a lamp in a sector of this scene.
     pub fn light(&mut self, light: Light) -> LightId {
         self.lights.push(light);
         LightId(self.lights.len() as u32 - 1)
     }
 
-    /// States that a fragment has no top, as a garden or a courtyard: [`Scene::locate`] extends its box upwards (+Y) without end.
+    /// States that a sector has no top, as a garden or a courtyard: [`Scene::locate`] extends its box upwards (+Y) without end.
     /// Affects nothing else.
-    pub fn open_above(&mut self, fragment: FragmentId) -> &mut Self {
-        self.open_above.push(fragment);
+    pub fn open_above(&mut self, sector: SectorId) -> &mut Self {
+        self.open_above.push(sector);
         self
     }
 
-    /// Builds every fragment's method and joins everything.
+    /// Builds every sector's method and joins everything.
     ///
     /// # Errors
     /// One [`SceneError`] for the first broken rule.
     pub fn build(self) -> Result<Scene, SceneError> {
         let limit = self.limit_bytes.unwrap_or(Method::DEFAULT_LIMIT);
-        let own_fragments = self.fragments.len();
-        let mut fragments = Vec::with_capacity(own_fragments);
-        for waiting in self.fragments {
-            fragments.push(place(waiting, limit)?);
+        let custom_sectors = self.sectors.len();
+        let mut sectors = Vec::with_capacity(custom_sectors);
+        for waiting in self.sectors {
+            sectors.push(place(waiting, limit)?);
         }
         for id in self.open_above {
-            let placed = fragments.get_mut(id.0 as usize);
-            let placed = placed.ok_or(SceneError::NoSuchFragment {
+            let placed = sectors.get_mut(id.0 as usize);
+            let placed = placed.ok_or(SceneError::NoSuchSector {
                 way: Way::OpenAbove,
-                fragment: id.0,
-                fragments: own_fragments,
+                sector: id.0,
+                sectors: custom_sectors,
             })?;
             placed.open_above = true;
         }
         let mut joined = Joined {
-            own_fragments,
-            fragments,
+            custom_sectors,
+            sectors,
             portals: Vec::new(),
             lights: Vec::new(),
             scenes: Vec::new(),
         };
         for (number, light) in self.lights.into_iter().enumerate() {
-            if !light.is_sound() || light.fragment.0 as usize >= own_fragments {
+            if !light.is_sound() || light.sector.0 as usize >= custom_sectors {
                 return Err(SceneError::BadLight(number));
             }
             joined.lights.push(light);
@@ -193,7 +193,7 @@ impl SceneBuilder {
                 there_from_here,
                 open: true,
             };
-            if !portal.leads_in_range(&joined.fragments[from.0 as usize].openings()[usize::from(opening.0)]) {
+            if !portal.leads_in_range(&joined.sectors[from.0 as usize].openings()[usize::from(opening.0)]) {
                 return Err(SceneError::TooFar(number));
             }
             joined.portals.push(portal);
@@ -204,10 +204,10 @@ impl SceneBuilder {
             if exits.iter().any(|exit: &Exit| exit.name == name) {
                 return Err(SceneError::TwoExits(name));
             }
-            let (fragment, opening) = joined.resolve_opening(&way, &from)?;
+            let (sector, opening) = joined.resolve_opening(&way, &from)?;
             exits.push(Exit {
                 name,
-                fragment,
+                sector,
                 opening,
             });
         }
@@ -217,8 +217,8 @@ impl SceneBuilder {
 
 fn place(waiting: Waiting, limit: u64) -> Result<Placed, SceneError> {
     Ok(match waiting {
-        Waiting::Own(name, fragment) => {
-            let bounds = fragment.bounds();
+        Waiting::Own(name, sector) => {
+            let bounds = sector.bounds();
             // A sky may reach to infinity.
             let is_sound = |side: f32| side.is_infinite() || is_in_range(side);
             if !bounds.min.into_iter().chain(bounds.max).all(is_sound) {
@@ -226,17 +226,17 @@ fn place(waiting: Waiting, limit: u64) -> Result<Placed, SceneError> {
             }
             Placed {
                 name,
-                body: Body::Own(fragment),
+                body: Body::Own(sector),
                 open_above: false,
                 builds: 0,
             }
         }
         Waiting::Ours(name, content, method) => {
             let built = method.build_ours(content, limit);
-            let fragment = built.map_err(|why| SceneError::unsuited(&name, why))?;
+            let sector = built.map_err(|why| SceneError::unsuited(&name, why))?;
             Placed {
                 name,
-                body: Body::Ours { method, fragment },
+                body: Body::Ours { method, sector },
                 open_above: false,
                 builds: 1,
             }
@@ -246,8 +246,8 @@ fn place(waiting: Waiting, limit: u64) -> Result<Placed, SceneError> {
 
 /// The flat graph that nested scenes are taken into.
 struct Joined {
-    own_fragments: usize,
-    fragments: Vec<Placed>,
+    custom_sectors: usize,
+    sectors: Vec<Placed>,
     portals: Vec<Portal>,
     lights: Vec<Light>,
     scenes: Vec<Vec<Exit>>,
@@ -255,8 +255,8 @@ struct Joined {
 
 impl Joined {
     fn take_in(&mut self, scene: Scene) {
-        let shift = self.fragments.len() as u32;
-        let moved = |id: FragmentId| FragmentId(id.0 + shift);
+        let shift = self.sectors.len() as u32;
+        let moved = |id: SectorId| SectorId(id.0 + shift);
         self.portals.extend(scene.portals.into_iter().map(|p| Portal {
             from: moved(p.from),
             to: moved(p.to),
@@ -267,28 +267,28 @@ impl Joined {
                 .exits
                 .into_iter()
                 .map(|exit| Exit {
-                    fragment: moved(exit.fragment),
+                    sector: moved(exit.sector),
                     ..exit
                 })
                 .collect(),
         );
         self.lights.extend(scene.lights.into_iter().map(|light| Light {
-            fragment: moved(light.fragment),
+            sector: moved(light.sector),
             ..light
         }));
-        self.fragments.extend(scene.fragments);
+        self.sectors.extend(scene.sectors);
     }
 
-    fn resolve_opening(&self, way: &Way, end: &End) -> Result<(FragmentId, OpeningId), SceneError> {
-        let (fragment, opening) = self.resolve(way, end)?;
+    fn resolve_opening(&self, way: &Way, end: &End) -> Result<(SectorId, OpeningId), SceneError> {
+        let (sector, opening) = self.resolve(way, end)?;
         let opening = opening.ok_or_else(|| SceneError::NoOpening(way.clone()))?;
-        Ok((fragment, opening))
+        Ok((sector, opening))
     }
 
-    fn resolve(&self, way: &Way, end: &End) -> Result<(FragmentId, Option<OpeningId>), SceneError> {
-        let (fragment, opening) = match end {
-            End::Anywhere(fragment) => (*fragment, None),
-            End::Opening(fragment, opening) => (*fragment, Some(*opening)),
+    fn resolve(&self, way: &Way, end: &End) -> Result<(SectorId, Option<OpeningId>), SceneError> {
+        let (sector, opening) = match end {
+            End::Anywhere(sector) => (*sector, None),
+            End::Opening(sector, opening) => (*sector, Some(*opening)),
             End::Exit(scene, name) => {
                 let exits = self.scenes.get(scene.0 as usize).map_or(&[][..], Vec::as_slice);
                 let found = exits.iter().find(|exit| exit.name == *name);
@@ -297,36 +297,36 @@ impl Joined {
                     exit: name.clone(),
                     exits: exits.iter().map(|exit| exit.name.clone()).collect(),
                 })?;
-                return Ok((exit.fragment, Some(exit.opening)));
+                return Ok((exit.sector, Some(exit.opening)));
             }
         };
-        if fragment.0 as usize >= self.own_fragments {
-            return Err(SceneError::NoSuchFragment {
+        if sector.0 as usize >= self.custom_sectors {
+            return Err(SceneError::NoSuchSector {
                 way: way.clone(),
-                fragment: fragment.0,
-                fragments: self.own_fragments,
+                sector: sector.0,
+                sectors: self.custom_sectors,
             });
         }
-        let placed = &self.fragments[fragment.0 as usize];
+        let placed = &self.sectors[sector.0 as usize];
         let openings = placed.openings().len();
         if let Some(opening) = opening.filter(|opening| usize::from(opening.0) >= openings) {
-            let fragment = placed.name.clone();
+            let sector = placed.name.clone();
             return Err(SceneError::NoSuchOpening {
                 way: way.clone(),
-                fragment,
+                sector,
                 opening: opening.0,
                 openings,
             });
         }
-        Ok((fragment, opening))
+        Ok((sector, opening))
     }
 
     fn finish(self, taken_in: usize, exits: Vec<Exit>, limit_bytes: u64) -> Result<Scene, SceneError> {
         let mut first_opening = vec![0];
-        for placed in &self.fragments {
+        for placed in &self.sectors {
             first_opening.push(first_opening[first_opening.len() - 1] + placed.openings().len() as u32);
         }
-        let mut portal_of: Vec<Option<PortalId>> = vec![None; first_opening[self.fragments.len()] as usize];
+        let mut portal_of: Vec<Option<PortalId>> = vec![None; first_opening[self.sectors.len()] as usize];
         let way = |number: usize| {
             number
                 .checked_sub(taken_in)
@@ -335,19 +335,19 @@ impl Joined {
         for (number, portal) in self.portals.iter().enumerate() {
             let slot = first_opening[portal.from.0 as usize] as usize + usize::from(portal.opening.0);
             if let Some(first) = portal_of[slot].replace(PortalId(number as u32)) {
-                let placed = &self.fragments[portal.from.0 as usize];
+                let placed = &self.sectors[portal.from.0 as usize];
                 return Err(SceneError::TwoPortals {
                     first: way(first.0 as usize),
                     second: way(number),
                     opening: placed.openings()[usize::from(portal.opening.0)].name.clone(),
-                    fragment: placed.name.clone(),
+                    sector: placed.name.clone(),
                 });
             }
         }
-        let boxes = self.fragments.iter().map(Placed::space).collect();
+        let boxes = self.sectors.iter().map(Placed::space).collect();
         Ok(Scene {
             boxes: Boxes::new(boxes),
-            fragments: self.fragments,
+            sectors: self.sectors,
             portals: self.portals,
             portal_of,
             first_opening,
@@ -361,6 +361,6 @@ impl Joined {
 
 impl Placed {
     fn openings(&self) -> &[Opening] {
-        self.fragment().openings()
+        self.sector().openings()
     }
 }

@@ -3,7 +3,7 @@
 //! Everything asked for is checked at once, and done at the end, all of it or nothing. Orders that can follow in place do;
 //! others are built anew. A viewer's memory stays right: what it saw last and is no more is not asked for again.
 
-use super::{Body, FragmentId, Scene, SceneError};
+use super::{Body, Scene, SceneError, SectorId};
 use crate::content::{Changes, ItemId, Placing, Unfit};
 use crate::geom::{MAX_COORDINATE, Transform};
 use crate::mesh::Mesh;
@@ -14,33 +14,33 @@ use thiserror::Error;
 
 /// Changes of items that are not yet done: [`Edit::finish`] does them. Dropped before, it leaves the scene as it was.
 ///
-/// An item that stands in several fragments is one in each.
+/// An item that stands in several sectors is one in each.
 #[must_use = "nothing changes before `finish`"]
 pub struct Edit<'a> {
     scene: &'a mut Scene,
-    changes: BTreeMap<FragmentId, Changes>,
+    changes: BTreeMap<SectorId, Changes>,
 }
 
 /// Why an item cannot be changed so. It stays as it was, and the rest of the edit goes on.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum EditError {
-    /// The scene has no such fragment.
-    #[error("there is no fragment {fragment}: the scene has {fragments}")]
-    NoSuchFragment {
+    /// The scene has no such sector.
+    #[error("there is no sector {sector}: the scene has {sectors}")]
+    NoSuchSector {
         /// Which was asked for.
-        fragment: u32,
+        sector: u32,
         /// How many there are.
-        fragments: usize,
+        sectors: usize,
     },
-    /// The fragment is one of the user's own.
-    #[error("fragment `{0}` is one of your own: its items are its own affair")]
+    /// The sector is one of the user's own.
+    #[error("sector `{0}` is one of your own: its items are its own affair")]
     NotOurs(String),
     /// There is no such item, or not any more.
-    #[error("fragment `{fragment}` has no item {item}: it was removed, or never there")]
+    #[error("sector `{sector}` has no item {item}: it was removed, or never there")]
     NoSuchItem {
-        /// The fragment's name.
-        fragment: String,
+        /// The sector's name.
+        sector: String,
         /// Which was asked for.
         item: u32,
     },
@@ -53,8 +53,8 @@ pub enum EditError {
     /// A mesh has no faces.
     #[error("item `{0}` would have no faces; remove it instead")]
     NoFaces(String),
-    /// A mesh is made of a material that the fragment does not have.
-    #[error("item `{item}` is made of material {material}, but its fragment has only {materials}")]
+    /// A mesh is made of a material that the sector does not have.
+    #[error("item `{item}` is made of material {material}, but its sector has only {materials}")]
     NoSuchMaterial {
         /// The item's name.
         item: String,
@@ -64,7 +64,7 @@ pub enum EditError {
         materials: usize,
     },
     /// Faces are numbered with 32 bits.
-    #[error("with item `{0}` there would be 4 billion faces in one fragment")]
+    #[error("with item `{0}` there would be 4 billion faces in one sector")]
     TooManyFaces(String),
 }
 
@@ -74,7 +74,7 @@ impl Scene {
     /// ```
     /// # use enfilade::*;
     /// # let mut scene = enfilade_scenes::built_in("two-rooms").expect("a scene").scene;
-    /// # let hall = FragmentId(0);
+    /// # let hall = SectorId(0);
     /// let mut edit = scene.edit();
     /// edit.place(hall, ItemId(0), Transform::translation([0.0, 1.0, 0.0]))?;
     /// let edited = edit.finish()?;
@@ -82,7 +82,7 @@ impl Scene {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
-    /// Cost: O(log items) for each change where the fragment's order can follow in place, which is all but
+    /// Cost: O(log items) for each change where the sector's order can follow in place, which is all but
     /// [`Method::Bsp`](crate::Method::Bsp) and [`Method::BspFront`](crate::Method::BspFront), and
     /// [`Method::Cell`](crate::Method::Cell) where what changes hides anything: those are built anew at the end. What the scene shares with a copy of it, or a content that somebody else holds too, becomes its own first, once.
     pub fn edit(&mut self) -> Edit<'_> {
@@ -99,25 +99,25 @@ impl Edit<'_> {
         self.scene
     }
 
-    /// Adds an item to a fragment. Its number is the lowest that is free: that of one removed in an earlier edit, if any.
+    /// Adds an item to a sector. Its number is the lowest that is free: that of one removed in an earlier edit, if any.
     /// The mesh is known by its address, so that copies share it; one that no item is a copy of any more is let go.
     ///
     /// # Errors
     /// [`EditError`], and then nothing is added.
     pub fn add(
         &mut self,
-        fragment: FragmentId,
+        sector: SectorId,
         name: &str,
         mesh: impl Into<Arc<Mesh>>,
-        fragment_from_item: Transform,
+        sector_from_item: Transform,
     ) -> Result<ItemId, EditError> {
         let placing = Placing {
             mesh: mesh.into(),
-            place: fragment_from_item.columns(),
+            place: sector_from_item.columns(),
             hides: true,
         };
-        let (scene, changes) = self.of(fragment)?;
-        let content = scene.content(fragment).ok_or_else(|| not_ours(scene, fragment))?;
+        let (scene, changes) = self.of(sector)?;
+        let content = scene.content(sector).ok_or_else(|| not_ours(scene, sector))?;
         let added = changes.add(content, name, placing);
         added.map_err(|unfit| told(unfit, name.to_owned(), content.materials().len()))
     }
@@ -126,8 +126,8 @@ impl Edit<'_> {
     ///
     /// # Errors
     /// [`EditError`], and then nothing is removed.
-    pub fn remove(&mut self, fragment: FragmentId, item: ItemId) -> Result<(), EditError> {
-        self.change(fragment, item, |_| None)
+    pub fn remove(&mut self, sector: SectorId, item: ItemId) -> Result<(), EditError> {
+        self.change(sector, item, |_| None)
     }
 
     /// Moves an item.
@@ -136,13 +136,13 @@ impl Edit<'_> {
     /// [`EditError`], and then it stays where it was.
     pub fn place(
         &mut self,
-        fragment: FragmentId,
+        sector: SectorId,
         item: ItemId,
-        fragment_from_item: Transform,
+        sector_from_item: Transform,
     ) -> Result<(), EditError> {
-        self.change(fragment, item, |was| {
+        self.change(sector, item, |was| {
             Some(Placing {
-                place: fragment_from_item.columns(),
+                place: sector_from_item.columns(),
                 ..was
             })
         })
@@ -154,12 +154,12 @@ impl Edit<'_> {
     /// [`EditError`], and then it keeps the one that it had.
     pub fn set_mesh(
         &mut self,
-        fragment: FragmentId,
+        sector: SectorId,
         item: ItemId,
         mesh: impl Into<Arc<Mesh>>,
     ) -> Result<(), EditError> {
         let mesh = mesh.into();
-        self.change(fragment, item, |was| Some(Placing { mesh, ..was }))
+        self.change(sector, item, |was| Some(Placing { mesh, ..was }))
     }
 
     /// May an item hide what is behind it? All may unless told: moving ones are culled, and hide others. One that does not
@@ -167,14 +167,14 @@ impl Edit<'_> {
     ///
     /// # Errors
     /// [`EditError`], and then it stays as it was.
-    pub fn set_hides(&mut self, fragment: FragmentId, item: ItemId, hides: bool) -> Result<(), EditError> {
-        self.change(fragment, item, |was| Some(Placing { hides, ..was }))
+    pub fn set_hides(&mut self, sector: SectorId, item: ItemId, hides: bool) -> Result<(), EditError> {
+        self.change(sector, item, |was| Some(Placing { hides, ..was }))
     }
 
     /// Does everything that was asked for.
     ///
     /// # Errors
-    /// [`SceneError::TooLarge`] where a fragment would need too much memory, [`SceneError::NotConvex`] where its method sees
+    /// [`SceneError::TooLarge`] where a sector would need too much memory, [`SceneError::NotConvex`] where its method sees
     /// convex contents alone and it would be one no more; and then the scene is as it was.
     pub fn finish(self) -> Result<Edited, SceneError> {
         let Edit { scene, mut changes } = self;
@@ -182,37 +182,37 @@ impl Edit<'_> {
         let limit = scene.limit_bytes;
         let mut edited = Edited::default();
         let mut refused = None;
-        for (&fragment, changes) in &mut changes {
-            match scene.exchange(fragment, changes, limit) {
+        for (&sector, changes) in &mut changes {
+            match scene.exchange(sector, changes, limit) {
                 Ok(done) => edited.add(&done),
                 Err(why) => {
-                    refused = Some((fragment, why));
+                    refused = Some((sector, why));
                     break;
                 }
             }
         }
-        let Some((fragment, why)) = refused else {
+        let Some((sector, why)) = refused else {
             return Ok(edited);
         };
-        for (&done, changes) in changes.range_mut(..fragment) {
+        for (&done, changes) in changes.range_mut(..sector) {
             // What was there before needs no more than it did then.
             let _ = scene.exchange(done, changes, u64::MAX);
         }
-        Err(SceneError::unsuited(scene.fragment_name(fragment), why))
+        Err(SceneError::unsuited(scene.sector_name(sector), why))
     }
 
     fn change(
         &mut self,
-        fragment: FragmentId,
+        sector: SectorId,
         item: ItemId,
         change: impl FnOnce(Placing) -> Option<Placing>,
     ) -> Result<(), EditError> {
-        let (scene, changes) = self.of(fragment)?;
-        let content = scene.content(fragment).ok_or_else(|| not_ours(scene, fragment))?;
+        let (scene, changes) = self.of(sector)?;
+        let content = scene.content(sector).ok_or_else(|| not_ours(scene, sector))?;
         let changed = changes
             .change(content, item, change)
             .ok_or_else(|| EditError::NoSuchItem {
-                fragment: scene.fragment_name(fragment).to_owned(),
+                sector: scene.sector_name(sector).to_owned(),
                 item: item.0,
             })?;
         changed.map_err(|unfit| {
@@ -224,30 +224,30 @@ impl Edit<'_> {
         })
     }
 
-    fn of(&mut self, fragment: FragmentId) -> Result<(&Scene, &mut Changes), EditError> {
-        let fragments = self.scene.fragment_count();
-        if fragment.0 as usize >= fragments {
-            return Err(EditError::NoSuchFragment {
-                fragment: fragment.0,
-                fragments,
+    fn of(&mut self, sector: SectorId) -> Result<(&Scene, &mut Changes), EditError> {
+        let sectors = self.scene.sector_count();
+        if sector.0 as usize >= sectors {
+            return Err(EditError::NoSuchSector {
+                sector: sector.0,
+                sectors,
             });
         }
-        Ok((self.scene, self.changes.entry(fragment).or_default()))
+        Ok((self.scene, self.changes.entry(sector).or_default()))
     }
 }
 
 impl Scene {
-    fn exchange(&mut self, id: FragmentId, changes: &mut Changes, limit: u64) -> Result<Edited, Unsuited> {
-        let placed = &mut self.fragments[id.0 as usize];
-        let Body::Ours { method, fragment } = &mut placed.body else {
+    fn exchange(&mut self, id: SectorId, changes: &mut Changes, limit: u64) -> Result<Edited, Unsuited> {
+        let placed = &mut self.sectors[id.0 as usize];
+        let Body::Ours { method, sector } = &mut placed.body else {
             return Ok(Edited::default());
         };
-        if Arc::get_mut(fragment).is_none() {
+        if Arc::get_mut(sector).is_none() {
             // A copy of the scene goes on with the one that both had.
-            *fragment = method.build_ours(Arc::clone(fragment.content()), limit)?;
+            *sector = method.build_ours(Arc::clone(sector.content()), limit)?;
             placed.builds += 1;
         }
-        let Some(own) = Arc::get_mut(fragment) else {
+        let Some(own) = Arc::get_mut(sector) else {
             unreachable!("it was just made");
         };
         let edited = own.edit(changes, limit)?;
@@ -258,8 +258,8 @@ impl Scene {
     }
 }
 
-fn not_ours(scene: &Scene, fragment: FragmentId) -> EditError {
-    EditError::NotOurs(scene.fragment_name(fragment).to_owned())
+fn not_ours(scene: &Scene, sector: SectorId) -> EditError {
+    EditError::NotOurs(scene.sector_name(sector).to_owned())
 }
 
 fn told(unfit: Unfit, item: String, materials: usize) -> EditError {

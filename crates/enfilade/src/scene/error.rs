@@ -1,31 +1,31 @@
-//! Why fragments and portals do not make a scene.
+//! Why sectors and portals do not make a scene.
 
 use crate::geom::MAX_COORDINATE;
 use crate::method::{NoTerrain, NotBaked, NotConvex, TooLarge, Unsuited};
 use std::fmt;
 use thiserror::Error;
 
-/// Why fragments and portals do not make a scene.
+/// Why sectors and portals do not make a scene.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// A portal or an exit names a fragment that is not there.
-    #[error("{way} names fragment {fragment}, but there are only {fragments}")]
-    NoSuchFragment {
+    /// A portal or an exit names a sector that is not there.
+    #[error("{way} names sector {sector}, but there are only {sectors}")]
+    NoSuchSector {
         /// Which portal or exit.
         way: Way,
-        /// The fragment it names.
-        fragment: u32,
+        /// The sector it names.
+        sector: u32,
         /// How many there are.
-        fragments: usize,
+        sectors: usize,
     },
-    /// A portal or an exit names an opening that its fragment does not have.
-    #[error("{way} uses opening {opening} of fragment `{fragment}`, which has only {openings}")]
+    /// A portal or an exit names an opening that its sector does not have.
+    #[error("{way} uses opening {opening} of sector `{sector}`, which has only {openings}")]
     NoSuchOpening {
         /// Which portal or exit.
         way: Way,
-        /// The fragment's name.
-        fragment: String,
+        /// The sector's name.
+        sector: String,
         /// The opening it names.
         opening: u16,
         /// How many there are.
@@ -41,34 +41,34 @@ pub enum SceneError {
         /// Those that there are.
         exits: Vec<String>,
     },
-    /// A portal or an exit leads out of a fragment, but not of an opening of it.
+    /// A portal or an exit leads out of a sector, but not of an opening of it.
     #[error(
-        "{0} begins anywhere in a fragment; it must lead out of an opening, or out of a nested scene's exit"
+        "{0} begins anywhere in a sector; it must lead out of an opening, or out of a nested scene's exit"
     )]
     NoOpening(Way),
-    /// Content or a method is given to a fragment that is the user's own.
-    #[error("fragment `{0}` is one of your own: it has neither content nor method to exchange")]
+    /// Content or a method is given to a sector that is the user's own.
+    #[error("sector `{0}` is one of your own: it has neither content nor method to exchange")]
     NotOurs(String),
     /// Content that is to replace another has more or fewer openings.
-    #[error("fragment `{fragment}` has {had} openings, but the content that is to replace its own has {has}")]
+    #[error("sector `{sector}` has {had} openings, but the content that is to replace its own has {has}")]
     Openings {
-        /// The fragment's name.
-        fragment: String,
+        /// The sector's name.
+        sector: String,
         /// How many there were.
         had: usize,
         /// How many there would be.
         has: usize,
     },
-    /// A light has a number that is not finite, a range of nothing, or a fragment that is not there.
+    /// A light has a number that is not finite, a range of nothing, or a sector that is not there.
     #[error(
-        "light {0} must have finite numbers, a position within {MAX_COORDINATE:e} units, a range above 0, and a fragment of this scene"
+        "light {0} must have finite numbers, a position within {MAX_COORDINATE:e} units, a range above 0, and a sector of this scene"
     )]
     BadLight(usize),
     /// Two exits have one name.
     #[error("two exits are called `{0}`: what joins one could mean either")]
     TwoExits(String),
     /// Two portals lead out of one opening.
-    #[error("{first} and {second} both lead out of opening `{opening}` of fragment `{fragment}`")]
+    #[error("{first} and {second} both lead out of opening `{opening}` of sector `{sector}`")]
     TwoPortals {
         /// The first of the two.
         first: Way,
@@ -76,8 +76,8 @@ pub enum SceneError {
         second: Way,
         /// The opening's name.
         opening: String,
-        /// The fragment's name.
-        fragment: String,
+        /// The sector's name.
+        sector: String,
     },
     /// A portal's transform flattens, shears or stretches.
     #[error("the transform of portal {0} is not rigid, uniformly scaling or reflecting")]
@@ -87,40 +87,40 @@ pub enum SceneError {
         "the transform of portal {0} leads farther out than {MAX_COORDINATE:e} units; move what it leads to nearer to the origin"
     )]
     TooFar(usize),
-    /// The box of a custom fragment has a coordinate that is NaN, or finite and beyond [`MAX_COORDINATE`].
+    /// The box of a custom sector has a coordinate that is NaN, or finite and beyond [`MAX_COORDINATE`].
     #[error(
-        "the box of fragment `{0}` has a coordinate that is not a number, or is farther out than {MAX_COORDINATE:e} units and not infinite"
+        "the box of sector `{0}` has a coordinate that is not a number, or is farther out than {MAX_COORDINATE:e} units and not infinite"
     )]
     BadBounds(String),
-    /// A fragment needs more memory than allowed.
-    #[error("fragment `{fragment}`: {why}")]
+    /// A sector needs more memory than allowed.
+    #[error("sector `{sector}`: {why}")]
     TooLarge {
-        /// The fragment's name.
-        fragment: String,
+        /// The sector's name.
+        sector: String,
         /// What it needs.
         why: TooLarge,
     },
-    /// A fragment has not what its method goes by.
-    #[error("fragment `{fragment}`: {why}")]
+    /// A sector has not what its method goes by.
+    #[error("sector `{sector}`: {why}")]
     NotBaked {
-        /// The fragment's name.
-        fragment: String,
+        /// The sector's name.
+        sector: String,
         /// What it lacks.
         why: NotBaked,
     },
-    /// A fragment is not convex, and its method sees no others.
-    #[error("fragment `{fragment}`: {why}")]
+    /// A sector is not convex, and its method sees no others.
+    #[error("sector `{sector}`: {why}")]
     NotConvex {
-        /// The fragment's name.
-        fragment: String,
+        /// The sector's name.
+        sector: String,
         /// Where it is not.
         why: Box<NotConvex>,
     },
-    /// A fragment has no height field, or its blocks were changed, and its method goes by one.
-    #[error("fragment `{fragment}`: {why}")]
+    /// A sector has no height field, or its blocks were changed, and its method goes by one.
+    #[error("sector `{sector}`: {why}")]
     NoTerrain {
-        /// The fragment's name.
-        fragment: String,
+        /// The sector's name.
+        sector: String,
         /// Which of the two.
         why: NoTerrain,
     },
@@ -151,14 +151,14 @@ impl fmt::Display for Way {
 }
 
 impl SceneError {
-    /// Why a fragment's method cannot see its content.
-    pub(super) fn unsuited(fragment: &str, why: Unsuited) -> SceneError {
-        let fragment = fragment.to_owned();
+    /// Why a sector's method cannot see its content.
+    pub(super) fn unsuited(sector: &str, why: Unsuited) -> SceneError {
+        let sector = sector.to_owned();
         match why {
-            Unsuited::TooLarge(why) => SceneError::TooLarge { fragment, why },
-            Unsuited::NotBaked(why) => SceneError::NotBaked { fragment, why },
-            Unsuited::NotConvex(why) => SceneError::NotConvex { fragment, why },
-            Unsuited::NoTerrain(why) => SceneError::NoTerrain { fragment, why },
+            Unsuited::TooLarge(why) => SceneError::TooLarge { sector, why },
+            Unsuited::NotBaked(why) => SceneError::NotBaked { sector, why },
+            Unsuited::NotConvex(why) => SceneError::NotConvex { sector, why },
+            Unsuited::NoTerrain(why) => SceneError::NoTerrain { sector, why },
         }
     }
 

@@ -1,6 +1,6 @@
 //! Lamps and suns: where they shine, and how far.
 
-use super::{FragmentId, Scene, SceneError};
+use super::{Scene, SceneError, SectorId};
 use crate::geom::{Aabb, is_in_range};
 use crate::query::{Place, Reached};
 use crate::viewer::Limits;
@@ -13,9 +13,9 @@ pub struct LightId(pub u32);
 /// A lamp or a sun. Its light falls through openings as far as they let it; things cast no shadows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
-    /// The fragment that it stands in. A sun stands outside, and lights all of this one.
-    pub fragment: FragmentId,
-    /// Where, in the fragment's own space; of no account for a sun.
+    /// The sector that it stands in. A sun stands outside, and lights all of this one.
+    pub sector: SectorId,
+    /// Where, in the sector's own space; of no account for a sun.
     pub position: [f32; 3],
     /// Red, green and blue, linear: what a white surface that faces it sends back at a distance of 1, or at any of a sun.
     pub color: [f32; 3],
@@ -25,7 +25,7 @@ pub struct Light {
     pub shape: LightShape,
 }
 
-/// Where a light shines to. Directions are in the space of its fragment, of any length but 0.
+/// Where a light shines to. Directions are in the space of its sector, of any length but 0.
 ///
 /// Source: The Khronos Group, KHR_lights_punctual.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -49,15 +49,15 @@ pub enum LightShape {
     },
 }
 
-/// How far away a sun stands, in sizes of the fragment that it lights: so far that its light is parallel to a tenth of a
+/// How far away a sun stands, in sizes of the sector that it lights: so far that its light is parallel to a tenth of a
 /// minute of arc.
 const SUN_AWAY: f64 = 3e4;
 
 impl Light {
     /// A lamp that shines in all directions.
-    pub const fn point(fragment: FragmentId, position: [f32; 3], color: [f32; 3], range: f32) -> Light {
+    pub const fn point(sector: SectorId, position: [f32; 3], color: [f32; 3], range: f32) -> Light {
         Light {
-            fragment,
+            sector,
             position,
             color,
             range,
@@ -132,7 +132,7 @@ impl Light {
             _ => self.position,
         };
         Place {
-            fragment: self.fragment,
+            sector: self.sector,
             position,
         }
     }
@@ -166,18 +166,18 @@ impl Scene {
     }
 
     fn check_light(&self, id: LightId, light: &Light) -> Result<(), SceneError> {
-        if light.is_sound() && (light.fragment.0 as usize) < self.fragments.len() {
+        if light.is_sound() && (light.sector.0 as usize) < self.sectors.len() {
             Ok(())
         } else {
             Err(SceneError::BadLight(id.0 as usize))
         }
     }
 
-    /// The fragments that a light shines into, its own first ([`Scene::reach`]). [`Reached::origin`] is where its light
+    /// The sectors that a light shines into, its own first ([`Scene::reach`]). [`Reached::origin`] is where its light
     /// comes from; of a sun, a place far outside.
     pub fn light_reach(&self, id: LightId, limits: &Limits) -> Vec<Reached> {
         let light = &self.lights[id.0 as usize];
-        let held = self.fragment(light.fragment).bounds();
+        let held = self.sector(light.sector).bounds();
         let range = match light.shape {
             LightShape::Sun { .. } => f32::INFINITY,
             _ => light.range,

@@ -1,19 +1,19 @@
-//! Which fragment a point stands in.
+//! Which sector a point stands in.
 //!
-//! The boxes of all fragments stand in an octree, so that only those near the point are asked.
-//! Cost: O(log fragments + boxes that hold the point); O(log fragments) where a box changes.
+//! The boxes of all sectors stand in an octree, so that only those near the point are asked.
+//! Cost: O(log sectors + boxes that hold the point); O(log sectors) where a box changes.
 //! Exact: the answer is that of asking every box.
 
-use super::FragmentId;
+use super::SectorId;
 use crate::geom::{Aabb, Octree, Step};
 use glam::DVec3;
 use std::cmp::Ordering;
 
-/// The boxes of a scene's fragments.
+/// The boxes of a scene's sectors.
 #[derive(Clone)]
 pub(super) struct Boxes {
     tree: Octree,
-    /// Of each fragment, as it is now.
+    /// Of each sector, as it is now.
     boxes: Vec<Aabb>,
     /// Those that the tree does not hold, in order.
     apart: Vec<u32>,
@@ -53,32 +53,32 @@ impl Boxes {
         }
     }
 
-    /// A fragment's box is another now.
-    pub(super) fn change(&mut self, fragment: FragmentId, bounds: Aabb) {
-        let was = std::mem::replace(&mut self.boxes[fragment.0 as usize], bounds);
+    /// A sector's box is another now.
+    pub(super) fn change(&mut self, sector: SectorId, bounds: Aabb) {
+        let was = std::mem::replace(&mut self.boxes[sector.0 as usize], bounds);
         if was == bounds {
             return;
         }
         let boxes = |number: u32| in_the_tree(&self.boxes[number as usize]);
-        let is_apart = boxes(fragment.0) != bounds;
-        match self.apart.binary_search(&fragment.0) {
+        let is_apart = boxes(sector.0) != bounds;
+        match self.apart.binary_search(&sector.0) {
             Ok(place) if !is_apart => {
                 self.apart.remove(place);
             }
-            Err(place) if is_apart => self.apart.insert(place, fragment.0),
+            Err(place) if is_apart => self.apart.insert(place, sector.0),
             _ => {}
         }
         self.tree
-            .shift(fragment.0, &in_the_tree(&was), &boxes, &mut Vec::new());
+            .shift(sector.0, &in_the_tree(&was), &boxes, &mut Vec::new());
         self.tree.tidy(self.boxes.len(), &boxes);
     }
 
     /// See [`Scene::locate`](super::Scene::locate).
-    pub(super) fn locate(&self, point: [f32; 3], toward: [f32; 3]) -> Option<FragmentId> {
+    pub(super) fn locate(&self, point: [f32; 3], toward: [f32; 3]) -> Option<SectorId> {
         self.around(point, toward)
             .or_else(|| self.nearest(point))
             .or((!self.boxes.is_empty()).then_some(0))
-            .map(FragmentId)
+            .map(SectorId)
     }
 
     /// The smallest box that holds a point; of those that only end in it, the one ahead.
@@ -169,7 +169,7 @@ mod tests {
     use super::*;
 
     /// As the docs of [`Scene::locate`](super::super::Scene::locate) say it, of every box.
-    fn by_asking_all(boxes: &[Aabb], point: [f32; 3], toward: [f32; 3]) -> Option<FragmentId> {
+    fn by_asking_all(boxes: &[Aabb], point: [f32; 3], toward: [f32; 3]) -> Option<SectorId> {
         let solid = || (0..).zip(boxes).filter(|(_, held)| !held.is_empty());
         let inside = |held: &Aabb| (0..3).all(|a| held.min[a] < point[a] && point[a] < held.max[a]);
         let ahead = |held: &Aabb| -> f64 {
@@ -192,8 +192,8 @@ mod tests {
                 ends.max_by(|a, b| ahead(a.1).total_cmp(&ahead(b.1)))
             })
             .or_else(|| solid().min_by(|a, b| away(a.1).total_cmp(&away(b.1))))
-            .map(|(number, _)| FragmentId(number))
-            .or_else(|| (!boxes.is_empty()).then_some(FragmentId(0)))
+            .map(|(number, _)| SectorId(number))
+            .or_else(|| (!boxes.is_empty()).then_some(SectorId(0)))
     }
 
     /// Numbers that look random, the same every time: whole, so that boxes touch and are alike.
@@ -235,7 +235,7 @@ mod tests {
                 if round % 10 == 0 && count > 0 {
                     let changed = round / 10 % count;
                     now[changed] = by_chance(&mut state);
-                    boxes.change(FragmentId(changed as u32), now[changed]);
+                    boxes.change(SectorId(changed as u32), now[changed]);
                 }
             }
         }

@@ -3,23 +3,23 @@
 use crate::content::{Opening, OpeningId};
 use crate::geom::{Transform, is_in_range};
 
-/// A fragment of a scene, by its place in [`Scene::fragments`](crate::Scene::fragments).
+/// A sector of a scene, by its place in [`Scene::sectors`](crate::Scene::sectors).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct FragmentId(pub u32);
+pub struct SectorId(pub u32);
 
 /// A portal of a scene, by its place in [`Scene::portals`](crate::Scene::portals).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PortalId(pub u32);
 
-/// One way through an opening. A door is two of these; a mirror is one, back into its own fragment.
+/// One way through an opening. A door is two of these; a mirror is one, back into its own sector.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Portal {
-    /// The fragment one looks out of.
-    pub from: FragmentId,
-    /// The opening of that fragment.
+    /// The sector one looks out of.
+    pub from: SectorId,
+    /// The opening of that sector.
     pub opening: OpeningId,
-    /// The fragment one looks into.
-    pub to: FragmentId,
+    /// The sector one looks into.
+    pub to: SectorId,
     /// From the space of `from` to the space of `to`: rigid, uniformly scaling or reflecting.
     pub there_from_here: Transform,
     /// A closed portal is an opaque face.

@@ -323,16 +323,16 @@ pub(crate) struct Terrain {
     pub(crate) blocks: Range<u32>,
     /// The mesh of the first block; the others' follow.
     first_mesh: MeshId,
-    pub(crate) fragment_from_field: Transform,
+    pub(crate) sector_from_field: Transform,
 }
 
 impl Terrain {
     /// Are all blocks still there, and as they were?
     pub(crate) fn is_whole(&self, content: &Content) -> bool {
-        let place = self.fragment_from_field.columns();
+        let place = self.sector_from_field.columns();
         self.blocks.clone().zip(self.first_mesh.0..).all(|(block, mesh)| {
             let item = content.items().get(block as usize);
-            item.is_some_and(|item| item.mesh == MeshId(mesh) && item.fragment_from_item == place)
+            item.is_some_and(|item| item.mesh == MeshId(mesh) && item.sector_from_item == place)
         })
     }
 }
@@ -348,7 +348,7 @@ impl ContentBuilder {
         name: &str,
         field: impl Into<Arc<HeightField>>,
         material: MaterialId,
-        fragment_from_field: Transform,
+        sector_from_field: Transform,
     ) -> Result<Range<ItemId>, ContentError> {
         let field = field.into();
         let faces = 2 * field
@@ -364,7 +364,7 @@ impl ContentBuilder {
         for row in 0..rows {
             for column in 0..columns {
                 let mesh = self.mesh(field.mesh_of([column, row], material));
-                let item = self.item(&format!("{name} {row} {column}"), mesh, fragment_from_field);
+                let item = self.item(&format!("{name} {row} {column}"), mesh, sector_from_field);
                 first.get_or_insert((item, mesh));
             }
         }
@@ -374,7 +374,7 @@ impl ContentBuilder {
             field,
             blocks: blocks.clone(),
             first_mesh,
-            fragment_from_field,
+            sector_from_field,
         });
         Ok(ItemId(blocks.start)..ItemId(blocks.end))
     }

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::content::{Content, Material};
-use crate::fragment::Ray;
 use crate::mesh::Attributes;
+use crate::sector::Ray;
 
 fn field(size: [u32; 2], height: impl Fn(u32, u32) -> f32) -> HeightField {
     let mut heights = Vec::new();

@@ -5,14 +5,14 @@ mod deep;
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    BakedCells, Content, ContentBuilder, FragmentId, ItemId, Limits, Method, Scene, SceneBuilder, Transform,
+    BakedCells, Content, ContentBuilder, ItemId, Limits, Method, Scene, SceneBuilder, SectorId, Transform,
     View, Viewer,
 };
 use enfilade_scenes::{BuiltIn, Random, built_in, random_house};
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [64, 48];
-const HOUSE: FragmentId = FragmentId(0);
+const HOUSE: SectorId = SectorId(0);
 
 fn limits() -> Limits {
     let mut limits = Limits::default();
@@ -169,10 +169,7 @@ fn a_room_behind_a_door_shows_what_is_seen_through_it_and_not_what_its_eye_would
     let view = camera.expect("a camera").view(SIZE);
     let mut viewer = Viewer::new();
     let set = viewer.look(&scene, &view);
-    let behind = set
-        .passages()
-        .iter()
-        .position(|passage| passage.fragment == HOUSE);
+    let behind = set.passages().iter().position(|passage| passage.sector == HOUSE);
     let behind = behind.expect("the gate leads there");
     let content = scene.content(HOUSE).expect("ours");
     let items = set
@@ -296,7 +293,7 @@ fn what_has_no_cells_is_told_to_be_not_baked() {
     let content = Arc::clone(scene.content(HOUSE).expect("ours"));
     builder.add("hall", content, Method::Pvs);
     let why = builder.build().err().expect("it has no cells").to_string();
-    assert!(why.starts_with("fragment `hall`: not baked: pvs"), "{why}");
+    assert!(why.starts_with("sector `hall`: not baked: pvs"), "{why}");
     let mut house = by_cells(&random_house(3).scene);
     let without = with_cells(house.content(HOUSE).expect("ours"), None);
     let why = house

@@ -2,7 +2,7 @@
 
 use crate::world::{Ball, HALL, at, empty, settle, square, straight};
 use enfilade::{
-    Aabb, DetailError, DetailOptions, DetailSource, Details, FragmentId, ItemId, MaterialId, Mesh, Method,
+    Aabb, DetailError, DetailOptions, DetailSource, Details, ItemId, MaterialId, Mesh, Method, SectorId,
     Transform, Viewer,
 };
 use std::error::Error;
@@ -141,9 +141,9 @@ fn a_level_that_fails_is_stood_in_for_by_another_if_there_is_one() {
 fn sources_that_do_not_know_their_size_are_refused() {
     let (mut scene, mut viewer) = (empty(Method::Masked), Viewer::new());
     let mut details = Details::new(DetailOptions::default());
-    let mut add = |bounds: [f32; 2], fragment| {
+    let mut add = |bounds: [f32; 2], sector| {
         let odd = Arc::new(Odd { bounds, ..SOUND });
-        details.add(&mut scene, fragment, "odd", odd, Transform::IDENTITY)
+        details.add(&mut scene, sector, "odd", odd, Transform::IDENTITY)
     };
     for bounds in [[f32::NAN, 1.0], [0.0, f32::INFINITY], [0.0, 1e20], [1.0, 0.0]] {
         assert_eq!(add(bounds, HALL), Err(DetailError::NoBounds), "{bounds:?}");
@@ -153,12 +153,9 @@ fn sources_that_do_not_know_their_size_are_refused() {
         panicked,
         "the source panicked: a source that does not know its size"
     );
-    assert!(matches!(
-        add([0.0, 1.0], FragmentId(9)),
-        Err(DetailError::Edit(_))
-    ));
+    assert!(matches!(add([0.0, 1.0], SectorId(9)), Err(DetailError::Edit(_))));
     let source: Arc<dyn DetailSource> = Arc::new(SOUND);
-    for nowhere in [(FragmentId(9), ItemId(0)), (HALL, ItemId(5))] {
+    for nowhere in [(SectorId(9), ItemId(0)), (HALL, ItemId(5))] {
         let adopted = details.adopt(&mut scene, [(nowhere.0, nowhere.1, source.clone())]);
         assert!(matches!(adopted, Err(DetailError::Edit(_))));
     }

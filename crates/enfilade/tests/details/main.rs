@@ -6,8 +6,8 @@ mod world;
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    ContentBuilder, Contract, ConvexPolygon, DetailOptions, Details, FragmentId, Limits, Method, Scene,
-    SceneBuilder, Transform, View, Viewer,
+    ContentBuilder, Contract, ConvexPolygon, DetailOptions, Details, Limits, Method, Scene, SceneBuilder,
+    SectorId, Transform, View, Viewer,
 };
 use std::sync::Arc;
 use world::{Ball, HALL, at, hall, names, settle, square, straight, wall_at};
@@ -41,7 +41,7 @@ fn what_is_hidden_builds_nothing_until_it_is_seen() {
 }
 
 /// A hall with a door to a study, and a mirror beside the door; in the study stands nothing yet.
-fn rooms(method: Method) -> (Scene, FragmentId) {
+fn rooms(method: Method) -> (Scene, SectorId) {
     let [mut hall, mut study] = [world::materials(), world::materials()].map(ContentBuilder::new);
     let door = ConvexPolygon::rectangle([-0.5, -1.0, -4.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]).expect("flat");
     let glass = ConvexPolygon::rectangle([1.0, -1.0, -4.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]).expect("flat");
@@ -69,9 +69,9 @@ fn what_is_seen_through_a_door_or_in_a_mirror_is_seen() {
             ("in the mirror", HALL, [3.7, 0.0, 2.0], 1),
             ("beside the mirror", HALL, [9.0, 0.0, 2.0], 0),
         ];
-        for (ball, (name, fragment, place, _)) in balls.iter().zip(places) {
+        for (ball, (name, sector, place, _)) in balls.iter().zip(places) {
             details
-                .add(&mut scene, fragment, name, ball.clone(), at(place))
+                .add(&mut scene, sector, name, ball.clone(), at(place))
                 .expect("it fits");
         }
         settle(&mut details, &mut scene, &mut viewer, &straight());

@@ -1,14 +1,14 @@
 //! A hall to put details into, and balls to be details.
 
 use enfilade::{
-    Aabb, ContentBuilder, DetailSource, Details, FragmentId, Material, MaterialId, Mesh, Method, Refined,
-    Scene, SceneBuilder, Transform, View, Viewer, VisibleSet,
+    Aabb, ContentBuilder, DetailSource, Details, Material, MaterialId, Mesh, Method, Refined, Scene,
+    SceneBuilder, SectorId, Transform, View, Viewer, VisibleSet,
 };
 use std::error::Error;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-pub(crate) const HALL: FragmentId = FragmentId(0);
+pub(crate) const HALL: SectorId = SectorId(0);
 
 /// A ball of radius ½ around the origin, cut along its parallels and meridians; its finest level is what it is.
 pub(crate) struct Ball {
@@ -155,7 +155,7 @@ pub(crate) fn names(scene: &Scene, set: &VisibleSet) -> Vec<String> {
         .items()
         .iter()
         .map(|item| {
-            let content = scene.content(set.passage(item.passage).fragment).expect("ours");
+            let content = scene.content(set.passage(item.passage).sector).expect("ours");
             content.name(item.item).to_owned()
         })
         .collect();

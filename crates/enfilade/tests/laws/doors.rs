@@ -61,8 +61,8 @@ fn a_gate_of_one_way_is_a_hole_from_behind() {
 fn four_doors_around_a_pillar_lead_to_a_fifth_room() {
     let BuiltIn { scene, .. } = &subject("impossible").built;
     let named = |name: &str| {
-        let mut all = scene.fragments();
-        all.find(|&id| scene.fragment_name(id) == name)
+        let mut all = scene.sectors();
+        all.find(|&id| scene.sector_name(id) == name)
             .expect("a room of that name")
     };
     let through_its_north = |room| {
@@ -111,9 +111,9 @@ fn a_closed_door_shows_nothing_of_what_is_behind_it() {
 fn a_fountain_that_moves_is_seen_as_it_is_at_every_moment_and_nothing_else_is_built() {
     let subject = subject("enfilade");
     let find = |scene: &enfilade::Scene| {
-        let mut fragments = scene.fragments();
-        fragments
-            .find(|&id| scene.fragment_name(id) == "Fountain")
+        let mut sectors = scene.sectors();
+        sectors
+            .find(|&id| scene.sector_name(id) == "Fountain")
             .expect("the palace has one")
     };
     for (method, scene) in subject
@@ -123,7 +123,7 @@ fn a_fountain_that_moves_is_seen_as_it_is_at_every_moment_and_nothing_else_is_bu
     {
         let mut scene = scene.clone();
         let fountain = find(&scene);
-        let before: Vec<u64> = scene.fragments().map(|id| scene.builds(id)).collect();
+        let before: Vec<u64> = scene.sectors().map(|id| scene.builds(id)).collect();
         let mut viewer = viewer();
         for (moment, seconds) in [(1, 0.7), (2, 1.9), (3, 3.1)] {
             scene
@@ -139,13 +139,13 @@ fn a_fountain_that_moves_is_seen_as_it_is_at_every_moment_and_nothing_else_is_bu
                 (0, 0),
                 "{method}"
             );
-            for (id, before) in scene.fragments().zip(&before) {
+            for (id, before) in scene.sectors().zip(&before) {
                 let more = if id == fountain { moment } else { 0 };
                 assert_eq!(
                     scene.builds(id),
                     before + more,
                     "{method}: {}",
-                    scene.fragment_name(id)
+                    scene.sector_name(id)
                 );
             }
         }

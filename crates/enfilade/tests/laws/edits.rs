@@ -3,8 +3,8 @@
 use crate::subject::{SIZE, Subject, drawn, limits, names, subject, subjects, viewer};
 use enfilade::laws::Reference;
 use enfilade::{
-    Content, ContentBuilder, Contract, FragmentId, ItemId, Material, MaterialId, Mesh, Method, Scene,
-    SceneBuilder, Transform, View, Viewer,
+    Content, ContentBuilder, Contract, ItemId, Material, MaterialId, Mesh, Method, Scene, SceneBuilder,
+    SectorId, Transform, View, Viewer,
 };
 use enfilade_scenes::{Random, random_edits};
 use std::sync::{Arc, LazyLock};
@@ -44,7 +44,7 @@ fn laws_hold_under_edits(subject: &Subject, methods: &[Method], rounds: u64, cou
         .iter()
         .map(|&method| (method, subject.seen_by(method).clone(), viewer()))
         .collect();
-    let at_first: Vec<usize> = (subject.built.scene.fragments())
+    let at_first: Vec<usize> = (subject.built.scene.sectors())
         .map(|id| {
             subject
                 .built
@@ -64,13 +64,13 @@ fn laws_hold_under_edits(subject: &Subject, methods: &[Method], rounds: u64, cou
         }
         let edited = &scenes[0].1;
         let mut fresh = edited.clone();
-        for id in edited.fragments() {
+        for id in edited.sectors() {
             let content = afresh(edited.content(id).expect("ours"));
             fresh.set_content(id, content).expect("the same openings");
         }
         let camera = &subject.built.cameras[round as usize % subject.built.cameras.len()];
         let mut view = camera.view(SIZE);
-        view.fragment = edited.fragment_of(&subject.built.cameras[0].view(SIZE));
+        view.sector = edited.sector_of(&subject.built.cameras[0].view(SIZE));
         let truth = Reference::new(edited).see(edited, &view, &limits());
         let anywhere = Reference::new(edited).see_anywhere(edited, &view, &limits(), 2, round);
         looked_at += truth.visible().len();
@@ -208,7 +208,7 @@ fn a_thing_that_was_turned_and_flattened_is_seen_where_it_looks_over_a_wall() {
             {
                 let mut scene = scene.with_method(method, u64::MAX).expect("small");
                 let mut edit = scene.edit();
-                let placed = edit.place(FragmentId(0), ItemId(0), there);
+                let placed = edit.place(SectorId(0), ItemId(0), there);
                 placed.expect("it is there");
                 edit.finish().expect("no more than before");
                 let truth = Reference::new(&scene).see(&scene, &view, &limits());

@@ -4,8 +4,8 @@ use crate::every_method_keeps_its_contract;
 use crate::subject::{LIMIT, Subject, limits, subject};
 use enfilade::laws::Contestants;
 use enfilade::{
-    Aabb, Attributes, ContentBuilder, ConvexPolygon, FragmentId, ItemId, MAX_COORDINATE, Mesh, Part,
-    SceneBuilder, Transform, View,
+    Aabb, Attributes, ContentBuilder, ConvexPolygon, ItemId, MAX_COORDINATE, Mesh, Part, SceneBuilder,
+    SectorId, Transform, View,
 };
 use enfilade_scenes::{BuiltIn, Camera};
 
@@ -56,8 +56,8 @@ fn moved(built: &BuiltIn, scale: f32, shift: [f32; 3]) -> BuiltIn {
     let here_from_there = there_from_here.inverse().expect("it scales and shifts");
     let conjugate = |map: Transform| there_from_here * map * here_from_there;
     let mut moved = SceneBuilder::new();
-    for id in scene.fragments() {
-        let content = scene.content(id).expect("no custom fragments");
+    for id in scene.sectors() {
+        let content = scene.content(id).expect("no custom sectors");
         let mut builder = ContentBuilder::new(content.materials());
         builder.textures(content.textures());
         for (number, item) in (0..).zip(content.items()) {
@@ -70,12 +70,8 @@ fn moved(built: &BuiltIn, scale: f32, shift: [f32; 3]) -> BuiltIn {
             let corners: Vec<[f32; 3]> = corners.map(|&corner| there_from_here.point(corner)).collect();
             builder.opening(&opening.name, ConvexPolygon::new(&corners).expect("still flat"));
         }
-        let method = scene.method(id).expect("no custom fragments");
-        moved.add(
-            scene.fragment_name(id),
-            builder.build().expect("in range"),
-            method,
-        );
+        let method = scene.method(id).expect("no custom sectors");
+        moved.add(scene.sector_name(id), builder.build().expect("in range"), method);
     }
     for portal in scene.portals() {
         moved.portal(
@@ -97,7 +93,7 @@ fn moved(built: &BuiltIn, scale: f32, shift: [f32; 3]) -> BuiltIn {
 
 /// The farthest coordinate of a scene.
 fn reach(built: &BuiltIn) -> f32 {
-    let whole = built.scene.fragments().fold(Aabb::EMPTY, |sum, id: FragmentId| {
+    let whole = built.scene.sectors().fold(Aabb::EMPTY, |sum, id: SectorId| {
         sum.union(&built.scene.bounds(id))
     });
     (whole.min.into_iter().chain(whole.max)).fold(0.0, |most, side| most.max(side.abs()))

@@ -120,7 +120,7 @@ fn an_engine_that_blends_items_is_told_their_order() {
             };
             for [below, above] in over.pairs {
                 let [a, b] = [below, above].map(|(passage, item)| {
-                    let content = scene.content(set.passage(passage).fragment).expect("ours");
+                    let content = scene.content(set.passage(passage).sector).expect("ours");
                     content.item(item).bounds
                 });
                 // Cut-outs are drawn with what is opaque.

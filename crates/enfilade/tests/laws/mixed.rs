@@ -1,15 +1,15 @@
-//! Fragments seen by different methods in one scene: each passage keeps the contract that it states.
+//! Sectors seen by different methods in one scene: each passage keeps the contract that it states.
 
 use crate::subject::{SIZE, Subject, drawn, limits, subject, subjects, viewer};
 use enfilade::laws::Reference;
-use enfilade::{Contract, FragmentId, Method, PortalId, Scene, Transform, VisibleSet};
+use enfilade::{Contract, Method, PortalId, Scene, SectorId, Transform, VisibleSet};
 use std::collections::BTreeSet;
 
 /// Methods that are no worse than this, for assignments by chance: so that laws that only hold of scenes without worse
 /// ones are put to the test as well.
 const AT_LEAST: [Contract; 3] = [Contract::Exact, Contract::Conservative, Contract::Approximate];
 
-/// The scene with a method for each fragment by chance, the same every time.
+/// The scene with a method for each sector by chance, the same every time.
 fn mixed(scene: &Scene, at_least: Contract, seed: u64) -> Scene {
     let pool: Vec<Method> = Method::ALL
         .into_iter()
@@ -17,43 +17,42 @@ fn mixed(scene: &Scene, at_least: Contract, seed: u64) -> Scene {
         .collect();
     let mut scene = scene.clone();
     let mut state = seed;
-    for fragment in scene.fragments() {
+    for sector in scene.sectors() {
         state = state
             .wrapping_mul(6_364_136_223_846_793_005)
             .wrapping_add(1_442_695_040_888_963_407);
         let method = pool[(state >> 33) as usize % pool.len()];
-        let builds = scene.builds(fragment);
+        let builds = scene.builds(sector);
         scene
-            .set_method(fragment, method)
+            .set_method(sector, method)
             .expect("the scenes of the laws are small");
         assert_eq!(
-            (scene.method(fragment), scene.builds(fragment)),
+            (scene.method(sector), scene.builds(sector)),
             (Some(method), builds + 1)
         );
     }
     scene
 }
 
-/// The fragments of which a set may miss something: those that passages without a promise lead into, and those that one
+/// The sectors of which a set may miss something: those that passages without a promise lead into, and those that one
 /// may see further on from there.
-fn excused(scene: &Scene, set: &VisibleSet) -> BTreeSet<FragmentId> {
+fn excused(scene: &Scene, set: &VisibleSet) -> BTreeSet<SectorId> {
     let without = set
         .passages()
         .iter()
         .filter(|passage| passage.contract == Contract::Approximate);
-    let mut waiting: Vec<(FragmentId, Option<PortalId>)> = without
-        .map(|passage| (passage.fragment, passage.portal))
-        .collect();
+    let mut waiting: Vec<(SectorId, Option<PortalId>)> =
+        without.map(|passage| (passage.sector, passage.portal)).collect();
     let mut met: BTreeSet<_> = waiting.iter().copied().collect();
-    while let Some((fragment, came)) = waiting.pop() {
+    while let Some((sector, came)) = waiting.pop() {
         for (id, portal) in (0..).map(PortalId).zip(scene.portals()) {
             let is_way_back = came.is_some_and(|came| is_way_back(scene, came, id));
-            if portal.from == fragment && portal.open && !is_way_back && met.insert((portal.to, Some(id))) {
+            if portal.from == sector && portal.open && !is_way_back && met.insert((portal.to, Some(id))) {
                 waiting.push((portal.to, Some(id)));
             }
         }
     }
-    met.into_iter().map(|(fragment, _)| fragment).collect()
+    met.into_iter().map(|(sector, _)| sector).collect()
 }
 
 /// Does a portal lead back to where another came from? One cannot look back through the opening just passed.
@@ -99,13 +98,13 @@ fn every_passage_keeps_its_contract(
             let picture = drawn(&mut draws, &scene, &view);
             for (set, picture) in [(looks.visible(), None), (draws.visible(), Some(&picture))] {
                 let verdict = truth.check(set, picture);
-                let methods: Vec<_> = scene.fragments().map(|id| scene.method(id)).collect();
+                let methods: Vec<_> = scene.sectors().map(|id| scene.method(id)).collect();
                 let place = format!("@{} from `{}`: {methods:?}", subject.name, camera.name);
                 let excused = excused(&scene, set);
                 let missed = verdict
                     .missed
                     .iter()
-                    .filter(|(fragment, _)| !excused.contains(fragment));
+                    .filter(|(sector, _)| !excused.contains(sector));
                 assert_eq!(missed.count(), 0, "{place}: {:?}", verdict.missed);
                 let worst = set.passages().iter().map(|passage| passage.contract).min();
                 let worst = worst.expect("the eye is in a passage");
@@ -124,7 +123,7 @@ fn every_passage_keeps_its_contract(
                 let kind = usize::from(!all_exact) + usize::from(worst == Contract::Approximate);
                 tried.by_contract[kind] += 1;
                 let seen_by: BTreeSet<_> = (set.passages().iter())
-                    .filter_map(|passage| scene.method(passage.fragment).map(Method::name))
+                    .filter_map(|passage| scene.method(passage.sector).map(Method::name))
                     .collect();
                 tried.mixed += usize::from(seen_by.len() > 1);
                 tried.looked_at += verdict.reference_visible;
@@ -137,7 +136,7 @@ fn every_passage_keeps_its_contract(
 fn methods_mixed_by_chance_keep_the_contract_of_each_passage_on_the_small_scenes() {
     let mut tried = Tried::default();
     let has_portals =
-        |subject: &&Subject| subject.name != "enfilade" && subject.built.scene.fragment_count() > 1;
+        |subject: &&Subject| subject.name != "enfilade" && subject.built.scene.sector_count() > 1;
     for subject in subjects().iter().filter(has_portals) {
         every_passage_keeps_its_contract(subject, SIZE, 1..5, &mut tried);
     }

@@ -82,14 +82,14 @@ pub(crate) fn drawn(viewer: &mut Viewer, scene: &Scene, view: &View) -> OwnerPic
     picture
 }
 
-/// The set as names, for comparing: FRAGMENT/ITEM.
+/// The set as names, for comparing: SECTOR/ITEM.
 pub(crate) fn names(scene: &Scene, set: &VisibleSet) -> BTreeSet<String> {
     let name = |item: &enfilade::VisibleItem| {
-        let fragment = set.passage(item.passage).fragment;
+        let sector = set.passage(item.passage).sector;
         let content = scene
-            .content(fragment)
-            .expect("built-in scenes have no fragments of the user's own");
-        format!("{}/{}", scene.fragment_name(fragment), content.name(item.item))
+            .content(sector)
+            .expect("built-in scenes have no sectors of the user's own");
+        format!("{}/{}", scene.sector_name(sector), content.name(item.item))
     };
     set.items().iter().map(name).collect()
 }

@@ -2,8 +2,8 @@
 
 use crate::convex::{keeps_its_contract, view};
 use enfilade::{
-    Alpha, Content, ContentBuilder, ConvexPolygon, FragmentId, HeightField, ItemId, Material, MaterialId,
-    Mesh, Method, Scene, SceneBuilder, SceneError, Transform, Unsuited, View,
+    Alpha, Content, ContentBuilder, ConvexPolygon, HeightField, ItemId, Material, MaterialId, Mesh, Method,
+    Scene, SceneBuilder, SceneError, SectorId, Transform, Unsuited, View,
 };
 use enfilade_scenes::Random;
 use glam::DVec3;
@@ -109,7 +109,7 @@ fn views(random: &mut Random, field: &HeightField, place: &Transform) -> Vec<Vie
         if eye.distance(toward) < 1e-3 {
             continue;
         }
-        let mut seen = view(FragmentId(0), eye, toward, [0.01, 0.5][look % 2]);
+        let mut seen = view(SectorId(0), eye, toward, [0.01, 0.5][look % 2]);
         if look > 2 {
             seen.up = [
                 random.between(-1.0, 1.0),
@@ -168,7 +168,7 @@ fn a_valley_is_seen_and_most_of_what_is_beyond_is_not_even_asked_for() {
         .expect("few faces");
     let scene = seen_by(builder.build().expect("blocks"), false);
     let across = view(
-        FragmentId(0),
+        SectorId(0),
         DVec3::new(300.0, 2.0, 305.0),
         DVec3::new(300.0, 2.0, 0.0),
         0.1,
@@ -201,11 +201,11 @@ fn what_has_no_ground_and_ground_that_was_moved_are_refused() {
         .expect("few faces");
     let mut scene = seen_by(builder.build().expect("sound things"), false);
     let mut edit = scene.edit();
-    edit.place(FragmentId(0), thing, Transform::translation([3.0, 1.0, 0.0]))
+    edit.place(SectorId(0), thing, Transform::translation([3.0, 1.0, 0.0]))
         .expect("it is there");
     edit.finish().expect("what stands on the ground may move");
     let mut edit = scene.edit();
-    edit.place(FragmentId(0), ItemId(1), Transform::translation([3.0, 1.0, 0.0]))
+    edit.place(SectorId(0), ItemId(1), Transform::translation([3.0, 1.0, 0.0]))
         .expect("it is there");
     let refused = edit.finish().expect_err("the ground stays");
     assert!(matches!(refused, SceneError::NoTerrain { .. }), "{refused}");

@@ -2,8 +2,8 @@
 
 use crate::{CUBE_SIDES, affine, triangles};
 use enfilade::{
-    Aabb, Capsule, Content, ContentBuilder, ConvexPolygon, FragmentId, Material, MaterialId, Mesh, Method,
-    OpeningId, Place, PortalId, Scene, SceneBuilder, Transform,
+    Aabb, Capsule, Content, ContentBuilder, ConvexPolygon, Material, MaterialId, Mesh, Method, OpeningId,
+    Place, PortalId, Scene, SceneBuilder, SectorId, Transform,
 };
 use enfilade_scenes::{Random, built_in};
 use glam::DVec3;
@@ -101,7 +101,7 @@ fn walk(scene: &Scene, from: Place, capsule: Capsule, steps: usize, longest: f32
     let mut place = from;
     let mut course = chance.point(1.0);
     let (mut touched, mut length) = (0, 0.0);
-    let all = faces(scene.content(from.fragment).expect("ours"));
+    let all = faces(scene.content(from.sector).expect("ours"));
     for step in 0..steps {
         if step % 7 == 0 {
             course = chance.point(1.0).map(|value| value * longest);
@@ -148,7 +148,7 @@ fn walk(scene: &Scene, from: Place, capsule: Capsule, steps: usize, longest: f32
 fn a_hundred_thousand_steps_in_a_closed_room_never_lead_into_a_wall() {
     let scene = room();
     let from = Place {
-        fragment: FragmentId(0),
+        sector: SectorId(0),
         position: [5.0, 1.5, 1.5],
     };
     for (number, (capsule, longest)) in (0..).zip([
@@ -170,7 +170,7 @@ fn a_hundred_thousand_steps_in_a_closed_room_never_lead_into_a_wall() {
 fn it_slides_along_a_wall_into_a_corner_and_stands_on_the_floor() {
     let scene = room();
     let from = Place {
-        fragment: FragmentId(0),
+        sector: SectorId(0),
         position: [1.0, 1.5, 5.0],
     };
     let capsule = Capsule::new(0.3, 1.8);
@@ -216,7 +216,7 @@ fn it_climbs_steps_that_are_low_enough_and_no_higher_ones() {
         let mut capsule = Capsule::new(0.3, 1.8);
         capsule.climb = climb;
         let mut place = Place {
-            fragment: FragmentId(0),
+            sector: SectorId(0),
             position: [0.0, 0.95, 0.0],
         };
         for _ in 0..40 {
@@ -238,9 +238,9 @@ fn it_walks_through_the_doors_of_a_palace_and_nowhere_else() {
     let scene = built.scene;
     let mut crossings = 0;
     for (camera, seed) in built.cameras.iter().zip(0..) {
-        let fragment = scene.locate(camera.eye, camera.toward).expect("a room");
+        let sector = scene.locate(camera.eye, camera.toward).expect("a room");
         let mut place = Place {
-            fragment,
+            sector,
             position: camera.eye,
         };
         let mut capsule = Capsule::new(0.2, 0.5);
@@ -276,7 +276,7 @@ fn it_walks_through_the_doors_of_a_palace_and_nowhere_else() {
 fn what_is_no_step_or_no_capsule_goes_nowhere() {
     let scene = room();
     let from = Place {
-        fragment: FragmentId(0),
+        sector: SectorId(0),
         position: [5.0, 1.5, 1.5],
     };
     let sound = Capsule::new(0.3, 1.8);
@@ -338,14 +338,14 @@ fn two_rooms(here: [f32; 3], there: [f32; 3]) -> Scene {
 fn in_a_doorway_it_is_stopped_by_what_stands_beyond_and_not_by_what_lies_there_in_its_own_room() {
     const AWAY: [f32; 3] = [4.0, 0.0, 5.0];
     let from = Place {
-        fragment: FragmentId(0),
+        sector: SectorId(0),
         position: [0.0, 0.95, 1.0],
     };
     let capsule = Capsule::new(0.3, 1.8);
     // What a room holds behind its own door is not where the door leads.
     for behind in [[-0.2, 0.0, -1.0], [-0.2, 0.0, -0.6]] {
         let slid = two_rooms(behind, AWAY).slide(from, capsule, [0.0, 0.0, -3.0]);
-        assert_eq!((slid.place.fragment, slid.crossed.len()), (FragmentId(1), 1));
+        assert_eq!((slid.place.sector, slid.crossed.len()), (SectorId(1), 1));
         assert!(
             (slid.place.position[2] + 2.0).abs() < 1e-3 && slid.touched.is_empty(),
             "{slid:?}"
@@ -354,7 +354,7 @@ fn in_a_doorway_it_is_stopped_by_what_stands_beyond_and_not_by_what_lies_there_i
         let slid = two_rooms(AWAY, behind).slide(from, capsule, [0.0, 0.0, -3.0]);
         let stopped = behind[2] + 0.5 + 0.3;
         assert!((slid.place.position[2] - stopped).abs() < 1e-3, "{slid:?}");
-        assert_eq!(slid.place.fragment.0, u32::from(stopped < 0.0));
+        assert_eq!(slid.place.sector.0, u32::from(stopped < 0.0));
     }
     // The posts of the door are there from both sides.
     for (x, through) in [(0.6, true), (0.8, false)] {

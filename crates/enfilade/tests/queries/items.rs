@@ -216,7 +216,7 @@ fn a_visible_set_counts_what_is_in_its_frustum_by_the_same_rule() {
             let [passage] = set.passages() else {
                 panic!("openings are holes");
             };
-            let content = scene.content(passage.fragment).expect("ours");
+            let content = scene.content(passage.sector).expect("ours");
             let items = found(|visit| content.items_in_frustum(&view, visit));
             assert_eq!(set.in_frustum(&scene).0, items.len(), "@{name}");
             assert!(set.items().iter().all(|seen| items.contains(&seen.item)));

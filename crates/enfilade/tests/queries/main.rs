@@ -43,7 +43,7 @@ const CUBE_SIDES: [[u32; 4]; 6] = [
 fn contents() -> impl Iterator<Item = (&'static str, Arc<Content>)> {
     SCENES.into_iter().map(|name| {
         let scene = built_in(name).expect("it is built in").scene;
-        let contents = scene.fragments().filter_map(|id| scene.content(id));
+        let contents = scene.sectors().filter_map(|id| scene.content(id));
         let largest = contents.max_by_key(|content| content.items().len());
         (name, Arc::clone(largest.expect("it has rooms")))
     })

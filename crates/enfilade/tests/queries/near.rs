@@ -2,8 +2,8 @@
 
 use enfilade::laws::chains;
 use enfilade::{
-    Content, ContentBuilder, ConvexPolygon, FragmentId, ItemId, Material, MaterialId, Mesh, Method, Nearby,
-    Place, PortalId, Scene, SceneBuilder, Transform,
+    Content, ContentBuilder, ConvexPolygon, ItemId, Material, MaterialId, Mesh, Method, Nearby, Place,
+    PortalId, Scene, SceneBuilder, SectorId, Transform,
 };
 use enfilade_scenes::{Random, built_in, random_scene};
 use glam::DVec3;
@@ -37,9 +37,9 @@ fn samples(outline: &ConvexPolygon) -> Vec<DVec3> {
 
 /// The shortest ways to items over the samples of all openings, by all chains of a few portals: never shorter than the
 /// shortest, and hardly longer.
-fn sampled(scene: &Scene, place: Place) -> BTreeMap<(FragmentId, ItemId), f64> {
+fn sampled(scene: &Scene, place: Place) -> BTreeMap<(SectorId, ItemId), f64> {
     let mut all = BTreeMap::new();
-    for (chain, to) in chains(scene, place.fragment, MOST_CROSSED) {
+    for (chain, to) in chains(scene, place.sector, MOST_CROSSED) {
         let Some(content) = scene.content(to) else {
             continue;
         };
@@ -48,7 +48,7 @@ fn sampled(scene: &Scene, place: Place) -> BTreeMap<(FragmentId, ItemId), f64> {
         let mut scale = 1.0;
         for id in chain {
             let portal = &scene.portals()[id.0 as usize];
-            let opening = &scene.fragment(portal.from).openings()[usize::from(portal.opening.0)];
+            let opening = &scene.sector(portal.from).openings()[usize::from(portal.opening.0)];
             let beyond = |at: DVec3| {
                 let lengths = reached
                     .iter()
@@ -89,7 +89,7 @@ fn agrees(name: &str, scene: &Scene, place: Place, radius: f32) -> usize {
     );
     let mut found = BTreeMap::new();
     for item in &near.items {
-        let before = found.insert((item.fragment, item.item), item);
+        let before = found.insert((item.sector, item.item), item);
         assert!(before.is_none(), "@{name}: {item:?} is listed twice");
     }
     let sampled = sampled(scene, place);
@@ -137,12 +137,12 @@ fn items_near_a_place_are_those_that_the_shortest_way_through_openings_leads_to(
     for (name, built) in named.into_iter().chain(random) {
         let scene = &built.scene;
         for camera in built.cameras.iter().take(4) {
-            let Some(fragment) = scene.locate(camera.eye, camera.toward) else {
+            let Some(sector) = scene.locate(camera.eye, camera.toward) else {
                 continue;
             };
-            let at = |position| Place { fragment, position };
+            let at = |position| Place { sector, position };
             through += agrees(name, scene, at(camera.eye), 1.0 + 11.0 * chance.unit());
-            let bounds = scene.bounds(fragment);
+            let bounds = scene.bounds(sector);
             let position = crate::about(&mut chance, &bounds);
             through += agrees(name, scene, at(position), 1.0 + 5.0 * chance.unit());
         }
@@ -161,9 +161,9 @@ fn mirrors_and_teleports_do_not_multiply_the_ways_to_an_item() {
     ] {
         let built = built_in(name).expect("it is built in");
         for camera in &built.cameras {
-            let fragment = built.scene.locate(camera.eye, camera.toward).expect("a room");
+            let sector = built.scene.locate(camera.eye, camera.toward).expect("a room");
             let place = Place {
-                fragment,
+                sector,
                 position: camera.eye,
             };
             let near = built.scene.near(place, radius);
@@ -197,7 +197,7 @@ fn loops(scale: f32) -> Scene {
 }
 
 const START: Place = Place {
-    fragment: FragmentId(0),
+    sector: SectorId(0),
     position: [0.0; 3],
 };
 

@@ -15,7 +15,7 @@ struct Face {
 /// Everything that rays can meet, and for each item the map into its space.
 struct All {
     faces: Vec<Face>,
-    item_from_fragment: Vec<Option<DAffine3>>,
+    item_from_sector: Vec<Option<DAffine3>>,
 }
 
 impl All {
@@ -33,7 +33,7 @@ impl All {
                 .filter(|&item| back(item).is_some())
                 .flat_map(of_item)
                 .collect(),
-            item_from_fragment: items().map(back).collect(),
+            item_from_sector: items().map(back).collect(),
         }
     }
 
@@ -49,7 +49,7 @@ impl All {
         } in &self.faces
         {
             if local.0 != *item {
-                let back = self.item_from_fragment[item.0 as usize].expect("it is met");
+                let back = self.item_from_sector[item.0 as usize].expect("it is met");
                 local = (
                     *item,
                     back.transform_point3(origin),

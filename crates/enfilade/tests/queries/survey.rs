@@ -58,7 +58,7 @@ fn scene(blocks: &[Block], scale: f32, inverted: bool) -> Scene {
     }
     let mut scene = SceneBuilder::new();
     scene.add("all", builder.build().expect("sound"), Method::ZBuffer);
-    scene.build().expect("one fragment")
+    scene.build().expect("one sector")
 }
 
 /// Two rooms side by side; the wall between them is a cavity wider than the minimum clearance.
@@ -160,7 +160,7 @@ fn where_the_ground_goes_on_below_a_hall_a_survey_stays_outside() {
     builder.item("hall", mesh, Transform::IDENTITY);
     let mut scene = SceneBuilder::new();
     scene.add("all", builder.build().expect("sound"), Method::ZBuffer);
-    let found = survey(&scene.build().expect("one fragment"), 24);
+    let found = survey(&scene.build().expect("one sector"), 24);
     assert_eq!(found.places.len(), 24);
     let hall = solid(min, max);
     assert!(

@@ -79,7 +79,7 @@ fn a_dozen_panes_before_a_wall_lose_no_colour() {
 fn glass_before_nothing_shows_the_sky_through_it() {
     let (scene, materials) = panes(1);
     let [mut bare, mut glazed] = [&scene, &scene].map(Clone::clone);
-    let hall = enfilade::FragmentId(0);
+    let hall = enfilade::SectorId(0);
     for (scene, gone) in [(&mut glazed, &[0][..]), (&mut bare, &[0, 1])] {
         let mut edit = scene.edit();
         for &item in gone {

@@ -90,7 +90,7 @@ fn holds(
 }
 
 const FLAT: [[f32; 3]; 0] = [];
-const YARD: enfilade::FragmentId = enfilade::FragmentId(0);
+const YARD: enfilade::SectorId = enfilade::SectorId(0);
 
 #[test]
 fn a_spot_shines_in_its_cone_and_fades_to_its_edge() {

@@ -1,8 +1,8 @@
 //! Small worlds with textures, and what a ray sees of them.
 
 use enfilade::{
-    Attributes, ContentBuilder, FragmentId, Material, MaterialId, Mesh, Method, Part, Ray, Scene,
-    SceneBuilder, Texture, TextureId, Transform, View, Viewer, Wrap,
+    Attributes, ContentBuilder, Material, MaterialId, Mesh, Method, Part, Ray, Scene, SceneBuilder, SectorId,
+    Texture, TextureId, Transform, View, Viewer, Wrap,
 };
 use enfilade_draw::{Picture, Settings, Stage};
 use glam::{DMat3, DVec3};
@@ -92,7 +92,7 @@ pub(crate) fn poster() -> Material {
 /// What a ray through the middle of a pixel meets, and what the corners there carry.
 pub(crate) struct Met {
     pub(crate) place: [f64; 2],
-    pub(crate) face: (FragmentId, u32, u32),
+    pub(crate) face: (SectorId, u32, u32),
 }
 
 /// The ray through a place of the screen.
@@ -111,12 +111,12 @@ pub(crate) fn direction(view: &View, [x, y]: [f64; 2]) -> DVec3 {
 
 pub(crate) fn meet(scene: &Scene, view: &View, at: [f64; 2]) -> Option<Met> {
     let direction = direction(view, at);
-    let fragment = scene.fragment_of(view)?;
+    let sector = scene.sector_of(view)?;
     let ray = Ray {
         origin: view.eye,
         direction: direction.as_vec3().into(),
     };
-    let cast = scene.cast(fragment, &ray);
+    let cast = scene.cast(sector, &ray);
     let enfilade::Met::Face(hit) = cast.met else {
         return None;
     };
@@ -129,7 +129,7 @@ pub(crate) fn meet(scene: &Scene, view: &View, at: [f64; 2]) -> Option<Met> {
     };
     let eye = DVec3::from(view.eye.map(f64::from));
     let point = moved(eye + direction * cast.distance);
-    let content = scene.content(cast.fragment)?;
+    let content = scene.content(cast.sector)?;
     let mesh = content.mesh_of(hit.item);
     let corners = mesh.face(hit.face);
     let item = content.item(hit.item).transform();
@@ -147,7 +147,7 @@ pub(crate) fn meet(scene: &Scene, view: &View, at: [f64; 2]) -> Option<Met> {
         place: [0, 1].map(|axis| {
             carried[0][axis] * (1.0 - second - third) + carried[1][axis] * second + carried[2][axis] * third
         }),
-        face: (cast.fragment, hit.item.0, hit.face),
+        face: (cast.sector, hit.item.0, hit.face),
     })
 }
 

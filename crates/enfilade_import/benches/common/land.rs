@@ -4,17 +4,17 @@
 //! furniture, ceilings and inner doors only inside, ground and foundations only outside.
 
 use enfilade::{
-    ContentBuilder, ConvexPolygon, FragmentId, HeightField, Material, MaterialId, Method, Scene,
-    SceneBuilder, Transform, View,
+    ContentBuilder, ConvexPolygon, HeightField, Material, MaterialId, Method, Scene, SceneBuilder, SectorId,
+    Transform, View,
 };
 use enfilade_import::{ReadOptions, read};
 use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The two fragments, in the order of the scene.
-pub(crate) const OUTSIDE: FragmentId = FragmentId(0);
-pub(crate) const INSIDE: FragmentId = FragmentId(1);
+/// The two sectors, in the order of the scene.
+pub(crate) const OUTSIDE: SectorId = SectorId(0);
+pub(crate) const INSIDE: SectorId = SectorId(1);
 
 /// What only stands inside, and only outside, by the beginnings of names.
 const ONLY_INSIDE: [&str; 4] = [

@@ -64,7 +64,7 @@ pub(crate) fn folder() -> Option<PathBuf> {
     folder
 }
 
-/// Reads a scene of one fragment, and surveys it as `enfilade look --survey 16` does.
+/// Reads a scene of one sector, and surveys it as `enfilade look --survey 16` does.
 pub(crate) fn open(folder: &Path, file: &str) -> Place {
     let options = ReadOptions {
         flat: true,
@@ -73,7 +73,7 @@ pub(crate) fn open(folder: &Path, file: &str) -> Place {
     let import = read(&folder.join(file), &options).unwrap_or_else(|error| panic!("{error}"));
     let scene = import
         .scene(Method::ZBuffer, Method::DEFAULT_LIMIT)
-        .expect("one fragment");
+        .expect("one sector");
     let views = survey(&scene, VIEWS)
         .places
         .iter()
@@ -83,10 +83,10 @@ pub(crate) fn open(folder: &Path, file: &str) -> Place {
 }
 
 impl Place {
-    /// What its one fragment is made of.
+    /// What its one sector is made of.
     pub(crate) fn content(&self) -> &Arc<Content> {
-        let only = self.scene.fragments().next().expect("one fragment");
-        self.scene.content(only).expect("a fragment of ours")
+        let only = self.scene.sectors().next().expect("one sector");
+        self.scene.content(only).expect("a sector of ours")
     }
 
     /// The scene as a method sees it; `None` where that would be too large.
@@ -222,7 +222,7 @@ pub(crate) fn drawn_once(viewer: &mut Viewer, scene: &Scene, view: &View, what: 
 /// Where points fall on a view's screen, worked out apart from the engine.
 pub(crate) struct Lens {
     /// To (X, Y, W): the pixel is (X / W, Y / W), and W the distance along the line of sight.
-    pub(crate) screen_from_fragment: DAffine3,
+    pub(crate) screen_from_sector: DAffine3,
     pub(crate) near: f64,
 }
 
@@ -241,7 +241,7 @@ impl Lens {
         ];
         let matrix3 = DMat3::from_cols(rows[0], rows[1], rows[2]).transpose();
         Lens {
-            screen_from_fragment: DAffine3 {
+            screen_from_sector: DAffine3 {
                 matrix3,
                 translation: matrix3 * -eye,
             },
@@ -251,13 +251,13 @@ impl Lens {
 
     pub(crate) fn screen_from(&self, item: &Item) -> DAffine3 {
         let [x, y, z, translation] = item
-            .fragment_from_item
+            .sector_from_item
             .map(|column| DVec3::from(column.map(f64::from)));
-        let fragment_from_item = DAffine3 {
+        let sector_from_item = DAffine3 {
             matrix3: DMat3::from_cols(x, y, z),
             translation,
         };
-        self.screen_from_fragment * fragment_from_item
+        self.screen_from_sector * sector_from_item
     }
 
     /// May any of a box, given in another space, be in the picture? `true` when unsure.

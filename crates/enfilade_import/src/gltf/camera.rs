@@ -7,7 +7,7 @@ use super::plan::Plan;
 use crate::rooms::{room_around, room_nearest};
 use crate::warning::{WarningKind, Warnings};
 use crate::{BrokenRule, Camera, Room};
-use enfilade::{Aabb, FragmentId, Transform};
+use enfilade::{Aabb, SectorId, Transform};
 use glam::DVec3;
 
 /// The cameras among the nodes. Those that can make no picture are warned of.
@@ -86,7 +86,7 @@ fn perspective(name: &str, lens: Perspective, world: &Transform) -> Option<Camer
         up: rounded(up),
         fov_y: yfov,
         near: znear,
-        fragment: None,
+        sector: None,
         height: None,
     })
 }
@@ -101,7 +101,7 @@ fn orthographic(
     lens: Orthographic,
     world: &Transform,
     rooms: &[Room],
-    home: impl FnOnce() -> Option<FragmentId>,
+    home: impl FnOnce() -> Option<SectorId>,
 ) -> Option<Camera> {
     let Orthographic {
         xmag,
@@ -142,7 +142,7 @@ fn orthographic(
         up: rounded(up),
         fov_y: (2.0 * (ymag / away).atan()) as f32,
         near: (away - (middle - znear)) as f32,
-        fragment: home(),
+        sector: home(),
         height: Some((2.0 * ymag) as f32),
     };
     let numbers = camera.eye.into_iter().chain(camera.toward);
@@ -153,7 +153,7 @@ fn orthographic(
 }
 
 /// The room that a camera stands in, which cannot be told from where the eye is that sees its picture.
-fn home(plan: &Plan, placed: &Placed, rooms: &[Room]) -> Option<FragmentId> {
+fn home(plan: &Plan, placed: &Placed, rooms: &[Room]) -> Option<SectorId> {
     let eye = placed.world.columns()[3];
     let [own, rest] = plan.homes(placed, rooms.len());
     own.or_else(|| room_around(rooms, eye))

@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 /// What a node is besides an item.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Hint {
-    /// What is below it is a fragment.
+    /// What is below it is a sector.
     Room { method: Option<Method> },
     /// Its mesh is an opening.
     Opening {

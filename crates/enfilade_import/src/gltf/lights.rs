@@ -7,7 +7,7 @@ use super::plan::Plan;
 use crate::rooms::{Frame, room_around};
 use crate::warning::{WarningKind, Warnings};
 use crate::{BrokenRule, Room};
-use enfilade::{FragmentId, Light, LightShape, Transform};
+use enfilade::{Light, LightShape, SectorId, Transform};
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// The lights of the scene's nodes, in the order of these.
@@ -34,13 +34,13 @@ pub(super) fn read(
             continue;
         };
         let [own, rest] = plan.homes(placed, rooms.len());
-        let fragment = own.unwrap_or_else(|| match light.shape {
+        let sector = own.unwrap_or_else(|| match light.shape {
             LightShape::Sun { .. } => rest.unwrap_or_else(|| largest(rooms)),
             _ => room_around(rooms, light.position)
                 .or(rest)
                 .unwrap_or_else(|| largest(rooms)),
         });
-        lights.push(Light { fragment, ..light });
+        lights.push(Light { sector, ..light });
     }
     Ok(lights)
 }
@@ -76,7 +76,7 @@ fn light(source: &Source, world: &Transform) -> Option<Light> {
         _ => return None,
     };
     Some(Light {
-        fragment: FragmentId(0),
+        sector: SectorId(0),
         position: world.columns()[3],
         color,
         range,
@@ -85,10 +85,10 @@ fn light(source: &Source, world: &Transform) -> Option<Light> {
 }
 
 /// The room with the largest box.
-fn largest(rooms: &[Room]) -> FragmentId {
+fn largest(rooms: &[Room]) -> SectorId {
     let volume = |number: &u32| rooms[*number as usize].content.bounds().volume();
     let numbers = 0..rooms.len() as u32;
-    FragmentId(
+    SectorId(
         numbers
             .max_by(|a, b| volume(a).total_cmp(&volume(b)).then(b.cmp(a)))
             .unwrap_or(0),

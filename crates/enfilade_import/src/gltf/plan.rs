@@ -9,7 +9,7 @@ use crate::faults::{Faults, Subject};
 use crate::rooms::{self, Frame, Marked, Shell, Teleport};
 use crate::warning::{WarningKind, Warnings};
 use crate::{AuthoringError, BrokenRule, Room, SourceNodes};
-use enfilade::{ContentBuilder, FragmentId, MeshId, Method, Portal};
+use enfilade::{ContentBuilder, MeshId, Method, Portal, SectorId};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
@@ -197,10 +197,10 @@ impl<'d> Plan<'d> {
 
     /// The room that a node is below, and the one that all is in which is below none: of the rooms that [`Plan::rooms`]
     /// built, of which there are so many.
-    pub(super) fn homes(&self, placed: &Placed, rooms: usize) -> [Option<FragmentId>; 2] {
+    pub(super) fn homes(&self, placed: &Placed, rooms: usize) -> [Option<SectorId>; 2] {
         let marked = if self.flat { 0 } else { self.rooms.len() };
         let rest = (rooms > marked).then_some(marked);
-        [self.room(placed), rest].map(|room| room.map(|room| FragmentId(room as u32)))
+        [self.room(placed), rest].map(|room| room.map(|room| SectorId(room as u32)))
     }
 
     /// Does a node show its mesh? A portal does not; a mirror does where everything is one room.

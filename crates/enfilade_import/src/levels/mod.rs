@@ -122,8 +122,8 @@ pub fn details_of(
 ) -> Result<Details, DetailError> {
     let mut known: HashMap<usize, Arc<dyn DetailSource>> = HashMap::new();
     let mut large = Vec::new();
-    for fragment in scene.fragments() {
-        let Some(content) = scene.content(fragment) else {
+    for sector in scene.sectors() {
+        let Some(content) = scene.content(sector) else {
             continue;
         };
         for number in (0..content.items().len() as u32).map(enfilade::ItemId) {
@@ -133,7 +133,7 @@ pub fn details_of(
                 let source = known
                     .entry(address)
                     .or_insert_with(|| Arc::new(Levels::of(Arc::clone(mesh))));
-                large.push((fragment, number, Arc::clone(source)));
+                large.push((sector, number, Arc::clone(source)));
             }
         }
     }

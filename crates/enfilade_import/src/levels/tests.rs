@@ -2,7 +2,7 @@
 
 use super::*;
 use enfilade::{
-    Attributes, ContentBuilder, FragmentId, Material, Method, SceneBuilder, Transform, View, Viewer,
+    Attributes, ContentBuilder, Material, Method, SceneBuilder, SectorId, Transform, View, Viewer,
 };
 use std::path::Path;
 
@@ -153,8 +153,8 @@ fn large_items_of_a_scene_get_levels_and_copies_share_them() {
         content.item(name, mesh, Transform::translation([x, 0.0, 0.0]));
     }
     let mut scene = SceneBuilder::new();
-    let fragment = scene.add("hills", content.build().expect("sound"), Method::HierarchicalZ);
-    let mut scene = scene.build().expect("one fragment");
+    let sector = scene.add("hills", content.build().expect("sound"), Method::HierarchicalZ);
+    let mut scene = scene.build().expect("one sector");
     let full = scene.triangle_count();
     let mut details = details_of(&mut scene, 1000, DetailOptions::default()).expect("they fit");
     assert!(scene.triangle_count() < 200);
@@ -164,7 +164,7 @@ fn large_items_of_a_scene_get_levels_and_copies_share_them() {
         let set = viewer.look(&scene, &view);
         details.refine(&mut scene, &[set]).expect("they fit");
     }
-    let levels = [0, 1, 2].map(|item| details.level(fragment, enfilade::ItemId(item)));
+    let levels = [0, 1, 2].map(|item| details.level(sector, enfilade::ItemId(item)));
     assert!(
         levels[0].flatten().is_some() && levels[0] == levels[1] && levels[2].is_none(),
         "{levels:?}"
@@ -184,8 +184,8 @@ fn what_real_scenes_hold_keeps_its_errors() {
             crate::read(&Path::new(&folder).join(file), &crate::ReadOptions::default()).expect("sound");
         let scene = import.scene(Method::ZBuffer, u64::MAX).expect("it fits");
         let mut meshes: Vec<Arc<Mesh>> = scene
-            .fragments()
-            .filter_map(|fragment: FragmentId| scene.content(fragment))
+            .sectors()
+            .filter_map(|sector: SectorId| scene.content(sector))
             .flat_map(|content| content.meshes().iter().cloned())
             .filter(|mesh| mesh.face_count() < 20_000)
             .collect();

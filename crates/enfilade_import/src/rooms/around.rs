@@ -2,20 +2,20 @@
 
 use super::sky::{by_size, space};
 use crate::Room;
-use enfilade::FragmentId;
+use enfilade::SectorId;
 
 /// The room with the smallest box that holds a point. The box of a room without a top has none either.
-pub(crate) fn room_around(rooms: &[Room], point: [f32; 3]) -> Option<FragmentId> {
+pub(crate) fn room_around(rooms: &[Room], point: [f32; 3]) -> Option<SectorId> {
     let numbered = (0_u32..).zip(rooms);
     numbered
-        .map(|(number, room)| (FragmentId(number), space(&room.content, room.open_above)))
+        .map(|(number, room)| (SectorId(number), space(&room.content, room.open_above)))
         .filter(|(_, bounds)| bounds.contains(point))
         .min_by(|(a, one), (b, other)| by_size(one, other).then(a.cmp(b)))
         .map(|(room, _)| room)
 }
 
 /// The room whose box is nearest to a point.
-pub(crate) fn room_nearest(rooms: &[Room], point: [f32; 3]) -> Option<FragmentId> {
+pub(crate) fn room_nearest(rooms: &[Room], point: [f32; 3]) -> Option<SectorId> {
     let away = |number: &u32| -> f64 {
         let bounds = rooms[*number as usize].content.bounds();
         let beyond = |axis: usize| (bounds.min[axis] - point[axis]).max(point[axis] - bounds.max[axis]);
@@ -23,5 +23,5 @@ pub(crate) fn room_nearest(rooms: &[Room], point: [f32; 3]) -> Option<FragmentId
     };
     let numbers = 0..rooms.len() as u32;
     let nearest = numbers.min_by(|a, b| away(a).total_cmp(&away(b)).then(a.cmp(b)));
-    nearest.map(FragmentId)
+    nearest.map(SectorId)
 }

@@ -8,7 +8,7 @@ use super::{Marked, Shell, Teleport, Way};
 use crate::faults::{Faults, Subject};
 use crate::warning::Warnings;
 use crate::{AuthoringError, BrokenRule, Room};
-use enfilade::{Content, ConvexPolygon, FragmentId, OpeningId, Portal, Ray, Transform};
+use enfilade::{Content, ConvexPolygon, OpeningId, Portal, Ray, SectorId, Transform};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -127,9 +127,9 @@ fn finish(
             .builder
             .opening(&marked[lead.marked].name, lead.outline);
         portals.push(Portal {
-            from: FragmentId(lead.from as u32),
+            from: SectorId(lead.from as u32),
             opening,
-            to: FragmentId(lead.to as u32),
+            to: SectorId(lead.to as u32),
             there_from_here: lead.there_from_here,
             open: true,
         });

@@ -1,7 +1,7 @@
 //! Orthographic cameras: seen with a lens from far away, nothing is where parallel lines of sight would not have it.
 
 use crate::file::{File, reads, warnings};
-use enfilade::{FragmentId, Method, View, Viewer};
+use enfilade::{Method, SectorId, View, Viewer};
 use enfilade_import::{Camera, Import};
 use serde_json::{Value, json};
 
@@ -86,7 +86,7 @@ fn what_stands_behind_an_orthographic_camera_is_not_in_its_picture() {
     let scene = import.scene(Method::ZBuffer, 1 << 30).expect("small");
     let mut view = View::new(camera.eye, camera.toward, [64, 36]);
     (view.fov_y, view.near, view.up) = (camera.fov_y, camera.near, camera.up);
-    view.fragment = camera.fragment;
+    view.sector = camera.sector;
     assert_eq!(view.check(), Ok(()));
     assert_eq!(Viewer::new().look(&scene, &view).items().len(), 1);
 }
@@ -132,18 +132,18 @@ fn an_orthographic_camera_looks_from_the_room_that_it_stands_in() {
     file.json["nodes"][0] = json!({});
     room(&mut file, "A-room", 0.0);
     let there = room(&mut file, "B-room", 100.0);
-    assert_eq!(only(&reads(&file)).fragment, Some(FragmentId(1)));
+    assert_eq!(only(&reads(&file)).sector, Some(SectorId(1)));
     // In none of them: in the nearest.
     file.json["nodes"][1]["translation"] = json!([70, 0, 5]);
-    assert_eq!(only(&reads(&file)).fragment, Some(FragmentId(1)));
+    assert_eq!(only(&reads(&file)).sector, Some(SectorId(1)));
     // Below one of them: in that.
     file.json["nodes"][1]["translation"] = json!([0, 0, 5]);
-    assert_eq!(only(&reads(&file)).fragment, Some(FragmentId(0)));
+    assert_eq!(only(&reads(&file)).sector, Some(SectorId(0)));
     let children = file.json["nodes"][there]["children"].as_array_mut();
     children.expect("a list").push(json!(1));
-    assert_eq!(only(&reads(&file)).fragment, Some(FragmentId(1)));
+    assert_eq!(only(&reads(&file)).sector, Some(SectorId(1)));
     // One with a lens stands where its eye is, so that is asked.
     file.json["cameras"] = json!([{ "type": "perspective", "perspective": { "yfov": 1, "znear": 0.1 } }]);
     let import = reads(&file);
-    assert_eq!((only(&import).fragment, only(&import).height), (None, None));
+    assert_eq!((only(&import).sector, only(&import).height), (None, None));
 }

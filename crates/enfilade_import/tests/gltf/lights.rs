@@ -1,7 +1,7 @@
 //! Lamps, spots and suns: how bright, how far, which way, and in which room.
 
 use crate::file::{File, reads, refusal, warnings};
-use enfilade::{FragmentId, Light, LightShape, Method};
+use enfilade::{Light, LightShape, Method, SectorId};
 use enfilade_import::Import;
 use serde_json::{Value, json};
 use std::f32::consts::PI;
@@ -174,7 +174,7 @@ fn a_light_stands_in_the_room_above_it_else_in_the_smallest_around_it() {
     let at = |x: f64| json!({ "translation": [x, 0, 0] });
     let lamps = [at(0.5), at(5.0), at(100.5), at(1000.0), at(0.5)];
     let rooms = |import: &Import| -> Vec<String> {
-        let name = |light: &Light| import.rooms[light.fragment.0 as usize].name.clone();
+        let name = |light: &Light| import.rooms[light.sector.0 as usize].name.clone();
         import.lights.iter().map(name).collect()
     };
     let points = house(json!({ "type": "point" }), &lamps);
@@ -196,12 +196,12 @@ fn where_all_is_in_rooms_a_sun_lights_the_largest() {
     let import = reads(&file);
     assert_eq!(import.rooms.len(), 2);
     // The leaf is flat, so both boxes have no volume; the lower number then.
-    assert_eq!(only(&import).fragment, FragmentId(0));
+    assert_eq!(only(&import).sector, SectorId(0));
     let primitive = file.primitive(&[[-50.0; 3], [50.0; 3], [50.0, -50.0, 0.0]], &[0, 1, 2]);
     let mesh = file.mesh(json!([primitive]));
     file.json["nodes"][big]["mesh"] = json!(mesh);
     let import = reads(&file);
-    let room = import.lights[0].fragment.0 as usize;
+    let room = import.lights[0].sector.0 as usize;
     assert_eq!(import.rooms[room].name, "Garden-room");
     assert_eq!(file.json["nodes"][tree]["name"], "Tree-room");
 }

@@ -161,7 +161,7 @@ fn textures_lights_and_instances_go_over() {
     let lights: Vec<_> = import
         .lights
         .iter()
-        .map(|light| (light.fragment.0, light.range))
+        .map(|light| (light.sector.0, light.range))
         .collect();
     assert_eq!(lights, [(0, 3.0), (1, 5.0)]);
     assert_eq!(import.lights[1].position, [10.2, 0.2, 0.0]);

@@ -56,7 +56,7 @@ fn boxes_and_nearest(file: &str, content: &Content) {
 fn triangles(content: &Content) -> Vec<(ItemId, [DVec3; 3])> {
     let mut triangles = Vec::new();
     for item in all(content) {
-        let columns = content.item(item).fragment_from_item;
+        let columns = content.item(item).sector_from_item;
         let [x, y, z, at] = columns.map(|column| DVec3::from(column.map(f64::from)));
         let placed = DAffine3 {
             matrix3: DMat3::from_cols(x, y, z),
@@ -147,9 +147,9 @@ fn questions_to_real_scenes_find_what_going_through_everything_finds() {
         let import = read(&Path::new(&folder).join(file), &options).unwrap_or_else(|error| panic!("{error}"));
         let scene = import
             .scene(Method::ZBuffer, Method::DEFAULT_LIMIT)
-            .expect("one fragment");
-        let fragment = scene.fragments().next().expect("one fragment");
-        let content = Arc::clone(scene.content(fragment).expect("ours"));
+            .expect("one sector");
+        let sector = scene.sectors().next().expect("one sector");
+        let content = Arc::clone(scene.content(sector).expect("ours"));
         boxes_and_nearest(file, &content);
         let eyes: Vec<[f32; 3]> = survey(&scene, 50).places.iter().map(|at| at.eye).collect();
         rays(file, &content, &eyes);

@@ -1,7 +1,7 @@
 //! Rooms, portals and mirrors that authors marked, by names and by extras.
 
 use crate::file::{File, reads, warnings};
-use enfilade::{FragmentId, ItemId, Method, Portal};
+use enfilade::{ItemId, Method, Portal, SectorId};
 use enfilade_import::{Import, ReadOptions, read_bytes};
 use serde_json::{Value, json};
 
@@ -63,7 +63,7 @@ pub(crate) fn door(name: &str, enfilade: Value) -> Value {
 
 /// Every portal as `NAME: FROM -> TO`, in order.
 pub(crate) fn ways(import: &Import) -> Vec<String> {
-    let room = |id: FragmentId| &import.rooms[id.0 as usize];
+    let room = |id: SectorId| &import.rooms[id.0 as usize];
     let way = |portal: &Portal| {
         let opening = &room(portal.from).content.openings()[usize::from(portal.opening.0)];
         format!(
@@ -120,10 +120,10 @@ fn a_room_that_says_it_is_a_convex_cell_is_held_to_it() {
     file.json["nodes"][0]["extras"] = json!({ "enfilade": { "kind": "room", "method": "cell" } });
     let scene = |file: &File| reads(file).scene(Method::ZBuffer, Method::DEFAULT_LIMIT);
     let scene_of_cells = scene(&file).expect("a box with a door is convex");
-    assert_eq!(scene_of_cells.method(FragmentId(0)), Some(Method::Cell));
+    assert_eq!(scene_of_cells.method(SectorId(0)), Some(Method::Cell));
     file.json["nodes"][0]["children"] = json!([1, 5]);
     let why = scene(&file).err().expect("a broom stands in it").to_string();
-    assert!(why.starts_with("fragment `A-room`: not convex: cell"), "{why}");
+    assert!(why.starts_with("sector `A-room`: not convex: cell"), "{why}");
     assert!(why.contains("`broom`"), "{why}");
 }
 
@@ -170,7 +170,7 @@ fn a_one_way_portal_leads_out_of_the_room_it_belongs_to_or_into_the_one_it_names
         let facing = import.rooms[import.portals[0].from.0 as usize].content.openings()[0]
             .outline
             .normal()[0];
-        let out_of_a = import.portals[0].from == FragmentId(0);
+        let out_of_a = import.portals[0].from == SectorId(0);
         assert_eq!(facing.round(), if out_of_a { -1.0 } else { 1.0 });
     }
 }

@@ -3,7 +3,7 @@
 use crate::file::{File, reads, refuses};
 use crate::rooms::{house, ways};
 use enfilade::laws::{Contestants, views_through};
-use enfilade::{FragmentId, Limits, Method, PortalId, Scene, View};
+use enfilade::{Limits, Method, PortalId, Scene, SectorId, View};
 use enfilade_import::{Import, ReadOptions, read_bytes};
 use serde_json::json;
 
@@ -184,7 +184,7 @@ fn open_above(import: &Import) -> Vec<&str> {
 /// The name of the room in which an eye is that looks down.
 fn room_at(scene: &Scene, eye: [f32; 3]) -> &str {
     let toward = [eye[0], eye[1] - 1.0, eye[2]];
-    scene.fragment_name(scene.locate(eye, toward).expect("there are rooms"))
+    scene.sector_name(scene.locate(eye, toward).expect("there are rooms"))
 }
 
 /// Every method sees through every portal, and from these eyes toward a point, what the reference sees.
@@ -349,7 +349,7 @@ fn cameras_above_a_garden_are_in_it() {
     ]);
     file.node(json!({ "name": "Drone", "camera": 0, "translation": [0.0, 25.0, 0.0] }));
     let import = reads(&file);
-    assert_eq!(import.cameras[0].fragment, Some(FragmentId(1)));
+    assert_eq!(import.cameras[0].sector, Some(SectorId(1)));
 }
 
 #[test]

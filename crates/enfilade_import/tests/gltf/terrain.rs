@@ -3,7 +3,7 @@
 use crate::file::{File, png, reads, warnings};
 use crate::grid::Grid;
 use crate::rooms::house;
-use enfilade::{FragmentId, ItemId, Mesh, Method, Scene, View, Viewer};
+use enfilade::{ItemId, Mesh, Method, Scene, SectorId, View, Viewer};
 use enfilade_draw::{Exposure, Settings, Stage};
 use enfilade_import::Import;
 use serde_json::json;
@@ -25,7 +25,7 @@ fn triangles(import: &Import) -> Vec<Vec<Vec<u32>>> {
     let mut all = Vec::new();
     for item in (0..content.items().len() as u32).map(ItemId) {
         let mesh: &Mesh = content.mesh_of(item);
-        let columns = content.item(item).fragment_from_item;
+        let columns = content.item(item).sector_from_item;
         for face in 0..mesh.face_count() {
             let bits = |&corner: &u32| {
                 let corner = corner as usize;
@@ -306,8 +306,8 @@ fn terrain_stands_in_its_room_beside_other_things() {
     let own = import
         .scene(Method::ZBuffer, Method::DEFAULT_LIMIT)
         .expect("each its own");
-    assert_eq!(own.method(FragmentId(0)), Some(Method::FloatingHorizon));
-    assert_eq!(own.method(FragmentId(1)), Some(Method::ZBuffer));
+    assert_eq!(own.method(SectorId(0)), Some(Method::FloatingHorizon));
+    assert_eq!(own.method(SectorId(1)), Some(Method::ZBuffer));
     let suits: Vec<bool> = import
         .rooms
         .iter()

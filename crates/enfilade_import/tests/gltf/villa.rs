@@ -1,6 +1,6 @@
 //! A villa whose rooms and portals were authored in Blender, against what its maker says of them.
 
-use enfilade::{FragmentId, Method, Transform};
+use enfilade::{Method, SectorId, Transform};
 use enfilade_import::{ReadOptions, WarningKind, read};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -68,7 +68,7 @@ fn a_villa_has_the_rooms_and_portals_that_its_maker_gave_it() {
         assert_eq!(found.method, method, "{}", found.name);
     }
 
-    let name = |id: FragmentId| &*import.rooms[id.0 as usize].name;
+    let name = |id: SectorId| &*import.rooms[id.0 as usize].name;
     let mut ways: Ways = BTreeMap::new();
     for portal in &import.portals {
         let opening = &import.rooms[portal.from.0 as usize].content.openings()[usize::from(portal.opening.0)];
@@ -188,13 +188,13 @@ fn a_villa_has_its_textures_and_its_lights_hang_in_their_rooms() {
     let lamps: Vec<&str> = lamps.map(|node| text(&node["name"])).collect();
     assert_eq!((lamps.len(), import.lights.len()), (11, 11));
     for (lamp, light) in lamps.iter().zip(&import.lights) {
-        let room = &*import.rooms[light.fragment.0 as usize].name;
+        let room = &*import.rooms[light.sector.0 as usize].name;
         let expected = match lamp.split_once('-') {
             Some((room, _)) => format!("{room}-room"),
             None => "Garden-room".to_owned(),
         };
         assert_eq!(room, expected, "{lamp}");
-        let bounds = import.rooms[light.fragment.0 as usize].content.bounds();
+        let bounds = import.rooms[light.sector.0 as usize].content.bounds();
         assert!(*lamp == "Sun" || bounds.contains(light.position), "{lamp}");
     }
     assert_eq!(import.cameras.len(), 4);

@@ -10,11 +10,11 @@ const SIZE: [u32; 2] = [80, 60];
 /// Before a portal's opening, looking through its middle.
 fn before(scene: &Scene, portal: PortalId, away: f32) -> View {
     let portal = &scene.portals()[portal.0 as usize];
-    let outline = &scene.fragment(portal.from).openings()[usize::from(portal.opening.0)].outline;
+    let outline = &scene.sector(portal.from).openings()[usize::from(portal.opening.0)].outline;
     let [middle, normal] = [outline.bounds().center(), outline.normal()];
     let eye = std::array::from_fn(|axis| middle[axis] + away * normal[axis]);
     let mut view = View::new(eye, middle, SIZE);
-    view.fragment = Some(portal.from);
+    view.sector = Some(portal.from);
     view
 }
 
@@ -83,10 +83,10 @@ fn every_portal_of_a_villa_shows_what_is_behind_it_until_it_is_closed() {
                 .any(|view| is_seen_through(scene, &reference, view, portal))
         };
         assert!(seen(&scene), "{portal:?} shows nothing");
-        let builds: Vec<u64> = scene.fragments().map(|id| scene.builds(id)).collect();
+        let builds: Vec<u64> = scene.sectors().map(|id| scene.builds(id)).collect();
         scene.set_open(portal, false);
         assert!(!seen(&scene), "{portal:?} is closed, but seen through");
         scene.set_open(portal, true);
-        assert!(scene.fragments().map(|id| scene.builds(id)).eq(builds));
+        assert!(scene.sectors().map(|id| scene.builds(id)).eq(builds));
     }
 }

@@ -1,8 +1,8 @@
 //! Which node owns each pixel of a villa, against another renderer: cut-outs by texel, glass seen through.
 
 use enfilade::{
-    Alpha, Canvas, Content, FragmentId, ItemId, Method, Owner, Passage, PassageId, Scene, Span, Texture,
-    View, Viewer, Wrap,
+    Alpha, Canvas, Content, ItemId, Method, Owner, Passage, PassageId, Scene, SectorId, Span, Texture, View,
+    Viewer, Wrap,
 };
 use enfilade_import::{ReadOptions, read};
 use glam::{DMat3, DVec3};
@@ -104,7 +104,7 @@ fn coverage(texture: &Texture, place: [f64; 2]) -> f32 {
 
 /// How many pixels each node owns, at least and at most, by its name as its author gave it.
 fn owned(scene: &Scene, view: &View) -> BTreeMap<String, [i64; 2]> {
-    let content = scene.content(FragmentId(0)).expect("one room");
+    let content = scene.content(SectorId(0)).expect("one room");
     let mut pixels = Pixels {
         content,
         passage: None,
@@ -134,14 +134,14 @@ fn owned(scene: &Scene, view: &View) -> BTreeMap<String, [i64; 2]> {
 
 /// The scene without the two plants at the origin that its author hid: others are copies of them.
 fn without_originals(mut scene: Scene) -> Scene {
-    let content = Arc::clone(scene.content(FragmentId(0)).expect("one room"));
+    let content = Arc::clone(scene.content(SectorId(0)).expect("one room"));
     let mut edit = scene.edit();
     for name in ["Plant-leaves#284", "Plant-pot#285"] {
         let mut items = (0..content.items().len() as u32).map(ItemId);
         let original = items
             .find(|&item| content.name(item) == name)
             .expect("an original");
-        edit.remove(FragmentId(0), original).expect("it is there");
+        edit.remove(SectorId(0), original).expect("it is there");
     }
     edit.finish().expect("less than before");
     scene

@@ -1,6 +1,6 @@
 //! A person walks through the rooms of a real villa, and never gets into a wall.
 
-use enfilade::{Aabb, Capsule, FragmentId, MaterialId, Mesh, Met, Method, Place, Ray, Scene, Transform};
+use enfilade::{Aabb, Capsule, MaterialId, Mesh, Met, Method, Place, Ray, Scene, SectorId, Transform};
 use enfilade_import::{ReadOptions, read};
 use enfilade_scenes::Random;
 use std::collections::BTreeSet;
@@ -44,9 +44,9 @@ fn villa(file: &Path) -> Scene {
     scene
 }
 
-fn room(scene: &Scene, name: &str) -> FragmentId {
-    let mut all = scene.fragments();
-    let found = all.find(|&id| scene.fragment_name(id) == name);
+fn room(scene: &Scene, name: &str) -> SectorId {
+    let mut all = scene.sectors();
+    let found = all.find(|&id| scene.sector_name(id) == name);
     found.expect("a room of the villa")
 }
 
@@ -67,7 +67,7 @@ fn nearest_wall(scene: &Scene, place: Place, person: &Capsule) -> (f64, String) 
                 origin: at.position,
                 direction: [angle.cos(), 0.0, angle.sin()],
             };
-            let cast = scene.cast(at.fragment, &ray);
+            let cast = scene.cast(at.sector, &ray);
             if cast.distance < nearest.0 && cast.met != Met::Nothing {
                 nearest = (cast.distance, format!("{ray:?} meets {cast:?}"));
             }
@@ -79,7 +79,7 @@ fn nearest_wall(scene: &Scene, place: Place, person: &Capsule) -> (f64, String) 
 /// Some way to go, pulled down all the while. In the garden, which has an end, rather back to the house.
 fn any_course(scene: &Scene, place: &Place, chance: &mut Random) -> [f32; 3] {
     const DOOR: [f32; 3] = [7.0, 1.0, -1.0];
-    let is_out = scene.fragment_name(place.fragment) == "Garden-room" && !chance.once_in(3);
+    let is_out = scene.sector_name(place.sector) == "Garden-room" && !chance.once_in(3);
     let angle = if is_out {
         (DOOR[2] - place.position[2]).atan2(DOOR[0] - place.position[0]) + chance.between(-0.3, 0.3)
     } else {
@@ -91,7 +91,7 @@ fn any_course(scene: &Scene, place: &Place, chance: &mut Random) -> [f32; 3] {
 
 /// Is a place in the box of its room, or that far from it?
 fn is_in_its_room(scene: &Scene, place: &Place, slack: f32) -> bool {
-    let Aabb { min, max } = scene.fragment(place.fragment).bounds();
+    let Aabb { min, max } = scene.sector(place.sector).bounds();
     (0..3).all(|axis| (min[axis] - slack..=max[axis] + slack).contains(&place.position[axis]))
 }
 
@@ -107,7 +107,7 @@ fn a_person_walks_through_a_villa_for_thousands_of_steps_and_never_into_a_wall()
     let (mut crossings, mut touched, mut length) = (0, 0, 0.0);
     for (seed, (start, position)) in (0..).zip(STARTS) {
         let mut place = Place {
-            fragment: room(&scene, start),
+            sector: room(&scene, start),
             position,
         };
         let mut person = Capsule::new(0.25, 1.7);
@@ -133,7 +133,7 @@ fn a_person_walks_through_a_villa_for_thousands_of_steps_and_never_into_a_wall()
             touched += usize::from(!slid.touched.is_empty());
             course = slid.there_from_here.direction(course);
             (place, person) = (slid.place, slid.capsule);
-            visited.insert(scene.fragment_name(place.fragment));
+            visited.insert(scene.sector_name(place.sector));
         }
     }
     assert!(

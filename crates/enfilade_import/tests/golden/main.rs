@@ -44,7 +44,7 @@ fn views(import: &Import, scene: &Scene) -> Vec<(String, View)> {
         view.up = camera.up;
         view.fov_y = camera.fov_y;
         view.near = camera.near;
-        view.fragment = camera.fragment;
+        view.sector = camera.sector;
         let name = if camera.name == "Camera" {
             String::new()
         } else {
@@ -55,7 +55,7 @@ fn views(import: &Import, scene: &Scene) -> Vec<(String, View)> {
     if !import.cameras.is_empty() {
         return import.cameras.iter().map(by).collect();
     }
-    let held = scene.fragment(enfilade::FragmentId(0)).bounds();
+    let held = scene.sector(enfilade::SectorId(0)).bounds();
     let (middle, size) = (held.center(), held.size());
     let away = 1.3 * size.iter().map(|side| side * side).sum::<f32>().sqrt();
     let eye = [0, 1, 2].map(|axis| middle[axis] + away * [0.35, 0.45, 0.9][axis]);

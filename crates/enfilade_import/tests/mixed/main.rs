@@ -39,7 +39,7 @@ fn from_its_windows_the_hills_are_seen_and_from_the_hills_its_rooms() {
         let crosses = |to| {
             passages
                 .iter()
-                .any(|passage| passage.crossings > 0 && passage.fragment == to)
+                .any(|passage| passage.crossings > 0 && passage.sector == to)
         };
         through[0] += usize::from(crosses(INSIDE));
         through[1] += usize::from(crosses(OUTSIDE));

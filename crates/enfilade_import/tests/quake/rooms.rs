@@ -1,7 +1,7 @@
 //! A little map as a scene: the same in each format, seen from inside, and what cannot be seen is left out.
 
 use crate::little::{ENTITIES, FORMATS, Format, Little};
-use enfilade::{Alpha, FragmentId, Method, Scene, View, Viewer};
+use enfilade::{Alpha, Method, Scene, SectorId, View, Viewer};
 use enfilade_import::{Import, ReadOptions, read, read_bytes};
 
 #[track_caller]
@@ -20,7 +20,7 @@ fn scene(import: &Import, method: Method) -> Scene {
 fn seen(scene: &Scene, eye: [f32; 3], toward: [f32; 3]) -> Vec<String> {
     let mut viewer = Viewer::new();
     let set = viewer.look(scene, &View::new(eye, toward, [160, 120]));
-    let content = scene.content(FragmentId(0)).expect("one room");
+    let content = scene.content(SectorId(0)).expect("one room");
     let mut names: Vec<String> = set
         .items()
         .iter()

@@ -3,7 +3,7 @@
 use crate::maps::{maps, pairs_of, read as read_prt};
 use crate::rooms::imported;
 use enfilade::{
-    Canvas, CellSide, Content, FragmentId, ItemId, Method, Owner, Passage, PassageId, Scene, Span, View,
+    Canvas, CellSide, Content, ItemId, Method, Owner, Passage, PassageId, Scene, SectorId, Span, View,
     Viewer, survey,
 };
 use enfilade_import::{Import, ReadOptions, read, with_visibility};
@@ -121,7 +121,7 @@ struct Compared {
 
 fn compare(import: &Import, name: &str, places: usize) -> Compared {
     let [all, baked] = [Method::ZBuffer, Method::Pvs].map(|method| scene(import, method));
-    let content = baked.content(FragmentId(0)).expect("one room");
+    let content = baked.content(SectorId(0)).expect("one room");
     let (mut with, mut without) = (Viewer::new(), Viewer::new());
     let mut compared = Compared {
         views: 0,

@@ -1,6 +1,6 @@
 //! Terrain as heights with a description beside them.
 
-use enfilade::{FragmentId, Method, Ray};
+use enfilade::{Method, Ray, SectorId};
 use enfilade_import::{ImportError, ReadOptions, read, read_bytes, with_methods};
 use serde_json::{Value, json};
 use std::fs;
@@ -269,16 +269,16 @@ fn what_takes_more_as_meshes_than_allowed_stays_in_its_file_and_is_the_same_grou
             let scene = import.scene(Method::FloatingHorizon, Method::DEFAULT_LIMIT);
             scene.expect("one room")
         });
-        assert_eq!(large.fragment_name(FragmentId(0)), "hill");
+        assert_eq!(large.sector_name(SectorId(0)), "hill");
         assert_eq!((large.item_count(), large.triangle_count()), (4, 2 * 49 * 39));
-        assert_eq!(large.bounds(FragmentId(0)), small.bounds(FragmentId(0)));
+        assert_eq!(large.bounds(SectorId(0)), small.bounds(SectorId(0)));
         assert!(large.bytes() < 16_000, "{}", large.bytes());
         for at in 0..50 {
             let ray = Ray {
                 origin: [3.7 + 9.1 * at as f32, 100.0, 11.3 + 14.9 * at as f32],
                 direction: [0.1, -1.0, 0.03],
             };
-            let [small, large] = [&small, &large].map(|scene| scene.fragment(FragmentId(0)).cast(&ray));
+            let [small, large] = [&small, &large].map(|scene| scene.sector(SectorId(0)).cast(&ray));
             let [small, large] = [small, large].map(|hit| hit.map(|hit| (hit.item, hit.distance)));
             assert_eq!(small, large, "{ray:?}");
         }

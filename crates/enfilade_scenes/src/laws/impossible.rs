@@ -7,7 +7,7 @@ use super::stage::{
 use crate::envelope::Side;
 use crate::shape::{ball, block, cuboid};
 use crate::{BuiltIn, Camera};
-use enfilade::{FragmentId, MaterialId, Method, OpeningId, SceneBuilder, Transform};
+use enfilade::{MaterialId, Method, OpeningId, SceneBuilder, SectorId, Transform};
 use glam::{Vec3, vec3};
 
 /// A yard with things in it that cannot be.
@@ -77,7 +77,7 @@ fn add(
     scene: &mut SceneBuilder,
     name: &str,
     (stage, openings): (Stage, Vec<OpeningId>),
-) -> (FragmentId, Vec<OpeningId>) {
+) -> (SectorId, Vec<OpeningId>) {
     (scene.add(name, stage.build(), Method::HierarchicalZ), openings)
 }
 
@@ -101,7 +101,7 @@ fn window_at(number: usize) -> Doorway {
 }
 
 /// The yard, its hut's opening, and its windows.
-fn yard(scene: &mut SceneBuilder) -> (FragmentId, OpeningId, Vec<OpeningId>) {
+fn yard(scene: &mut SceneBuilder) -> (SectorId, OpeningId, Vec<OpeningId>) {
     let mut yard = Stage::new();
     let windows = yard.room([-6.0, 6.0], [-6.0, 6.0], 4.0, &[0, 1, 2].map(window_at));
     let door: Vec<Vec3> = [(-0.5, 0.1), (0.5, 0.1), (0.5, 1.9), (-0.5, 1.9)]
@@ -173,7 +173,7 @@ fn corridor() -> (Stage, Vec<OpeningId>) {
 }
 
 /// Five rooms, joined in a ring about an axis, each by a right angle.
-fn around_the_pillar(scene: &mut SceneBuilder, hall: (FragmentId, OpeningId)) {
+fn around_the_pillar(scene: &mut SceneBuilder, hall: (SectorId, OpeningId)) {
     const ROOMS: usize = 5;
     let corner = |room: usize| 120.0 + 20.0 * room as f32;
     let names = [
@@ -184,7 +184,7 @@ fn around_the_pillar(scene: &mut SceneBuilder, hall: (FragmentId, OpeningId)) {
         "fifth room",
     ];
     let balls: [MaterialId; ROOMS] = [RED, GREEN, BLUE, YELLOW_SHEET, BROWN];
-    let rooms: Vec<(FragmentId, Vec<OpeningId>)> = (0..ROOMS)
+    let rooms: Vec<(SectorId, Vec<OpeningId>)> = (0..ROOMS)
         .map(|room| {
             let x = corner(room);
             let mut doors = vec![

@@ -1,11 +1,11 @@
-//! A fragment of a small world while it is built.
+//! A sector of a small world while it is built.
 
 use crate::envelope::{Ceiling, Finish, Hole, Plan, Side, envelope};
 use crate::shape::Shape;
 use crate::{BuiltIn, Camera};
 use enfilade::{
-    Alpha, BakedCells, Content, ContentBuilder, ConvexPolygon, End, FragmentId, Light, Material, MaterialId,
-    Mesh, Method, OpeningId, SceneBuilder, Transform,
+    Alpha, BakedCells, Content, ContentBuilder, ConvexPolygon, End, Light, Material, MaterialId, Mesh,
+    Method, OpeningId, SceneBuilder, SectorId, Transform,
 };
 use glam::{Vec3, vec2, vec3};
 use std::sync::Arc;
@@ -61,7 +61,7 @@ fn materials() -> [Material; 14] {
     ]
 }
 
-/// A fragment being built.
+/// A sector being built.
 pub(crate) struct Stage {
     content: ContentBuilder,
 }
@@ -208,21 +208,21 @@ pub(crate) fn sheet(material: MaterialId, corner: Vec3, along: Vec3, up: Vec3) -
     shape
 }
 
-/// A world of one fragment.
+/// A world of one sector.
 pub(crate) fn alone(stage: Stage, cameras: Vec<Camera>) -> BuiltIn {
     let mut scene = SceneBuilder::new();
     scene.add("world", stage.build(), Method::HierarchicalZ);
     finished(scene, cameras)
 }
 
-/// Hangs a white lamp up in a fragment: it lights all within a few metres of it.
-pub(crate) fn lamp(scene: &mut SceneBuilder, fragment: FragmentId, position: [f32; 3], range: f32) {
+/// Hangs a white lamp up in a sector: it lights all within a few metres of it.
+pub(crate) fn lamp(scene: &mut SceneBuilder, sector: SectorId, position: [f32; 3], range: f32) {
     let strength = 0.05 * range * range;
     let color = [strength, 0.92 * strength, 0.78 * strength];
-    scene.light(Light::point(fragment, position, color, range));
+    scene.light(Light::point(sector, position, color, range));
 }
 
-/// Two fragments in one space, with a door between an opening of each.
+/// Two sectors in one space, with a door between an opening of each.
 pub(crate) fn joined(
     (here, out): (Stage, OpeningId),
     (there, back): (Stage, OpeningId),

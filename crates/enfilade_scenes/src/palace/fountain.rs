@@ -47,7 +47,7 @@ const JETS: u32 = 12;
 const DROPS: u32 = 7;
 const SPLASHES: u32 = 4;
 
-/// The fragment "Fountain" of the palace as it is after so many seconds; the palace is built with that of 0.
+/// The sector "Fountain" of the palace as it is after so many seconds; the palace is built with that of 0.
 ///
 /// Always the same things by the same names, and the same openings; only the water moves. It comes back after
 /// [`FOUNTAIN_SECONDS`].

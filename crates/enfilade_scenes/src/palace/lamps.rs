@@ -1,6 +1,6 @@
 //! Where light comes from in the palace: flames, spots on what is worth looking at, and the sun.
 
-use enfilade::{FragmentId, Light, LightShape, Transform};
+use enfilade::{Light, LightShape, SectorId, Transform};
 use glam::Vec3;
 
 /// So many lamps shine in a room, at most: each is asked at every place that is seen.
@@ -65,7 +65,7 @@ impl Lamp {
         }
     }
 
-    /// The sun over a fragment that has no roof.
+    /// The sun over a sector that has no roof.
     pub(crate) fn sun(strength: f32) -> Lamp {
         Lamp::from_afar(SUNLIGHT, Vec3::new(1.0, 0.84, 0.60) * strength)
     }
@@ -94,9 +94,9 @@ impl Lamp {
         }
     }
 
-    pub(crate) fn in_fragment(self, fragment: FragmentId) -> Light {
+    pub(crate) fn in_sector(self, sector: SectorId) -> Light {
         Light {
-            fragment,
+            sector,
             position: self.position,
             color: self.color.into(),
             range: self.range,

@@ -42,7 +42,7 @@ pub use person::person;
 use crate::BuiltIn;
 use crate::random::Random;
 use doors::{DOORS, Gate};
-use enfilade::{FragmentId, Method, OpeningId, SceneBuilder};
+use enfilade::{Method, OpeningId, SceneBuilder, SectorId};
 use glam::Vec2;
 use plan::{Name, ROOMS};
 use room::{Doorway, Room};
@@ -57,7 +57,7 @@ pub(crate) fn palace(seed: u64) -> BuiltIn {
     let mut scene = SceneBuilder::new();
     let mut shop = Workshop::default();
     let mut random = Random::new(seed);
-    let mut door_ends: Vec<Vec<(FragmentId, OpeningId)>> = vec![Vec::new(); DOORS.len()];
+    let mut door_ends: Vec<Vec<(SectorId, OpeningId)>> = vec![Vec::new(); DOORS.len()];
     let mut doll_house_front = None;
     // Portals of one way, and the rooms they lead to.
     let mut one_way = Vec::new();
@@ -110,7 +110,7 @@ pub(crate) fn palace(seed: u64) -> BuiltIn {
     // It changes at every moment, so a method that builds nothing sees it.
     let id = scene.add(fountain::GROTTO.name, fountain(0.0), Method::ZBuffer);
     for lamp in fountain::lamps() {
-        scene.light(lamp.in_fragment(id));
+        scene.light(lamp.in_sector(id));
     }
     let arches = (0..DOORS.len()).filter(|&number| DOORS[number].to == Name::Fountain);
     for (opening, number) in arches.enumerate() {

@@ -5,7 +5,7 @@ use crate::shape::Dress;
 use enfilade::{Alpha, ContentBuilder, Material, MaterialId, TextureId};
 use std::sync::{Arc, LazyLock};
 
-/// A content of the palace's materials and textures, the same for all of its fragments, and nothing in it.
+/// A content of the palace's materials and textures, the same for all of its sectors, and nothing in it.
 pub(crate) fn content() -> ContentBuilder {
     static MADE: LazyLock<Arc<[Material]>> = LazyLock::new(materials);
     let mut content = ContentBuilder::new(Arc::clone(&MADE));

@@ -19,7 +19,7 @@ const CLOTHS: [MaterialId; 7] = [
     YELLOW_SILK,
 ];
 
-/// Somebody in a long robe, 1.9 m tall, who stands at the origin and looks to +z; of materials that every fragment of
+/// Somebody in a long robe, 1.9 m tall, who stands at the origin and looks to +z; of materials that every sector of
 /// `@enfilade` has. Seven kinds of people, by `number`.
 pub fn person(number: usize) -> Arc<Mesh> {
     let cloth = CLOTHS[number % CLOTHS.len()];

@@ -8,8 +8,8 @@ use crate::envelope::{Ceiling, Envelope, Finish, Hole, Plan, Side, envelope};
 use crate::random::Random;
 use crate::shape::Shape;
 use enfilade::{
-    Content, ContentBuilder, ConvexPolygon, FragmentId, HeightField, MaterialId, Mesh, MeshId, Method,
-    OpeningId, SceneBuilder, Transform,
+    Content, ContentBuilder, ConvexPolygon, HeightField, MaterialId, Mesh, MeshId, Method, OpeningId,
+    SceneBuilder, SectorId, Transform,
 };
 use glam::{Vec2, Vec3, vec2};
 use std::collections::HashMap;
@@ -252,7 +252,7 @@ impl<'a> Room<'a> {
         self.doorways.push(door);
     }
 
-    /// Adds ground by heights, whose first sample stands at `fragment_from_field`'s origin.
+    /// Adds ground by heights, whose first sample stands at `sector_from_field`'s origin.
     pub(crate) fn ground(&mut self, field: Arc<HeightField>, material: MaterialId, at: Transform) {
         let name = format!("{}: ground", self.design.name);
         self.content
@@ -317,19 +317,19 @@ impl Closed {
         }
     }
 
-    /// Makes it a fragment, its mirrors mirrors, and lights its lamps.
-    pub(crate) fn add_to(self, scene: &mut SceneBuilder, name: &str) -> FragmentId {
+    /// Makes it a sector, its mirrors mirrors, and lights its lamps.
+    pub(crate) fn add_to(self, scene: &mut SceneBuilder, name: &str) -> SectorId {
         self.seen_by(Method::HierarchicalZ, scene, name)
     }
 
     /// The same, seen by a method of its own.
-    pub(crate) fn seen_by(self, method: Method, scene: &mut SceneBuilder, name: &str) -> FragmentId {
+    pub(crate) fn seen_by(self, method: Method, scene: &mut SceneBuilder, name: &str) -> SectorId {
         let id = scene.add(name, self.content, method);
         for mirror in self.mirrors {
             scene.mirror(id, mirror);
         }
         for lamp in self.lamps {
-            scene.light(lamp.in_fragment(id));
+            scene.light(lamp.in_sector(id));
         }
         id
     }

@@ -87,7 +87,7 @@ impl Figure {
         let content = self.content.build().expect("figures are drawn soundly");
         scene.add("figure", content, Method::HierarchicalZ);
         BuiltIn {
-            scene: scene.build().expect("one fragment needs no joining"),
+            scene: scene.build().expect("one sector needs no joining"),
             cameras,
         }
     }

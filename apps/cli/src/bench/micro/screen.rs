@@ -6,7 +6,7 @@ use super::truth::Truth;
 use anyhow::{Context, Result};
 use enfilade::cover::{Hides, MaskedDepth};
 use enfilade::{
-    ContentBuilder, FragmentId, Material, Method, OccluderMesh, Passage, Rect, SceneBuilder, Stats, View,
+    ContentBuilder, Material, Method, OccluderMesh, Passage, Rect, SceneBuilder, SectorId, Stats, View,
     Viewer,
 };
 
@@ -76,14 +76,14 @@ impl Shapes {
     }
 }
 
-/// The way that a view has into a fragment: it does not depend on what is in there.
+/// The way that a view has into a sector: it does not depend on what is in there.
 pub(super) fn passage(view: &View) -> Result<Passage> {
     let mut scene = SceneBuilder::new();
     let content = ContentBuilder::new([Material::opaque([1.0; 3])]).build()?;
     scene.add("empty", content, Method::ZBuffer);
     let scene = scene.build()?;
     let mut view = *view;
-    view.fragment = Some(FragmentId(0));
+    view.sector = Some(SectorId(0));
     let mut viewer = Viewer::new();
     let passages = viewer.look(&scene, &view).passages();
     passages.first().cloned().context("a view that leads nowhere")

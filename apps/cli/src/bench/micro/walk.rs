@@ -7,7 +7,7 @@ use super::truth::{Held, Truth};
 use super::{Found, Row, SUB_TILE_BYTES, Work};
 use anyhow::{Result, bail};
 use enfilade::cover::Hides;
-use enfilade::{Aabb, Alpha, Content, FragmentId, ItemId, OccluderMesh, Passage, Scene, Stats, View};
+use enfilade::{Aabb, Alpha, Content, ItemId, OccluderMesh, Passage, Scene, SectorId, Stats, View};
 use std::rc::Rc;
 use std::time::Instant;
 
@@ -19,9 +19,9 @@ const SCREENS: [([u32; 2], f64); 2] = [([1280, 720], 0.565), ([512, 256], 0.243)
 /// Places to look from.
 const VIEWS: usize = 16;
 
-/// What hides of an item, in the space of its fragment.
+/// What hides of an item, in the space of its sector.
 struct Part {
-    fragment: FragmentId,
+    sector: SectorId,
     bounds: Aabb,
     positions: Vec<[f32; 3]>,
     /// Three for each triangle; one with two sides is there twice, once for each.
@@ -56,10 +56,10 @@ pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<R
         );
     }
     let mut parts = Vec::new();
-    for fragment in scene.fragments() {
-        if let Some(content) = scene.content(fragment) {
+    for sector in scene.sectors() {
+        if let Some(content) = scene.content(sector) {
             let items = (0..content.items().len() as u32).map(ItemId);
-            parts.extend(items.filter_map(|item| Part::new(fragment, content, item)));
+            parts.extend(items.filter_map(|item| Part::new(sector, content, item)));
         }
     }
     let parts = Rc::new(parts);
@@ -67,7 +67,7 @@ pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<R
         let look = |place: &enfilade::Standpoint| {
             let view = View::new(place.eye, place.toward, size);
             let passage = passage(&view)?;
-            let in_view = |part: &Part| part.fragment == place.fragment && passage.may_show(&part.bounds);
+            let in_view = |part: &Part| part.sector == place.sector && passage.may_show(&part.bounds);
             let in_view = (0..parts.len()).filter(|&part| in_view(&parts[part])).collect();
             Ok(Look {
                 lens: Lens::new(&view),
@@ -91,7 +91,7 @@ pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<R
 
 impl Part {
     /// `None` of an item that hides nothing.
-    fn new(fragment: FragmentId, content: &Content, item: ItemId) -> Option<Part> {
+    fn new(sector: SectorId, content: &Content, item: ItemId) -> Option<Part> {
         if !content.holds(item) || !content.item(item).hides {
             return None;
         }
@@ -122,7 +122,7 @@ impl Part {
             }
         }
         (triangles > 0).then(|| Part {
-            fragment,
+            sector,
             bounds: content.item(item).bounds,
             mesh: OccluderMesh::triangles(&positions, &corners),
             positions,

@@ -38,7 +38,7 @@ pub enum CellSide {
 /// A plane that parts space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellNode {
-    /// Across the plane, of any length but zero, in the space of the fragment.
+    /// Across the plane, of any length but zero, in the space of the sector.
     pub normal: [f64; 3],
     /// In front is where `normal · point >= distance`.
     pub distance: f64,
@@ -48,7 +48,7 @@ pub struct CellNode {
     pub back: CellSide,
 }
 
-/// Planes that part the space of a fragment into cells.
+/// Planes that part the space of a sector into cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellTree {
     /// Where to begin: node 0 as a rule, or a cell that is all of space.

@@ -317,7 +317,7 @@ mod tests {
     use crate::content::{ContentBuilder, ItemId, Material, MaterialId};
     use crate::geom::Transform;
     use crate::mesh::Mesh;
-    use crate::scene::FragmentId;
+    use crate::scene::SectorId;
     use crate::view::View;
 
     /// Numbers from 0 to 1 that look random; the same for the same seed.
@@ -349,11 +349,11 @@ mod tests {
         }
         let content = builder.build().expect("sound triangles");
         let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [77, 43]);
-        let passage = Passage::at_the_eye(&view, FragmentId(0), false);
+        let passage = Passage::at_the_eye(&view, SectorId(0), false);
         let mut cover = DepthPyramid::default();
         cover.clear(&passage, false);
         for item in 0..content.items().len() as u32 {
-            let faces = Faces::of_cluster(&content, ItemId(item), 0, &passage.screen_from_fragment);
+            let faces = Faces::of_cluster(&content, ItemId(item), 0, &passage.screen_from_sector);
             cover.add(&faces, &passage, &mut Stats::default(), None);
         }
         cover

@@ -30,7 +30,7 @@ impl MaskedDepth {
         }
     }
 
-    /// May anything in a box be seen, in the space of the passage's fragment? For each of `boxes`, in their order, into
+    /// May anything in a box be seen, in the space of the passage's sector? For each of `boxes`, in their order, into
     /// `seen`; `true` when unsure. `passage` is the one that the cover was cleared for.
     ///
     /// By the rectangles around them, which is quick; [`Cover::sees`](crate::cover::Cover::sees) is told more by an outline.
@@ -42,7 +42,7 @@ impl MaskedDepth {
     #[inline(always)]
     fn see_boxes<S: Simd>(&self, _simd: S, passage: &Passage, boxes: &[Aabb], seen: &mut [bool]) {
         for (boxes, seen) in boxes.chunks(BOXES).zip(seen.chunks_mut(BOXES)) {
-            let eight = EightBoxes::of(passage, &passage.screen_from_fragment, boxes);
+            let eight = EightBoxes::of(passage, &passage.screen_from_sector, boxes);
             for (lane, seen) in seen.iter_mut().enumerate() {
                 let (rect, nearest) = eight.rect(lane);
                 *seen = self.grid.shows(&rect, nearest);

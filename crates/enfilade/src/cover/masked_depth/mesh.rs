@@ -251,7 +251,7 @@ pub(super) fn block(positions: &[[f32; 3]]) -> Block {
 }
 
 impl MaskedDepth {
-    /// Lets a mesh, in the space of the passage's fragment, hide what is behind it.
+    /// Lets a mesh, in the space of the passage's sector, hide what is behind it.
     pub fn hide_mesh(&mut self, mesh: &OccluderMesh, passage: &Passage, stats: &mut Stats) {
         self.worker
             .hide_parts(&mut self.grid.all(), &mesh.parts, passage, stats);

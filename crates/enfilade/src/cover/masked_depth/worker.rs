@@ -80,7 +80,7 @@ impl Worker {
         .hide(tiles, blocks, shapes, stats);
     }
 
-    /// Lets those parts of a mesh, in the space of the passage's fragment, hide what is behind them that reach into the tiles.
+    /// Lets those parts of a mesh, in the space of the passage's sector, hide what is behind them that reach into the tiles.
     pub(super) fn hide_parts(
         &mut self,
         tiles: &mut Tiles,
@@ -100,12 +100,12 @@ impl Worker {
             level: *level,
             raster,
             batch,
-            faces: &Faces::of_triangles(&[], &[], &passage.screen_from_fragment),
+            faces: &Faces::of_triangles(&[], &[], &passage.screen_from_sector),
             passage,
         };
         let eye = passage.eye().map(|at| at as f32);
         for part in parts {
-            let region = Region::of(passage, &passage.screen_from_fragment, &part.bounds);
+            let region = Region::of(passage, &passage.screen_from_sector, &part.bounds);
             if region.is_none_or(|region| region.rect.intersection(&tiles.rect).is_empty()) {
                 continue;
             }

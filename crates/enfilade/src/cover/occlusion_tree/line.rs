@@ -69,7 +69,7 @@ pub(super) struct Back {
 impl Back {
     /// Whatever has a positive height above this is beyond the plane n · p = d, wherever on the screen it is: `far` are
     /// the greatest |x|, |y| there, in pixels. `rounding` is how far a corner may be from where it was meant: far from the
-    /// fragment's origin it is more than the coordinates tell, which are relative to the eye.
+    /// sector's origin it is more than the coordinates tell, which are relative to the eye.
     pub(super) fn new((normal, distance): (DVec3, f64), far: [f64; 2], rounding: f64) -> Option<Back> {
         let sum = normal.x.abs() * far[0] + normal.y.abs() * far[1] + normal.z.abs();
         let moved = rounding * (normal.x.abs() + normal.y.abs() + normal.z.abs());

@@ -49,7 +49,7 @@ fn check(what: &str, wall: &Wall, double_sided: bool, dice: &mut Dice) -> usize 
             };
             held += 1;
             is_sound(&occluder, what);
-            let screen = passage.screen_from_fragment;
+            let screen = passage.screen_from_sector;
             let faces: Vec<[DVec3; 3]> = wall
                 .triangles
                 .iter()

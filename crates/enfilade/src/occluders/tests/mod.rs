@@ -7,7 +7,7 @@ use super::*;
 use crate::content::{ContentBuilder, Material, MaterialId};
 use crate::geom::Transform;
 use crate::passage::Passage;
-use crate::scene::FragmentId;
+use crate::scene::SectorId;
 use crate::view::View;
 
 /// Numbers without pattern, always the same.
@@ -141,7 +141,7 @@ fn anywhere(dice: &mut Dice) -> Transform {
 
 fn passage(eye: [f64; 3], toward: [f64; 3]) -> Passage {
     let [eye, toward] = [eye, toward].map(|point| point.map(|value| value as f32));
-    Passage::at_the_eye(&View::new(eye, toward, [640, 360]), FragmentId(0), false)
+    Passage::at_the_eye(&View::new(eye, toward, [640, 360]), SectorId(0), false)
 }
 
 /// Every wall that is worth a test.

@@ -127,8 +127,8 @@ impl Finding {
             return;
         }
         let placed = content.item(item);
-        let fragment_from_item = placed.transform();
-        let there = |corner: [f32; 3]| DVec3::from(fragment_from_item.point_f64(corner));
+        let sector_from_item = placed.transform();
+        let there = |corner: [f32; 3]| DVec3::from(sector_from_item.point_f64(corner));
         let top = cells.around(&placed.bounds);
         let most_planes = MOST_PLANES[0] * u64::from(mesh.face_count()) + MOST_PLANES[1];
         let is_known = if !matches!(top, CellSide::Node(_)) {

@@ -47,7 +47,7 @@ pub(super) fn cells_at_start(
         }
     }
     if begins_at_near(passage) {
-        let from_screen = passage.screen_from_fragment.inverse();
+        let from_screen = passage.screen_from_sector.inverse();
         let outline = near_outline(passage);
         room.outline(outline.iter().map(|&place| from_screen.transform_point3(place)));
         if !begin_in(room, true) {
@@ -62,7 +62,7 @@ fn begins_at_near(passage: &Passage) -> bool {
     let Some(entrance) = &passage.entrance else {
         return true;
     };
-    let along = |corner: &DVec3| passage.screen_from_fragment.transform_point3(*corner).z;
+    let along = |corner: &DVec3| passage.screen_from_sector.transform_point3(*corner).z;
     let limit = f64::from(passage.near) * FARTHER;
     // What is no number is not farther.
     !entrance.corners().iter().all(|corner| along(corner) > limit)

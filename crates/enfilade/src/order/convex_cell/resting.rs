@@ -229,11 +229,11 @@ impl<'a> Resting<'a> {
 
     fn farthest_of(&self, item: ItemId, plane: &Plane, farthest: &mut Farthest) {
         let mesh = self.content.mesh_of(item);
-        let fragment_from_item: DAffine3 = self.content.item(item).transform().0;
+        let sector_from_item: DAffine3 = self.content.item(item).transform().0;
         // The same plane in the space of the item, where its normal is as long as lengths grow.
         let plane = Plane {
-            normal: fragment_from_item.matrix3.transpose() * plane.normal,
-            offset: -plane.height(fragment_from_item.translation),
+            normal: sector_from_item.matrix3.transpose() * plane.normal,
+            offset: -plane.height(sector_from_item.translation),
         };
         let far = 4.0 * f64::from(mesh.bounds().longest_side());
         let middle = DVec3::from(mesh.bounds().center().map(f64::from));
@@ -250,7 +250,7 @@ impl<'a> Resting<'a> {
                     && mesh.positions()[used].iter().any(is_behind)
                 {
                     for face in cluster.faces.clone() {
-                        self.farthest_of_face(item, face, &fragment_from_item, &plane, farthest);
+                        self.farthest_of_face(item, face, &sector_from_item, &plane, farthest);
                     }
                 }
                 true
@@ -263,7 +263,7 @@ impl<'a> Resting<'a> {
         &self,
         item: ItemId,
         face: u32,
-        fragment_from_item: &DAffine3,
+        sector_from_item: &DAffine3,
         plane: &Plane,
         farthest: &mut Farthest,
     ) {
@@ -274,7 +274,7 @@ impl<'a> Resting<'a> {
             if by <= farthest.by {
                 continue;
             }
-            let placed = |at| fragment_from_item.transform_point3(local(at));
+            let placed = |at| sector_from_item.transform_point3(local(at));
             let corners: Vec<DVec3> = mesh.face(face).iter().map(placed).collect();
             // What has no area hides nothing, and is not hidden.
             if self.area_of(&corners).is_some() {

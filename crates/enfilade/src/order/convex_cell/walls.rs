@@ -100,8 +100,8 @@ impl<'a> Walls<'a> {
         let content = self.content;
         let mesh = content.mesh_of(item);
         let cluster = &mesh.clusters()[number as usize];
-        let fragment_from_item = content.item(item).transform();
-        let mirrored = fragment_from_item.mirrors();
+        let sector_from_item = content.item(item).transform();
+        let mirrored = sector_from_item.mirrors();
         let double_sided = content.material(cluster).double_sided;
         self.faces.clear();
         let mut all = std::mem::take(&mut self.corners);
@@ -109,7 +109,7 @@ impl<'a> Walls<'a> {
         for face in cluster.faces.clone() {
             let start = all.len();
             let corners = mesh.face(face).iter().map(|&at| mesh.positions()[at as usize]);
-            all.extend(corners.map(|corner| DVec3::from(fragment_from_item.point_f64(corner))));
+            all.extend(corners.map(|corner| DVec3::from(sector_from_item.point_f64(corner))));
             let Some((known, turned)) = self.plane_of(&all[start..], mirrored, Owner::Face(item, face))?
             else {
                 all.truncate(start);

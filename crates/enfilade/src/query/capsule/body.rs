@@ -14,7 +14,7 @@ use crate::query::place::Place;
 use crate::scene::{PortalId, Scene};
 use glam::DVec3;
 
-/// A capsule in the space of the fragment that its middle is in.
+/// A capsule in the space of the sector that its middle is in.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Body {
     pub(super) radius: f64,

@@ -1,7 +1,7 @@
 //! A capsule that slides along walls: for walking, and for cameras that must not look through walls.
 //!
 //! It goes its step by parts that end where something is in the way ([`body`]); what is in the way is asked of every
-//! fragment that it stands in ([`obstacles`]).
+//! sector that it stands in ([`obstacles`]).
 //! Source: as in those two.
 //! Cost: that of the triangles near its way, some tens of times.
 //! It never gets into a wall that it did not begin in.
@@ -79,7 +79,7 @@ impl Scene {
     ///
     /// Every face stops it, from whichever side and of whatever it is made, glass and cut-outs too; so do openings that are
     /// closed or lead nowhere. What reaches through an open portal is stopped by what stands there, not by what stands behind
-    /// the opening here. Fragments of the user's own have no faces to be stopped by. Nothing pulls it down: say so with the
+    /// the opening here. Sectors of the user's own have no faces to be stopped by. Nothing pulls it down: say so with the
     /// step. Where it stands in a wall to begin with, it is pushed out, if that is not into another.
     ///
     /// It keeps a thousandth of its radius away from faces, or as much as f32 loses there. A step, a place or a capsule that

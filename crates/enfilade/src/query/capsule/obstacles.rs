@@ -1,6 +1,6 @@
-//! What stands about a capsule: the faces of every fragment that it reaches into, carried to the space of its middle.
+//! What stands about a capsule: the faces of every sector that it reaches into, carried to the space of its middle.
 //!
-//! A face is there for the parts of the capsule that are in its fragment: the way from the capsule's middle, along its axis
+//! A face is there for the parts of the capsule that are in its sector: the way from the capsule's middle, along its axis
 //! and from there straight to the face, goes through the openings that lead there, and through no other.
 //! Source: RenderWare, Portal culling: bodies in doorways collide in each section that they stand in.
 //! Cost: the clusters near by, and for each question a distance to each of their triangles.
@@ -10,10 +10,10 @@ use super::body::Body;
 use crate::content::{Content, ItemId, OpeningId};
 use crate::geom::{Aabb, ConvexPolygon, Step, Transform, nearest_points};
 use crate::query::place::{Place, corners, slack};
-use crate::scene::{FragmentId, Scene};
+use crate::scene::{Scene, SectorId};
 use glam::{DAffine3, DVec3};
 
-/// Triangles about a capsule, in the space of the fragment that its middle is in.
+/// Triangles about a capsule, in the space of the sector that its middle is in.
 pub(super) struct Obstacles {
     triangles: Vec<Triangle>,
     sides: Vec<Side>,
@@ -26,7 +26,7 @@ struct Triangle {
     side: usize,
 }
 
-/// A fragment that the capsule stands in, in the space of its middle.
+/// A sector that the capsule stands in, in the space of its middle.
 struct Side {
     /// What one goes through to get there, in order, and what leads on from there.
     entered: Vec<Hole>,
@@ -68,25 +68,25 @@ impl Obstacles {
             let Some(here_from_there) = present.there_from_here.inverse() else {
                 continue;
             };
-            let entered = holes_on_the_way(scene, place.fragment, &present.crossed);
+            let entered = holes_on_the_way(scene, place.sector, &present.crossed);
             let came = present.crossed.last();
-            let fragment = present.place.fragment;
+            let sector = present.place.sector;
             let left = scene
-                .ways_out(fragment)
+                .ways_out(sector)
                 .filter(|&(portal, _)| !came.is_some_and(|&came| scene.leads_back(came, portal)))
                 .map(|(_, outline)| Hole::of(outline, &here_from_there));
             obstacles.sides.push(Side {
                 left: left.collect(),
                 entered,
             });
-            if let Some(content) = scene.content(fragment) {
+            if let Some(content) = scene.content(sector) {
                 obstacles.add_faces(content, &here_from_there.0, &near);
             }
             if scene.is_flat() {
                 continue;
             }
-            for (opening, number) in scene.fragment(fragment).openings().iter().zip(0..) {
-                let portal = scene.portal_of(fragment, OpeningId(number));
+            for (opening, number) in scene.sector(sector).openings().iter().zip(0..) {
+                let portal = scene.portal_of(sector, OpeningId(number));
                 if !portal.is_some_and(|id| scene.portals()[id.0 as usize].open) {
                     let corners = corners(&opening.outline);
                     obstacles.add(
@@ -150,7 +150,7 @@ impl Obstacles {
         }
     }
 
-    /// May a body move from one fragment to another here, or touch what is there?
+    /// May a body move from one sector to another here, or touch what is there?
     pub(super) fn has_ways_out(&self) -> bool {
         self.sides.len() > 1
     }
@@ -250,7 +250,7 @@ impl Hole {
 }
 
 /// The openings that portals lead through, in the space of the first.
-fn holes_on_the_way(scene: &Scene, from: FragmentId, crossed: &[crate::scene::PortalId]) -> Vec<Hole> {
+fn holes_on_the_way(scene: &Scene, from: SectorId, crossed: &[crate::scene::PortalId]) -> Vec<Hole> {
     debug_assert!(
         crossed
             .first()
@@ -260,7 +260,7 @@ fn holes_on_the_way(scene: &Scene, from: FragmentId, crossed: &[crate::scene::Po
     let mut holes = Vec::with_capacity(crossed.len());
     for id in crossed {
         let portal = &scene.portals()[id.0 as usize];
-        let opening = &scene.fragment(portal.from).openings()[usize::from(portal.opening.0)];
+        let opening = &scene.sector(portal.from).openings()[usize::from(portal.opening.0)];
         holes.push(Hole::of(&opening.outline, &here_from_there));
         if let Some(back) = portal.there_from_here.inverse() {
             here_from_there = here_from_there * back;

@@ -15,7 +15,7 @@ pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<Standpoint> {
         if found.len() == count {
             break;
         }
-        let (fragment, content) = surveyor.contents[number % surveyor.contents.len()];
+        let (sector, content) = surveyor.contents[number % surveyor.contents.len()];
         let bounds = content.bounds();
         let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
         let dice = &mut surveyor.dice;
@@ -27,9 +27,9 @@ pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<Standpoint> {
         let [center, radius] = [0.5 * (min + max), 0.5 * (max - min)];
         let eye = center + away * (radius.length() * between(DISTANCE));
         let [eye, toward] = [eye, center].map(|point| point.as_vec3().to_array());
-        if surveyor.scene.locate(eye, toward) == Some(fragment) {
+        if surveyor.scene.locate(eye, toward) == Some(sector) {
             found.push(Standpoint {
-                fragment,
+                sector,
                 eye,
                 toward,
                 on_roof: false,

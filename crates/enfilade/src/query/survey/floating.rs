@@ -29,22 +29,22 @@ pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<Standpoint> {
             item -= if here { 0 } else { content.items().len() };
             here
         });
-        let Some(&(fragment, content)) = home else {
+        let Some(&(sector, content)) = home else {
             continue;
         };
         let Some(place) = place_in_the_open(surveyor, content, ItemId(item as u32)) else {
             continue;
         };
         let eye = place.as_vec3().to_array();
-        // Where fragments overlap the eye belongs to the smallest: it must be open there too.
+        // Where sectors overlap the eye belongs to the smallest: it must be open there too.
         if let Some(toward) = surveyor
-            .target(fragment, content, place)
+            .target(sector, content, place)
             .map(|toward| toward.as_vec3())
             && !surveyor.budget.is_spent()
-            && surveyor.scene.locate(eye, toward.to_array()) == Some(fragment)
+            && surveyor.scene.locate(eye, toward.to_array()) == Some(sector)
         {
             found.push(Standpoint {
-                fragment,
+                sector,
                 eye,
                 toward: toward.to_array(),
                 on_roof: false,

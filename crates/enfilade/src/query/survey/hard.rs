@@ -2,17 +2,17 @@
 
 use super::{Dice, Standpoint};
 use crate::content::{Content, ItemId};
-use crate::scene::{FragmentId, Scene};
+use crate::scene::{Scene, SectorId};
 use glam::DVec3;
 
 /// Returns up to `count` views in which methods are most likely to be wrong, chosen by a fixed seed: in turn with the eye in or next
 /// to an opening, on a vertex, on an edge, and in the plane of a face, often looking along a face.
 ///
-/// Eyes may be inside solids. Returns fewer views if [`Scene::locate`] finds many of the eyes in other fragments, and none if the scene
+/// Eyes may be inside solids. Returns fewer views if [`Scene::locate`] finds many of the eyes in other sectors, and none if the scene
 /// has no faces.
 pub fn survey_hard(scene: &Scene, count: usize) -> Vec<Standpoint> {
-    let contents: Vec<(FragmentId, &Content)> = scene
-        .fragments()
+    let contents: Vec<(SectorId, &Content)> = scene
+        .sectors()
         .filter_map(|id| scene.content(id).map(|content| (id, &**content)))
         .filter(|(_, content)| content.face_count() > 0)
         .collect();
@@ -22,7 +22,7 @@ pub fn survey_hard(scene: &Scene, count: usize) -> Vec<Standpoint> {
         if found.len() == count || contents.is_empty() {
             break;
         }
-        let (fragment, content) = contents[dice.below(contents.len())];
+        let (sector, content) = contents[dice.below(contents.len())];
         let place = match number % 4 {
             0 => in_opening(content, &mut dice),
             1 => at_face(content, &mut dice, Where::Corner),
@@ -32,9 +32,9 @@ pub fn survey_hard(scene: &Scene, count: usize) -> Vec<Standpoint> {
         let Some([eye, toward]) = place.map(|place| place.map(|point| point.as_vec3().to_array())) else {
             continue;
         };
-        if eye != toward && scene.locate(eye, toward) == Some(fragment) {
+        if eye != toward && scene.locate(eye, toward) == Some(sector) {
             found.push(Standpoint {
-                fragment,
+                sector,
                 eye,
                 toward,
                 on_roof: false,

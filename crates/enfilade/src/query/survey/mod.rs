@@ -20,9 +20,9 @@ pub use hard::survey_hard;
 use super::cast::line_of;
 use super::ray::Met;
 use crate::content::{Content, ItemId};
-use crate::fragment::{Hit, Ray};
 use crate::geom::{Aabb, Step, nearest_points};
-use crate::scene::{FragmentId, Scene};
+use crate::scene::{Scene, SectorId};
+use crate::sector::{Hit, Ray};
 use floors::{Floor, Floors, Kind};
 use glam::DVec3;
 use rooms::{Room, rooms};
@@ -35,9 +35,9 @@ use std::collections::BTreeSet;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Standpoint {
-    /// The fragment that contains the eye.
-    pub fragment: FragmentId,
-    /// Camera position, in the fragment's space.
+    /// The sector that contains the eye.
+    pub sector: SectorId,
+    /// Camera position, in the sector's space.
     pub eye: [f32; 3],
     /// Camera target; level with the eye in [`survey`] where something is visible there, anywhere in [`survey_hard`].
     pub toward: [f32; 3],
@@ -70,13 +70,13 @@ pub struct Survey {
 /// Returns fewer positions if it finds no more or if thousands of items overlap, and none if the scene has no open space.
 pub fn survey(scene: &Scene, count: usize) -> Survey {
     let seed = 0x656E_6669_6C61_6465;
-    Surveyor::new(scene, scene.fragments(), seed).survey(count)
+    Surveyor::new(scene, scene.sectors(), seed).survey(count)
 }
 
-/// Returns positions like [`survey`], but in one fragment only and with another seed.
-pub fn survey_in(scene: &Scene, fragment: FragmentId, count: usize) -> Survey {
-    let seed = u64::from(fragment.0);
-    Surveyor::new(scene, std::iter::once(fragment), seed).survey(count)
+/// Returns positions like [`survey`], but in one sector only and with another seed.
+pub fn survey_in(scene: &Scene, sector: SectorId, count: usize) -> Survey {
+    let seed = u64::from(sector.0);
+    Surveyor::new(scene, std::iter::once(sector), seed).survey(count)
 }
 
 /// Eye height above the floor, in metres; lower under low ceilings.
@@ -112,7 +112,7 @@ const USUAL_HEADROOM: f64 = 3.0;
 
 /// A content with its floors and rooms.
 struct Site<'a> {
-    fragment: FragmentId,
+    sector: SectorId,
     content: &'a Content,
     floors: Floors,
     rooms: Vec<Room>,
@@ -122,15 +122,15 @@ struct Site<'a> {
 
 struct Surveyor<'a> {
     scene: &'a Scene,
-    contents: Vec<(FragmentId, &'a Content)>,
+    contents: Vec<(SectorId, &'a Content)>,
     metre: f64,
     dice: Dice,
     budget: RayBudget,
 }
 
 impl<'a> Surveyor<'a> {
-    fn new(scene: &'a Scene, fragments: impl Iterator<Item = FragmentId>, seed: u64) -> Surveyor<'a> {
-        let contents = fragments
+    fn new(scene: &'a Scene, sectors: impl Iterator<Item = SectorId>, seed: u64) -> Surveyor<'a> {
+        let contents = sectors
             .filter_map(|id| scene.content(id).map(|content| (id, &**content)))
             .filter(|(_, content)| content.items().iter().any(|item| !item.bounds.is_empty()))
             .collect();
@@ -155,10 +155,10 @@ impl<'a> Surveyor<'a> {
             floors = self.floors();
         }
         let sites: Vec<Site> = (self.contents.iter().zip(floors))
-            .map(|(&(fragment, content), floors)| {
+            .map(|(&(sector, content), floors)| {
                 let (rooms, clearance) = rooms(&floors, self.metre);
                 Site {
-                    fragment,
+                    sector,
                     content,
                     floors,
                     rooms,
@@ -334,11 +334,11 @@ impl<'a> Surveyor<'a> {
             if !is_open {
                 return None;
             }
-            let toward = self.target(site.fragment, site.content, place)?.as_vec3();
-            // Where fragments overlap the eye belongs to the smallest.
-            let at_home = self.scene.locate(eye.to_array(), toward.to_array()) == Some(site.fragment);
+            let toward = self.target(site.sector, site.content, place)?.as_vec3();
+            // Where sectors overlap the eye belongs to the smallest.
+            let at_home = self.scene.locate(eye.to_array(), toward.to_array()) == Some(site.sector);
             (at_home && !self.budget.is_spent()).then(|| Standpoint {
-                fragment: site.fragment,
+                sector: site.sector,
                 eye: eye.to_array(),
                 toward: toward.to_array(),
                 on_roof: site.floors.all[floor as usize].kind == Kind::Roof,
@@ -348,10 +348,10 @@ impl<'a> Surveyor<'a> {
 
     /// Returns a target: of eight random level directions one of the two around which most items are visible, the deeper; if
     /// nothing is, the farthest hit in other directions.
-    fn target(&mut self, fragment: FragmentId, content: &Content, place: DVec3) -> Option<DVec3> {
+    fn target(&mut self, sector: SectorId, content: &Content, place: DVec3) -> Option<DVec3> {
         let size = f64::from(content.bounds().longest_side());
         let level: [f64; 8] = std::array::from_fn(|_| std::f64::consts::TAU * self.dice.fraction());
-        let met = |direction| self.met(fragment, place, direction, size);
+        let met = |direction| self.met(sector, place, direction, size);
         let ahead = |angle: f64| DVec3::new(angle.cos(), 0.0, angle.sin());
         let mut candidates: SmallVec<[(usize, f64, DVec3); 8]> = SmallVec::new();
         for angle in level {
@@ -376,11 +376,11 @@ impl<'a> Surveyor<'a> {
     /// Returns the distance and identity of what a ray hits, beyond portals too, which are followed up to a distance.
     fn met(
         &self,
-        fragment: FragmentId,
+        sector: SectorId,
         place: DVec3,
         direction: DVec3,
         far: f64,
-    ) -> Option<(f64, (FragmentId, ItemId))> {
+    ) -> Option<(f64, (SectorId, ItemId))> {
         if self.budget.is_spent() {
             return None;
         }
@@ -389,9 +389,9 @@ impl<'a> Surveyor<'a> {
             origin: place.as_vec3().into(),
             direction: direction.as_vec3().into(),
         };
-        let cast = self.scene.cast_until(fragment, &ray, far);
+        let cast = self.scene.cast_until(sector, &ray, far);
         match cast.met {
-            Met::Face(hit) => Some((cast.distance, (cast.fragment, hit.item))),
+            Met::Face(hit) => Some((cast.distance, (cast.sector, hit.item))),
             _ => None,
         }
     }
@@ -591,7 +591,7 @@ mod tests {
     fn a_survey_of_items_at_one_position_meets_a_bounded_number_of_clusters() {
         for items in [10, 30_000] {
             let scene = pyramids(items);
-            let surveyor = Surveyor::new(&scene, scene.fragments(), 1);
+            let surveyor = Surveyor::new(&scene, scene.sectors(), 1);
             let met = surveyor.survey_and_met(4).1;
             assert!(
                 met > 0 && met <= 2 * TESTED_AT_FIRST,

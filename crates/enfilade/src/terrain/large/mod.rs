@@ -17,8 +17,8 @@ use super::{BLOCK, Diagonal, HeightFieldError, check_cell, check_size};
 use crate::content::{
     Alpha, Content, ContentBuilder, ContentError, ItemId, MOST_OPENINGS, Material, Opening,
 };
-use crate::fragment::Surface;
 use crate::geom::Aabb;
+use crate::sector::Surface;
 use glam::DVec3;
 use levels::Level;
 use std::fmt;
@@ -33,8 +33,8 @@ const SQUARE_FACES: u32 = 2 * SQUARE * SQUARE;
 /// Numbers that are set aside for the faces of a block.
 const BLOCK_FACES: u32 = SQUARES * SQUARES * SQUARE_FACES;
 
-/// A fragment of its own that is ground, seen as by [`Method::FloatingHorizon`](crate::Method::FloatingHorizon), of which only a
-/// tree is kept in memory; for [`SceneBuilder::add_own`](crate::SceneBuilder::add_own).
+/// A sector of its own that is ground, seen as by [`Method::FloatingHorizon`](crate::Method::FloatingHorizon), of which only a
+/// tree is kept in memory; for [`SceneBuilder::add_custom`](crate::SceneBuilder::add_custom).
 ///
 /// Blocks of 32×32 cells are its items, row after row, the northern first and each from west to east. The first sample stands at
 /// x = 0, z = 0; a portal's transform places it elsewhere. It is opaque, and seen from both sides.

@@ -6,7 +6,7 @@ mod worlds;
 use crate::subject::{SIZE, drawn, limits, subjects, viewer};
 use enfilade::laws::Reference;
 use enfilade::{
-    ContentBuilder, FragmentId, ItemId, MaterialId, Method, Owner, Scene, SceneBuilder, Transform, View,
+    ContentBuilder, ItemId, MaterialId, Method, Owner, Scene, SceneBuilder, SectorId, Transform, View,
 };
 use enfilade_scenes::Random;
 use glam::DVec3;
@@ -32,9 +32,9 @@ pub(crate) fn keeps_its_contract(scene: &Scene, views: &[View], place: &str) -> 
     looked_at
 }
 
-pub(crate) fn view(fragment: FragmentId, eye: DVec3, toward: DVec3, near: f32) -> View {
+pub(crate) fn view(sector: SectorId, eye: DVec3, toward: DVec3, near: f32) -> View {
     let mut view = View::new(eye.as_vec3().into(), toward.as_vec3().into(), [64, 48]);
-    view.fragment = Some(fragment);
+    view.sector = Some(sector);
     view.fov_y = 1.3;
     view.near = near;
     view
@@ -57,7 +57,7 @@ fn views(solid: &Solid, random: &mut Random, close: bool) -> Vec<View> {
         }
         let toward = solid.point(random, face, 0.3);
         let near = (size * [1e-3, 0.3][look / 4]) as f32;
-        views.push(view(FragmentId(0), eye, toward, near));
+        views.push(view(SectorId(0), eye, toward, near));
     }
     views
 }
@@ -96,8 +96,8 @@ fn chain(solids: &[Solid], random: &mut Random, dress: &Dress) -> Scene {
     }
     for (from, pair) in (0..).zip(solids.windows(2)) {
         let there_from_here = through(&pair[0].outline(1), &pair[1].outline(0));
-        let here = (FragmentId(from), enfilade::OpeningId(1));
-        scene.portal(here, (FragmentId(from + 1), FIRST), there_from_here);
+        let here = (SectorId(from), enfilade::OpeningId(1));
+        scene.portal(here, (SectorId(from + 1), FIRST), there_from_here);
     }
     scene.build().expect("they are convex")
 }
@@ -189,7 +189,7 @@ fn worlds_by_chance_show_something() {
         let eye = solids[0].point(random, 0, 0.3);
         let door = solids[0].point(random, 1, 1.0);
         let place = format!("seed {seed}");
-        looked_at += keeps_its_contract(&scene, &[view(FragmentId(0), eye, door, 1e-3)], &place);
+        looked_at += keeps_its_contract(&scene, &[view(SectorId(0), eye, door, 1e-3)], &place);
     }
     assert!(looked_at > 40, "{looked_at}");
 }
@@ -209,7 +209,7 @@ fn double_sided_box() -> (Solid, Scene) {
 #[test]
 fn from_outside_a_double_sided_box_shows_the_sides_that_are_near() {
     let (_, scene) = double_sided_box();
-    let outside = view(FragmentId(0), DVec3::new(3.0, 4.0, 5.0), DVec3::ZERO, 0.1);
+    let outside = view(SectorId(0), DVec3::new(3.0, 4.0, 5.0), DVec3::ZERO, 0.1);
     let mut viewer = viewer();
     let items: Vec<ItemId> = viewer
         .look(&scene, &outside)
@@ -221,7 +221,7 @@ fn from_outside_a_double_sided_box_shows_the_sides_that_are_near() {
     assert_eq!(items, [0, 2, 4].map(ItemId));
     assert_eq!(keeps_its_contract(&scene, &[outside], "outside"), 3);
     let inside = view(
-        FragmentId(0),
+        SectorId(0),
         DVec3::new(0.0, 0.0, 0.9),
         DVec3::new(0.3, 0.2, -1.0),
         0.01,
@@ -238,9 +238,9 @@ fn a_block_seen_from_outside_is_as_convex_as_a_room() {
         ..Dress::default()
     };
     let scene = alone(&block, &mut Random::new(0), &dress);
-    let outside = view(FragmentId(0), DVec3::new(3.0, 4.0, 5.0), DVec3::ZERO, 0.1);
+    let outside = view(SectorId(0), DVec3::new(3.0, 4.0, 5.0), DVec3::ZERO, 0.1);
     assert_eq!(keeps_its_contract(&scene, &[outside], "outside"), 3);
-    let inside = view(FragmentId(0), DVec3::ZERO, DVec3::X, 0.01);
+    let inside = view(SectorId(0), DVec3::ZERO, DVec3::X, 0.01);
     assert_eq!(keeps_its_contract(&scene, &[inside], "inside"), 0);
 }
 
@@ -257,7 +257,7 @@ fn of_faces_in_one_plane_the_lowest_is_seen_in_one_mesh_and_over_items() {
         let mut scene = SceneBuilder::new();
         scene.add("wall", builder.build().expect("sound"), Method::Cell);
         let scene = scene.build().expect("flat is convex");
-        let ahead = view(FragmentId(0), DVec3::ZERO, -DVec3::Z, 0.1);
+        let ahead = view(SectorId(0), DVec3::ZERO, -DVec3::Z, 0.1);
         drawn(&mut viewer(), &scene, &ahead).owner([32, 24])
     };
     for sizes in [[0.5, 3.0], [3.0, 0.5]] {

@@ -3,8 +3,8 @@
 use super::worlds::{Dress, Solid, materials, place, polygons};
 use super::{alone, keeps_its_contract, view};
 use enfilade::{
-    Content, ContentBuilder, FaceName, FragmentId, ItemId, MaterialId, Mesh, Method, NotConvex, SceneBuilder,
-    SceneError, Transform, Unsuited,
+    Content, ContentBuilder, FaceName, ItemId, MaterialId, Mesh, Method, NotConvex, SceneBuilder, SceneError,
+    SectorId, Transform, Unsuited,
 };
 use enfilade_scenes::Random;
 use glam::DVec3;
@@ -126,8 +126,8 @@ fn a_refusal_says_what_is_where_and_what_to_do() {
     let mut scene = SceneBuilder::new();
     scene.add("house", content, Method::Cell);
     let error = scene.build().err().expect("it is not convex");
-    assert!(matches!(&error, SceneError::NotConvex { fragment, .. } if fragment == "house"));
-    assert_eq!(error.to_string(), format!("fragment `house`: {told}"));
+    assert!(matches!(&error, SceneError::NotConvex { sector, .. } if sector == "house"));
+    assert_eq!(error.to_string(), format!("sector `house`: {told}"));
 }
 
 #[test]
@@ -155,11 +155,11 @@ fn an_edit_that_dents_a_cell_is_refused_and_leaves_it_as_it_was() {
         ..Dress::default()
     };
     let mut scene = alone(&solid, &mut Random::new(0), &dress);
-    let ahead = view(FragmentId(0), DVec3::ZERO, DVec3::X, 0.01);
+    let ahead = view(SectorId(0), DVec3::ZERO, DVec3::X, 0.01);
     let sheet = [[0.0, -0.5, -0.5], [0.0, 0.5, -0.5], [0.0, 0.0, 0.5]];
     let sheet = Arc::new(Mesh::triangles(&sheet, &[0, 1, 2], MaterialId(1)).expect("a triangle"));
     let mut edit = scene.edit();
-    edit.add(FragmentId(0), "screen", Arc::clone(&sheet), Transform::IDENTITY)
+    edit.add(SectorId(0), "screen", Arc::clone(&sheet), Transform::IDENTITY)
         .expect("it fits");
     let why = edit.finish().expect_err("a screen in the middle");
     assert!(why.to_string().contains("`screen`"), "{why}");
@@ -168,19 +168,19 @@ fn an_edit_that_dents_a_cell_is_refused_and_leaves_it_as_it_was() {
     // What hides nothing may come and go, and nothing is built for it.
     let mut edit = scene.edit();
     let ghost = edit.add(
-        FragmentId(0),
+        SectorId(0),
         "ghost",
         sheet,
         Transform::translation([0.5, 0.0, 0.0]),
     );
     let ghost = ghost.expect("it fits");
-    edit.set_hides(FragmentId(0), ghost, false).expect("it is there");
+    edit.set_hides(SectorId(0), ghost, false).expect("it is there");
     assert_eq!(edit.finish().expect("it hides nothing").rebuilt, 0);
     assert_eq!(keeps_its_contract(&scene, &[ahead], "with a ghost"), seen + 1);
     // A wall that goes leaves it convex, and so does one that is moved within its plane.
     let mut edit = scene.edit();
-    edit.remove(FragmentId(0), ItemId(5)).expect("it is there");
-    edit.place(FragmentId(0), ItemId(4), Transform::scaling([0.5, 0.5, 1.0]))
+    edit.remove(SectorId(0), ItemId(5)).expect("it is there");
+    edit.place(SectorId(0), ItemId(4), Transform::scaling([0.5, 0.5, 1.0]))
         .expect("it is there");
     assert_eq!(edit.finish().expect("still convex").rebuilt, 1);
     keeps_its_contract(&scene, &[ahead], "without a wall");

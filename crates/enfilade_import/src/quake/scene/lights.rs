@@ -7,7 +7,7 @@
 
 use super::axes::{direction, turned};
 use super::entities::Entity;
-use enfilade::{FragmentId, Light, LightShape};
+use enfilade::{Light, LightShape, SectorId};
 use std::collections::HashMap;
 
 /// How strong a light is that does not say.
@@ -64,7 +64,7 @@ fn lamp(entity: &Entity, named: &HashMap<&str, &Entity>, is_quake3: bool) -> Opt
         .and_then(|target| target.three("origin"));
     let shape = spot(entity, origin, target, is_quake3).unwrap_or(LightShape::Point);
     Some(Light {
-        fragment: FragmentId(0),
+        sector: SectorId(0),
         position: turned(origin),
         color: color.map(|part| part * bright / USUAL),
         range,
@@ -115,7 +115,7 @@ fn suns<'e>(world: &'e Entity) -> impl Iterator<Item = Light> + 'e {
         let strength = world.number_of_any(strength).filter(|&strength| strength > 0.0)?;
         let color = color(world, tint).unwrap_or([1.0; 3]);
         Some(Light {
-            fragment: FragmentId(0),
+            sector: SectorId(0),
             position: [0.0; 3],
             color: color.map(|part| part * strength / USUAL),
             range: f32::MAX,

@@ -91,7 +91,7 @@ fn camera(
         up: [0.0, 1.0, 0.0],
         fov_y: FOV,
         near: NEAR,
-        fragment: None,
+        sector: None,
         height: None,
     })
 }

@@ -128,7 +128,7 @@ fn furnish(stage: &mut Stage, plan: &Plan) {
 }
 
 /// A house made by chance, the same for the same number: rooms in rows and columns, doors between neighbours, all of it in
-/// one fragment with cells. Items whose names end in `box`, `ball` or `pillar` stand free; all others are its walls.
+/// one sector with cells. Items whose names end in `box`, `ball` or `pillar` stand free; all others are its walls.
 pub fn random_house(seed: u64) -> BuiltIn {
     let mut random = Random::new(seed);
     let mut ends = || -> Vec<usize> {

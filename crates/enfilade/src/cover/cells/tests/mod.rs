@@ -7,7 +7,7 @@ use crate::cover::Cover;
 use crate::geom::Transform;
 use crate::mesh::Mesh;
 use crate::region::{Region, Sight};
-use crate::scene::FragmentId;
+use crate::scene::SectorId;
 use crate::view::View;
 use glam::{DVec2, DVec3};
 
@@ -70,7 +70,7 @@ impl Dice {
 /// What all faces of a content cover in so many cells of a screen of 320×180, seen along −z.
 fn covered(content: &Content, cells: [u32; 2]) -> (Known, Passage) {
     let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [320, 180]);
-    let passage = Passage::at_the_eye(&view, FragmentId(0), false).in_cells(cells, &mut CellRoom::default());
+    let passage = Passage::at_the_eye(&view, SectorId(0), false).in_cells(cells, &mut CellRoom::default());
     let (mut known, mut surface) = (Known::default(), Surface::default());
     known.clear_cells(&passage);
     surface.clear(&passage);
@@ -218,9 +218,7 @@ fn on_screen(content: &Content, passage: &Passage, double_sided: bool) -> Vec<[D
         let mesh = content.mesh_of(item);
         let at = |corner: u32| {
             let position = mesh.positions()[corner as usize].map(f64::from);
-            passage
-                .screen_from_fragment
-                .transform_point3(DVec3::from(position))
+            passage.screen_from_sector.transform_point3(DVec3::from(position))
         };
         for face in 0..mesh.face_count() {
             let (corners, _) = mesh.runs(face..face + 1);

@@ -45,7 +45,7 @@ fn lost(corners: &[[f32; 3]], passage: &Passage) -> (Vec<bool>, Polygon, usize) 
     let content = builder.build().expect("one sound face");
     let [width, height] = passage.size.map(|side| side as usize);
     let mut held = Held(vec![false; width * height], width);
-    let faces = Faces::of_cluster(&content, ItemId(0), 0, &passage.screen_from_fragment);
+    let faces = Faces::of_cluster(&content, ItemId(0), 0, &passage.screen_from_sector);
     Raster::default().run(&faces, passage, &mut held, &mut Stats::default());
     let corners: Vec<DVec3> = corners
         .iter()
@@ -109,7 +109,7 @@ fn a_polygon_of_many_corners_covers_the_samples_that_it_owns() {
     for round in 0..2000 {
         let mut view = View::new([0.0; 3], [0.0, 0.0, -1.0], [80, 50]);
         view.toward = (DVec3::NEG_Z + 0.8 * dice.unit()).as_vec3().to_array();
-        let passage = Passage::at_the_eye(&view, FragmentId(0), false);
+        let passage = Passage::at_the_eye(&view, SectorId(0), false);
         let count = 3 + round % 8;
         let distance = -dice.by_ratio(0.05, 20.0) as f32;
         let radius = -f64::from(distance) * dice.by_ratio(0.02, 20.0);
@@ -164,7 +164,7 @@ fn whatever_a_depth_buffer_shows_is_seen_past_the_faces_that_it_took() {
         let content = triangles(&mut dice, 40);
         let passage = passage([[77, 43], [200, 120]][seed as usize % 2]);
         let items = (0..content.items().len() as u32).map(ItemId);
-        let faces = |item| Faces::of_cluster(&content, item, 0, &passage.screen_from_fragment);
+        let faces = |item| Faces::of_cluster(&content, item, 0, &passage.screen_from_sector);
         let (mut stats, mut seen) = (Stats::default(), Seen::default());
         let mut exact = DepthBuffer::default();
         Paints::clear(&mut exact, &passage, false);
@@ -178,7 +178,7 @@ fn whatever_a_depth_buffer_shows_is_seen_past_the_faces_that_it_took() {
         let owners: BTreeSet<ItemId> = seen.items.iter().map(|item| item.item).collect();
         for item in items {
             let bounds = content.mesh_of(item).bounds();
-            let region = Region::of(&passage, &passage.screen_from_fragment, &bounds);
+            let region = Region::of(&passage, &passage.screen_from_sector, &bounds);
             if region.is_none_or(|region| cover.sees(&region) == Sight::Hidden) {
                 assert!(!owners.contains(&item), "{item:?} of scene {seed}");
                 hidden += 1;

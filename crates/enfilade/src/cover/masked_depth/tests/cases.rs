@@ -7,7 +7,7 @@ use crate::geom::ConvexPolygon;
 fn square(side: u32) -> Passage {
     let mut view = View::new([0.0; 3], [0.0, 0.0, -1.0], [side, side]);
     view.fov_y = 90.0_f32.to_radians();
-    Passage::at_the_eye(&view, FragmentId(0), false)
+    Passage::at_the_eye(&view, SectorId(0), false)
 }
 
 /// A rectangle across the line of sight at a distance, by where it is on the screen of [`square`], in pixels.
@@ -30,11 +30,11 @@ fn covered(passage: &Passage, polygons: &[Polygon]) -> MaskedDepth {
     cover
 }
 
-/// Is a box, by its least and greatest corners in the space of the fragment, seen?
+/// Is a box, by its least and greatest corners in the space of the sector, seen?
 fn sees(cover: &mut MaskedDepth, passage: &Passage, min: [f64; 3], max: [f64; 3]) -> bool {
     let [min, max] = [min, max].map(DVec3::from);
-    let box_to_fragment = DAffine3::from_translation(min) * DAffine3::from_scale(max - min);
-    region_of(passage, &box_to_fragment).is_some_and(|region| cover.sees(&region) != Sight::Hidden)
+    let box_to_sector = DAffine3::from_translation(min) * DAffine3::from_scale(max - min);
+    region_of(passage, &box_to_sector).is_some_and(|region| cover.sees(&region) != Sight::Hidden)
 }
 
 #[test]
@@ -87,7 +87,7 @@ fn what_is_as_near_as_a_slanting_occluder_is_seen() {
             origin: middle,
             sides,
         };
-        let back = passage.screen_from_fragment.matrix3.inverse();
+        let back = passage.screen_from_sector.matrix3.inverse();
         let local = DAffine3 {
             matrix3: back * glam::DMat3::from_cols(sides[0], sides[1], sides[2]),
             translation: back * middle,

@@ -34,7 +34,7 @@ pub(super) fn exact(positions: &[[f32; 3]], corners: &[u32], passage: &Passage) 
         width,
         nearness: vec![0.0; width * height],
     };
-    let faces = Faces::of_triangles(positions, corners, &passage.screen_from_fragment);
+    let faces = Faces::of_triangles(positions, corners, &passage.screen_from_sector);
     Raster::default().run(&faces, passage, &mut nearest, &mut Stats::default());
     nearest
 }
@@ -73,7 +73,7 @@ pub(super) fn passage_of(seed: u64, dice: &mut Dice) -> Passage {
         [701, 333],
     );
     view.near = dice.by_ratio(1e-3, 0.5) as f32;
-    Passage::at_the_eye(&view, FragmentId(0), false)
+    Passage::at_the_eye(&view, SectorId(0), false)
 }
 
 pub(super) fn hidden_by(level: Level, mesh: &OccluderMesh, passage: &Passage) -> MaskedDepth {
@@ -186,7 +186,7 @@ fn a_wall_among_more_corners_than_there_is_room_for_hides_as_alone() {
     let mut cover = MaskedDepth::default();
     cover.clear(&passage);
     let corners = [1500, 1501, 1502];
-    let faces = Faces::of_triangles(&positions, &corners, &passage.screen_from_fragment);
+    let faces = Faces::of_triangles(&positions, &corners, &passage.screen_from_sector);
     cover.hide_batch(&faces, &passage, &mut Stats::default());
     assert!(cover.known(80, 45) > 0.19);
     for (x, y) in samples(cover.grid.rect) {
@@ -257,7 +257,7 @@ fn strips_hide_the_very_samples_of_a_mesh_and_are_nowhere_nearer_by_any_number_o
 #[test]
 fn a_triangle_with_a_corner_that_is_no_number_hides_nothing() {
     let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [64, 48]);
-    let passage = Passage::at_the_eye(&view, FragmentId(0), false);
+    let passage = Passage::at_the_eye(&view, SectorId(0), false);
     let sound = [[-90.0, -90.0, -2.0], [90.0, -90.0, -2.0], [0.0, 90.0, -2.0]];
     let all_hidden = |positions: &[[f32; 3]], corners: &[u32]| {
         let cover = hidden_by_triangles(positions, corners, &passage);
@@ -286,7 +286,7 @@ fn worlds_as_small_as_atoms_and_as_large_as_the_sky_are_held_as_others() {
             let mut dice = Dice::new(seed + 10 * number as u64 + 5000);
             let mut view = View::new([0.0; 3], dice.unit().to_array().map(|v| v as f32), [160, 90]);
             view.near = 0.05 * scale;
-            let passage = Passage::at_the_eye(&view, FragmentId(0), false);
+            let passage = Passage::at_the_eye(&view, SectorId(0), false);
             let (positions, corners) = soup(&mut dice, &passage, 60);
             let positions: Vec<[f32; 3]> = positions.iter().map(|at| at.map(|v| v * scale)).collect();
             let exact = exact(&positions, &corners, &passage);

@@ -10,7 +10,7 @@ use super::*;
 use crate::aperture::Rect;
 use crate::geom::Aabb;
 use crate::region::Volume;
-use crate::scene::FragmentId;
+use crate::scene::SectorId;
 use crate::view::View;
 use glam::{DAffine3, DVec3};
 use oracle::*;
@@ -168,7 +168,7 @@ fn boxes_asked_about_together_are_seen_where_their_rectangles_are() {
         assert_eq!(seen.len(), boxes.len());
         let mut rects = Vec::new();
         for (bounds, &seen) in boxes.iter().zip(&seen) {
-            let region = Region::of(&passage, &passage.screen_from_fragment, bounds);
+            let region = Region::of(&passage, &passage.screen_from_sector, bounds);
             let alone = region.is_some_and(|region| cover.sees_rect(&region.rect, region.nearest));
             rects.push(region.map_or_else(Default::default, |region| (region.rect, region.nearest)));
             assert_eq!(seen, alone, "{bounds:?} of scene {seed}");

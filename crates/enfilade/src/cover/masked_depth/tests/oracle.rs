@@ -43,11 +43,11 @@ pub(super) struct Polygon {
 }
 
 impl Polygon {
-    /// The plane through corners that are given in the space of the fragment.
+    /// The plane through corners that are given in the space of the sector.
     pub(super) fn new(corners: &[DVec3], passage: &Passage) -> Polygon {
         let corners: Vec<DVec3> = corners
             .iter()
-            .map(|&c| passage.screen_from_fragment.transform_point3(c))
+            .map(|&c| passage.screen_from_sector.transform_point3(c))
             .collect();
         let normal = (2..corners.len())
             .map(|i| (corners[i - 1] - corners[0]).cross(corners[i] - corners[0]))
@@ -191,7 +191,7 @@ pub(super) fn nearness_of(volume: &Volume, x: u16, y: u16) -> Option<f64> {
 }
 
 pub(super) fn passage(size: [u32; 2]) -> Passage {
-    Passage::at_the_eye(&View::new([0.0; 3], [0.0, 0.0, -1.0], size), FragmentId(0), false)
+    Passage::at_the_eye(&View::new([0.0; 3], [0.0, 0.0, -1.0], size), SectorId(0), false)
 }
 
 /// Passages of all kinds: the whole screen, behind an outline, behind samples.
@@ -240,17 +240,13 @@ pub(super) fn polygons(dice: &mut Dice, passage: &Passage, count: usize) -> Vec<
         .collect()
 }
 
-/// What a passage sees of the unit cube, put into the fragment.
-pub(super) fn region_of(passage: &Passage, fragment_from_cube: &DAffine3) -> Option<Region> {
+/// What a passage sees of the unit cube, put into the sector.
+pub(super) fn region_of(passage: &Passage, sector_from_cube: &DAffine3) -> Option<Region> {
     let cube = Aabb {
         min: [0.0; 3],
         max: [1.0; 3],
     };
-    Region::of(
-        passage,
-        &(passage.screen_from_fragment * *fragment_from_cube),
-        &cube,
-    )
+    Region::of(passage, &(passage.screen_from_sector * *sector_from_cube), &cube)
 }
 
 /// A box somewhere, turned and stretched; one in five is flat, one in twenty a stick.

@@ -60,7 +60,7 @@ fn a_small_flat_quad_is_as_near_as_its_triangles_but_for_what_each_ends_at() {
     for seed in 0..60 {
         let mut dice = Dice::new(seed + 7000);
         let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [640, 360]);
-        let passage = Passage::at_the_eye(&view, FragmentId(0), false);
+        let passage = Passage::at_the_eye(&view, SectorId(0), false);
         let at = DVec3::new(dice.roll() - 0.5, dice.roll() - 0.5, -2.0 - dice.roll());
         let [across, down] = [0.06 * dice.unit(), 0.06 * dice.unit()];
         let corners = [at, at + across, at + across + down, at + down].map(|at| at.as_vec3().to_array());

@@ -11,8 +11,8 @@ use std::fmt;
 /// A piece of the world with its own way of being seen.
 ///
 /// It knows its openings, not where they lead: it never follows one. Source: Boreskov, Using portals to create
-/// aggregate scenes ("a fragment draws itself inside a given polygon of the picture plane").
-pub trait Fragment: Send + Sync {
+/// aggregate scenes ("a sector draws itself inside a given polygon of the picture plane").
+pub trait Sector: Send + Sync {
     /// The smallest box around everything in it, in its own space.
     fn bounds(&self) -> Aabb;
 
@@ -22,7 +22,7 @@ pub trait Fragment: Send + Sync {
     /// What it promises of what it reports.
     fn contract(&self) -> Contract;
 
-    /// Does [`Fragment::draw`] paint what [`Fragment::gather`] reported just before through the same passage, and
+    /// Does [`Sector::draw`] paint what [`Sector::gather`] reported just before through the same passage, and
     /// nothing else? So does a method that knows what may be seen but not where.
     fn draws_what_was_gathered(&self, _memory: &Memory) -> bool {
         false
@@ -32,8 +32,8 @@ pub trait Fragment: Send + Sync {
     fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen);
 
     /// Paints what is seen through `passage`: opaque faces at once, samples of glass into `seen`, to be painted
-    /// after what is behind the openings. Reports as [`Fragment::gather`] does; what that reported is in `seen` if it is
-    /// to be painted ([`Fragment::draws_what_was_gathered`]).
+    /// after what is behind the openings. Reports as [`Sector::gather`] does; what that reported is in `seen` if it is
+    /// to be painted ([`Sector::draws_what_was_gathered`]).
     fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: &mut dyn Canvas);
 
     /// The first face along a ray, seen from whichever side.
@@ -69,7 +69,7 @@ pub trait Fragment: Send + Sync {
         String::new()
     }
 
-    /// The box around an item, in the space of the fragment; empty where it does not say.
+    /// The box around an item, in the space of the sector; empty where it does not say.
     fn item_bounds(&self, _item: ItemId) -> Aabb {
         Aabb::EMPTY
     }
@@ -80,11 +80,11 @@ pub trait Fragment: Send + Sync {
     }
 }
 
-/// What a method built over the faces of a fragment.
+/// What a method built over the faces of a sector.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Built {
-    /// Faces after splitting; those of the fragment where nothing is split.
+    /// Faces after splitting; those of the sector where nothing is split.
     pub faces: u64,
     /// How often a face was split.
     pub splits: u64,
@@ -92,7 +92,7 @@ pub struct Built {
     pub depth: u32,
 }
 
-/// A half-line in the space of a fragment.
+/// A half-line in the space of a sector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Where it begins.
@@ -117,9 +117,9 @@ pub struct Hit {
 /// How a face looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
-    /// Unit normal in the space of the fragment; it points to the front. Zero for a face without area.
+    /// Unit normal in the space of the sector; it points to the front. Zero for a face without area.
     pub normal: [f32; 3],
-    /// A point of the face, in the space of the fragment.
+    /// A point of the face, in the space of the sector.
     pub point: [f32; 3],
     /// Red, green, blue and coverage, linear, 0 to 1.
     pub color: [f32; 4],
@@ -142,7 +142,7 @@ pub enum Contract {
 }
 
 impl Contract {
-    /// What is promised of what two fragments report together, one seen through an opening of the other: the weaker, and
+    /// What is promised of what two sectors report together, one seen through an opening of the other: the weaker, and
     /// of exact and strict neither. A strict parent opens more than is seen, an exact one only what the middles of pixels
     /// show.
     #[must_use]

@@ -1,13 +1,13 @@
-//! A fragment of one's own behind a door: a room that is dark until one comes near.
+//! A sector of one's own behind a door: a room that is dark until one comes near.
 #![expect(clippy::print_stdout, reason = "examples print")]
 
 use enfilade::*;
 use std::sync::Arc;
 
 /// A room as some method sees it, whenever there is light.
-struct Lit(Arc<dyn Fragment>);
+struct Lit(Arc<dyn Sector>);
 
-impl Fragment for Lit {
+impl Sector for Lit {
     fn bounds(&self) -> Aabb {
         self.0.bounds()
     }
@@ -38,12 +38,12 @@ impl Fragment for Lit {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let built = enfilade_scenes::built_in("two-rooms").ok_or("built in")?;
-    let content = |room| Arc::clone(built.scene.content(FragmentId(room)).expect("ours"));
+    let content = |room| Arc::clone(built.scene.content(SectorId(room)).expect("ours"));
     let lit = Lit(Method::HierarchicalZ.build(content(1), Method::DEFAULT_LIMIT)?);
 
     let mut scene = SceneBuilder::new();
     let hall = scene.add("hall", content(0), Method::SBuffer);
-    let study = scene.add_own("study", Arc::new(lit));
+    let study = scene.add_custom("study", Arc::new(lit));
     scene.door((hall, OpeningId(0)), (study, OpeningId(0)));
     let (scene, mut viewer) = (scene.build()?, Viewer::new());
     for x in [-4.5, -3.5, -2.5, -1.5] {

@@ -131,15 +131,15 @@ fn print(seed: u64, number: usize, view: &View, visible: usize) {
 fn describe(scene: &Scene) {
     for id in scene.sectors() {
         println!("{id:?}: {:?}", scene.bounds(id));
-        let Some(content) = scene.content(id) else {
+        let Some(geometry) = scene.geometry(id) else {
             continue;
         };
-        for (number, opening) in content.openings().iter().enumerate() {
+        for (number, opening) in geometry.openings().iter().enumerate() {
             println!("  opening {number}: {:?}", opening.outline.corners());
         }
-        for (number, item) in content.items().iter().enumerate() {
-            let mesh = &content.meshes()[item.mesh.0 as usize];
-            let material = content.material(&mesh.clusters()[0]);
+        for (number, item) in geometry.items().iter().enumerate() {
+            let mesh = &geometry.meshes()[item.mesh.0 as usize];
+            let material = geometry.material(&mesh.clusters()[0]);
             let kind = (material.alpha, material.double_sided);
             println!(
                 "  item {number}: {} faces, {kind:?}, {:?}",

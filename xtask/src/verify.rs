@@ -183,7 +183,7 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
     let [size, strict_size] = [&args.size, &args.strict_size].map(|size| [size[0], size[1]]);
     let limits = Viewer::new().limits();
     let at_first: Vec<usize> = (scene.sectors())
-        .map(|id| scene.content(id).map_or(0, |content| content.item_count()))
+        .map(|id| scene.geometry(id).map_or(0, |geometry| geometry.item_count()))
         .collect();
     let (mut wrong, mut visible, mut edited, mut glass) = (0, 0, 0, 0);
     for (number, place) in places[..args.views.min(places.len())].iter().enumerate() {

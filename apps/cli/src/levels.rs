@@ -41,8 +41,8 @@ impl Leveled {
             let set = viewer.look(&prepared.scene, view);
             let refined = self.details.refine(&mut prepared.scene, &[set])?;
             for (sector, item, why) in &refined.failed {
-                let content = self.full.content(*sector);
-                let name = content.map_or("", |content| content.name(*item));
+                let geometry = self.full.geometry(*sector);
+                let name = geometry.map_or("", |geometry| geometry.name(*item));
                 out::warn(format_args!("no coarser levels of detail for `{name}`: {why}"));
             }
             if refined.changed == 0 && refined.waiting == 0 {
@@ -54,8 +54,8 @@ impl Leveled {
         let triangles = |scene: &Scene| -> u64 {
             let of = |&(sector, item): &(SectorId, ItemId)| {
                 scene
-                    .content(sector)
-                    .map_or(0, |content| content.mesh_of(item).triangle_count())
+                    .geometry(sector)
+                    .map_or(0, |geometry| geometry.mesh_of(item).triangle_count())
             };
             seen.iter().map(of).sum()
         };
@@ -75,6 +75,6 @@ impl Leveled {
 
 /// Is an item drawn as it is? Coarser levels hide nothing.
 fn hides(scene: &Scene, sector: SectorId, item: ItemId) -> bool {
-    let content = scene.content(sector);
-    content.is_some_and(|content| content.item(item).hides)
+    let geometry = scene.geometry(sector);
+    geometry.is_some_and(|geometry| geometry.item(item).hides)
 }

@@ -20,11 +20,11 @@ impl<'a> Names<'a> {
             in_sector: HashMap::new(),
         };
         for sector in scene.sectors() {
-            let Some(content) = scene.content(sector) else {
+            let Some(geometry) = scene.geometry(sector) else {
                 continue;
             };
-            for item in (0..content.items().len() as u32).map(ItemId) {
-                let name = content.name(item);
+            for item in (0..geometry.items().len() as u32).map(ItemId) {
+                let name = geometry.name(item);
                 *names.in_scene.entry(name).or_default() += 1;
                 *names.in_sector.entry((sector, name)).or_default() += 1;
             }
@@ -34,10 +34,10 @@ impl<'a> Names<'a> {
 
     /// The unique name of an item.
     pub(crate) fn of(&self, (sector, item): (SectorId, ItemId)) -> String {
-        let Some(content) = self.scene.content(sector) else {
+        let Some(geometry) = self.scene.geometry(sector) else {
             return self.of_own(sector, item);
         };
-        let name = content.name(item);
+        let name = geometry.name(item);
         let times = |times: Option<&u32>| times.copied().unwrap_or(0);
         if !name.is_empty() && times(self.in_scene.get(name)) == 1 {
             return name.to_owned();
@@ -50,7 +50,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// The same of a sector that is no content, whose names are its own affair: it has millions of items, or none.
+    /// The same of a sector that is no geometry, whose names are its own affair: it has millions of items, or none.
     fn of_own(&self, sector: SectorId, item: ItemId) -> String {
         let home = self.scene.sector_name(sector);
         let name = self.scene.sector(sector).item_name(item);
@@ -65,7 +65,7 @@ impl<'a> Names<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use enfilade::{ContentBuilder, Material, MaterialId, Mesh, Method, SceneBuilder, Transform};
+    use enfilade::{GeometryBuilder, Material, MaterialId, Mesh, Method, SceneBuilder, Transform};
 
     #[test]
     fn every_item_has_a_name_of_its_own() {
@@ -74,14 +74,14 @@ mod tests {
             ("hall", &["lamp", "chair", "chair", ""][..]),
             ("attic", &["chair", "trunk"]),
         ] {
-            let mut content = ContentBuilder::new([Material::opaque([1.0; 3])]);
+            let mut geometry = GeometryBuilder::new([Material::opaque([1.0; 3])]);
             let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
             let mesh =
-                content.mesh(Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)).expect("a triangle"));
+                geometry.mesh(Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)).expect("a triangle"));
             items.iter().for_each(|item| {
-                content.item(item, mesh, Transform::IDENTITY);
+                geometry.item(item, mesh, Transform::IDENTITY);
             });
-            scene.add(room, content.build().expect("sound"), Method::ZBuffer);
+            scene.add(room, geometry.build().expect("sound"), Method::ZBuffer);
         }
         let scene = scene.build().expect("sound");
         let names = Names::new(&scene);

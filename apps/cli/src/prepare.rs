@@ -134,7 +134,7 @@ pub(crate) fn prepare(
 
 /// The names of sectors that are terrain too large to be meshes.
 pub(crate) fn in_files(scene: &Scene) -> impl Iterator<Item = &str> {
-    let own = scene.sectors().filter(|&id| scene.content(id).is_none());
+    let own = scene.sectors().filter(|&id| scene.geometry(id).is_none());
     own.map(|id| scene.sector_name(id))
 }
 
@@ -208,8 +208,8 @@ fn build(opened: &Opened, choice: Choice, how: &HowArgs, view: Option<&View>) ->
         Choice::One(method) => (method.name(), scene.with_method(method, limit)?),
         Choice::Own | Choice::All | Choice::Auto => {
             // It is built already; done again to be timed, and to be held against the limit.
-            for (content, method) in contents(scene) {
-                method.build(Arc::clone(content), limit)?;
+            for (geometry, method) in geometries(scene) {
+                method.build(Arc::clone(geometry), limit)?;
             }
             ("own", scene.clone())
         }
@@ -284,16 +284,16 @@ pub(crate) fn drawn_by(prepared: &Prepared, method: Method) -> Result<Prepared, 
     })
 }
 
-fn contents(scene: &Scene) -> impl Iterator<Item = (&Arc<enfilade::Content>, Method)> {
+fn geometries(scene: &Scene) -> impl Iterator<Item = (&Arc<enfilade::Geometry>, Method)> {
     scene
         .sectors()
-        .filter_map(|id| Some((scene.content(id)?, scene.method(id)?)))
+        .filter_map(|id| Some((scene.geometry(id)?, scene.method(id)?)))
 }
 
 /// The methods that a scene's sectors are seen by, each once.
 fn methods_of(scene: &Scene) -> Vec<Method> {
     let mut methods = Vec::new();
-    for (_, method) in contents(scene) {
+    for (_, method) in geometries(scene) {
         if !methods.contains(&method) {
             methods.push(method);
         }

@@ -181,7 +181,7 @@ fn a_convex_scene_is_seen_as_one_and_another_is_told_what_stands_in_the_way() {
     for word in [
         "scene.glb: not convex: cell",
         "`floor`",
-        "hierarchical-z takes any content",
+        "hierarchical-z takes any geometry",
         "choose another --method",
     ] {
         assert!(run.stderr.contains(word), "{}", run.stderr);

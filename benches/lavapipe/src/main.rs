@@ -148,8 +148,8 @@ fn bench(args: &Args, file: &Path, cores: &[usize]) -> Result<Report> {
     let taken = measure::time(&place, &ours, &scenes, &mut peers, args.rounds.into())?;
     Ok(Report {
         name,
-        items: place.content()?.item_count(),
-        triangles: place.content()?.triangle_count(),
+        items: place.geometry()?.item_count(),
+        triangles: place.geometry()?.triangle_count(),
         drawn,
         taken,
     })

@@ -1,7 +1,7 @@
 //! A scene from a file, and where it is looked at from.
 
 use anyhow::{Context, Result};
-use enfilade::{Content, Method, Scene, View, survey};
+use enfilade::{Geometry, Method, Scene, View, survey};
 use enfilade_import::{ReadOptions, read};
 use std::path::Path;
 
@@ -34,10 +34,10 @@ impl Place {
     }
 
     /// What its one sector is made of.
-    pub(crate) fn content(&self) -> Result<&Content> {
+    pub(crate) fn geometry(&self) -> Result<&Geometry> {
         let only = self.scene.sectors().next().context("a scene of no sector")?;
-        let content = self.scene.content(only).context("a sector without a content")?;
-        Ok(content)
+        let geometry = self.scene.geometry(only).context("a sector without a geometry")?;
+        Ok(geometry)
     }
 
     /// The same, as a method sees it.

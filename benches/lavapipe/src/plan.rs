@@ -152,7 +152,7 @@ fn join(draws: &mut Vec<Draw>) {
 mod tests {
     use super::*;
     use enfilade::{
-        Alpha, ContentBuilder, ItemId, Material, MaterialId, Mesh, Method, SceneBuilder, Transform, View,
+        Alpha, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, SceneBuilder, Transform, View,
         Viewer,
     };
     use std::sync::Arc;
@@ -176,7 +176,7 @@ mod tests {
             alpha: Alpha::Blend,
             ..Material::opaque([0.9; 3])
         };
-        let mut builder = ContentBuilder::new([Material::opaque([0.5; 3]), pane]);
+        let mut builder = GeometryBuilder::new([Material::opaque([0.5; 3]), pane]);
         let [wall, copied, glass] = [STONE, STONE, GLASS].map(|material| builder.mesh(square(material)));
         let at = |z| Transform::translation([0.0, 0.0, z]);
         builder.item("wall", wall, at(-9.0));
@@ -185,8 +185,8 @@ mod tests {
         builder.item("a copy behind", copied, at(5.0));
         builder.item("near pane", glass, at(-2.0));
         builder.item("far pane", glass, at(-3.0));
-        let content = Arc::new(builder.build().expect("a sound content"));
-        let stock = Stock::new(&content);
+        let geometry = Arc::new(builder.build().expect("a sound geometry"));
+        let stock = Stock::new(&geometry);
         let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [64, 64]);
         let lens = Lens::new(&view);
 
@@ -206,7 +206,7 @@ mod tests {
         );
 
         let mut scene = SceneBuilder::new();
-        scene.add("yard", content, Method::ZBuffer);
+        scene.add("yard", geometry, Method::ZBuffer);
         let scene = scene.build().expect("a sound scene");
         let mut viewer = Viewer::new();
         let set = viewer.look(&scene, &view);

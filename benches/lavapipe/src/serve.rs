@@ -52,7 +52,7 @@ pub(crate) fn serve(
     asked: impl BufRead,
     mut answer: impl Write,
 ) -> Result<()> {
-    let stock = Stock::new(place.content()?);
+    let stock = Stock::new(place.geometry()?);
     let size = place.views[0].size;
     let mut server = Server {
         scene: place.seen_by(seen_by)?,

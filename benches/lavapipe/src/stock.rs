@@ -4,7 +4,7 @@
 //! are one draw; what stands in several is kept once and drawn as instances.
 
 use crate::weld::{Look, Vertex, Weld};
-use enfilade::{Aabb, Alpha, Content, Item, ItemId, Mesh};
+use enfilade::{Aabb, Alpha, Geometry, Item, ItemId, Mesh};
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
@@ -76,24 +76,24 @@ pub(crate) struct Stock {
 }
 
 impl Stock {
-    pub(crate) fn new(content: &Content) -> Stock {
-        let mut copies = vec![0; content.meshes().len()];
-        for item in content.items() {
+    pub(crate) fn new(geometry: &Geometry) -> Stock {
+        let mut copies = vec![0; geometry.meshes().len()];
+        for item in geometry.items() {
             copies[item.mesh.0 as usize] += 1;
         }
-        let mut shared = vec![None; content.meshes().len()];
+        let mut shared = vec![None; geometry.meshes().len()];
         let mut builder = Builder::default();
-        let mut items = vec![None; content.items().len()];
-        for id in by_place(content) {
-            let item = content.item(id);
+        let mut items = vec![None; geometry.items().len()];
+        for id in by_place(geometry) {
+            let item = geometry.item(id);
             let (matrix, translation) = place(item);
             // Mirrored copies show their faces the other way round, so each is a shape of its own.
             let instanced = copies[item.mesh.0 as usize] > 1 && !item.transform().mirrors();
             let shape = if instanced {
                 let known = &mut shared[item.mesh.0 as usize];
-                *known.get_or_insert_with(|| builder.add(content, id, DMat3::IDENTITY, DVec3::ZERO))
+                *known.get_or_insert_with(|| builder.add(geometry, id, DMat3::IDENTITY, DVec3::ZERO))
             } else {
-                builder.add(content, id, matrix, translation)
+                builder.add(geometry, id, matrix, translation)
             };
             items[id.0 as usize] = Some(Placed {
                 shape,
@@ -114,8 +114,8 @@ fn place(item: &Item) -> (DMat3, DVec3) {
 }
 
 /// Items along a curve that keeps neighbours together (Morton's).
-fn by_place(content: &Content) -> Vec<ItemId> {
-    let bounds = content.bounds();
+fn by_place(geometry: &Geometry) -> Vec<ItemId> {
+    let bounds = geometry.bounds();
     let code = |item: &Item| {
         let center = item.bounds.center();
         let steps: [u32; 3] = std::array::from_fn(|axis| {
@@ -126,8 +126,8 @@ fn by_place(content: &Content) -> Vec<ItemId> {
             steps.iter().fold(code, |code, step| code << 1 | step >> bit & 1)
         })
     };
-    let mut order: Vec<ItemId> = (0..content.items().len() as u32).map(ItemId).collect();
-    order.sort_by_key(|&id| (code(content.item(id)), id));
+    let mut order: Vec<ItemId> = (0..geometry.items().len() as u32).map(ItemId).collect();
+    order.sort_by_key(|&id| (code(geometry.item(id)), id));
     order
 }
 
@@ -141,8 +141,8 @@ struct Builder {
 
 impl Builder {
     /// Adds an item's mesh, moved. Gives the shape's number.
-    fn add(&mut self, content: &Content, id: ItemId, matrix: DMat3, translation: DVec3) -> usize {
-        let mesh = content.mesh_of(id);
+    fn add(&mut self, geometry: &Geometry, id: ItemId, matrix: DMat3, translation: DVec3) -> usize {
+        let mesh = geometry.mesh_of(id);
         let mirrored = matrix.determinant() < 0.0;
         let moved: Vec<DVec3> = mesh
             .positions()
@@ -153,7 +153,7 @@ impl Builder {
         self.weld.start();
         let starts: [u32; 4] = std::array::from_fn(|class| self.indices[class].len() as u32);
         for cluster in mesh.clusters() {
-            let material = content.material_of(id, cluster);
+            let material = geometry.material_of(id, cluster);
             let class = Class {
                 glass: material.alpha == Alpha::Blend,
                 double_sided: material.double_sided,

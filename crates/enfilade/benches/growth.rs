@@ -10,8 +10,8 @@
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 use enfilade::{
-    Content, ContentBuilder, Contract, Mesh, MeshId, Method, Scene, SceneBuilder, SectorId, Transform, View,
-    Viewer,
+    Contract, Geometry, GeometryBuilder, Mesh, MeshId, Method, Scene, SceneBuilder, SectorId, Transform,
+    View, Viewer,
 };
 use enfilade_scenes::BuiltIn;
 use std::collections::HashMap;
@@ -54,7 +54,7 @@ const OUTWARD: [(&str, u8); 3] = [("enfilade", 0), ("mirror room", 0), ("court",
 /// the wall around it hides.
 const MOST_GROWTH: f64 = 2.0;
 
-/// Bytes of a content for each more item, at most.
+/// Bytes of a geometry for each more item, at most.
 const BYTES_AN_ITEM: u64 = 100;
 
 /// Bytes of anything that a method builds for each more item, at most.
@@ -101,20 +101,20 @@ fn rooms(palace: &Scene) -> Vec<SectorId> {
 }
 
 /// Copies of rooms in a grid, the middle one where the rooms are.
-fn copies(palace: &Scene, rooms: &[SectorId], grid: [i32; 3]) -> Content {
-    let contents: Vec<&Content> = rooms
+fn copies(palace: &Scene, rooms: &[SectorId], grid: [i32; 3]) -> Geometry {
+    let geometries: Vec<&Geometry> = rooms
         .iter()
-        .map(|&room| &**palace.content(room).expect("a room of ours"))
+        .map(|&room| &**palace.geometry(room).expect("a room of ours"))
         .collect();
-    let materials = contents[0].materials();
-    let mut builder = ContentBuilder::new(materials);
-    builder.textures(contents[0].textures());
+    let materials = geometries[0].materials();
+    let mut builder = GeometryBuilder::new(materials);
+    builder.textures(geometries[0].textures());
     let mut meshes: HashMap<*const Mesh, MeshId> = HashMap::new();
     let mut placed = Vec::new();
-    for content in contents {
-        assert_eq!(content.materials(), materials, "one table for all");
-        for item in content.items() {
-            let mesh = &content.meshes()[item.mesh.0 as usize];
+    for geometry in geometries {
+        assert_eq!(geometry.materials(), materials, "one table for all");
+        for item in geometry.items() {
+            let mesh = &geometry.meshes()[item.mesh.0 as usize];
             let mesh = *meshes
                 .entry(Arc::as_ptr(mesh))
                 .or_insert_with(|| builder.mesh(Arc::clone(mesh)));
@@ -220,10 +220,10 @@ fn main() {
     let mut plain: Vec<Grown> = Vec::new();
     for (number, &grid) in grids.iter().enumerate() {
         let start = Instant::now();
-        let content = copies(&palace.scene, if number == 0 { &four } else { &rooms }, grid);
+        let geometry = copies(&palace.scene, if number == 0 { &four } else { &rooms }, grid);
         let build_ms = start.elapsed().as_secs_f64() * 1e3;
         let mut builder = SceneBuilder::new();
-        builder.add("palaces", content, Method::ZBuffer);
+        builder.add("palaces", geometry, Method::ZBuffer);
         let scene = builder.build().expect("one sector");
         plain.push(Grown { scene, build_ms });
         say_size(&plain, BYTES_AN_ITEM);

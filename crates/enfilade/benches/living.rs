@@ -6,7 +6,7 @@
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 use enfilade::{
-    ContentBuilder, ItemId, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, SectorId, Transform,
+    GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, SectorId, Transform,
     View, Viewer,
 };
 use std::hint::black_box;
@@ -68,7 +68,7 @@ impl Town {
     fn new(things: u32, method: Method) -> Town {
         let people = things / 10;
         let side = (f64::from(things - people)).sqrt() as usize;
-        let mut town = ContentBuilder::new([Material {
+        let mut town = GeometryBuilder::new([Material {
             double_sided: true,
             ..Material::opaque([0.6; 3])
         }]);

@@ -6,7 +6,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use enfilade::cover::{Cover, Hides, MaskedDepth};
 use enfilade::order::{BvhOrder, Order, Visit};
 use enfilade::{
-    Choice, Content, ContentBuilder, Faces, ItemId, Material, MaterialId, Mesh, Method, Occluder,
+    Choice, Faces, Geometry, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Occluder,
     OccluderRoom, OccluderSet, Passage, Region, SceneBuilder, SectorId, Sight, Stats, Transform, View,
     Viewer,
 };
@@ -18,19 +18,19 @@ fn passage(scene: &enfilade::Scene, view: &View) -> Passage {
     Viewer::new().look(scene, view).passages()[0].clone()
 }
 
-/// What `passage` sees of the best occluders of a content, the best first, each in a room of its own.
+/// What `passage` sees of the best occluders of a geometry, the best first, each in a room of its own.
 fn occluders<'a>(
-    content: &Content,
+    geometry: &Geometry,
     passage: &Passage,
     budget: usize,
     rooms: &'a mut Vec<OccluderRoom>,
 ) -> Vec<Occluder<'a>> {
-    let set = OccluderSet::build(content);
+    let set = OccluderSet::build(geometry);
     let mut choice = Choice::default();
-    let chosen = set.choose(content, passage, MaskedDepth::MEASURE, budget, &mut choice);
+    let chosen = set.choose(geometry, passage, MaskedDepth::MEASURE, budget, &mut choice);
     rooms.resize_with(chosen.len(), OccluderRoom::default);
     let all = chosen.iter().zip(rooms);
-    all.filter_map(|(chosen, room)| set.on_screen(content, passage, chosen, room))
+    all.filter_map(|(chosen, room)| set.on_screen(geometry, passage, chosen, room))
         .collect()
 }
 
@@ -44,10 +44,10 @@ fn filled(cover: &mut MaskedDepth, passage: &Passage, occluders: &[Occluder]) ->
 }
 
 /// Triangles with two sides of so many pixels, all about, from near to far and turned all ways.
-fn triangles(pixels: f32, count: u32) -> Content {
+fn triangles(pixels: f32, count: u32) -> Geometry {
     let view = View::new([0.0; 3], [0.0, 0.0, -1.0], SIZE);
     let focal = 0.5 * SIZE[1] as f32 / (0.5 * view.fov_y).tan();
-    let mut builder = ContentBuilder::new([Material {
+    let mut builder = GeometryBuilder::new([Material {
         double_sided: true,
         ..Material::opaque([1.0; 3])
     }]);
@@ -78,10 +78,10 @@ fn fill(criterion: &mut Criterion) {
         let mut scene = SceneBuilder::new();
         let all = scene.add("all", triangles(pixels, COUNT), Method::ZBuffer);
         let scene = scene.build().expect("one sector");
-        let content = scene.content(all).expect("a content");
+        let geometry = scene.geometry(all).expect("a geometry");
         let passage = passage(&scene, &View::new([0.0; 3], [0.0, 0.0, -1.0], SIZE));
         let mut rooms = Vec::new();
-        let occluders = occluders(content, &passage, COUNT as usize, &mut rooms);
+        let occluders = occluders(geometry, &passage, COUNT as usize, &mut rooms);
         assert_eq!(occluders.len(), COUNT as usize);
         let mut cover = MaskedDepth::default();
         assert_eq!(filled(&mut cover, &passage, &occluders), samples);
@@ -114,18 +114,18 @@ impl Visit for Boxes {
 
 fn ask(criterion: &mut Criterion) {
     let built = enfilade_scenes::built_in("crowd").expect("a built-in scene");
-    let content = built.scene.content(SectorId(0)).expect("a content");
-    let order = BvhOrder::build(content, Method::DEFAULT_LIMIT).expect("a small scene");
+    let geometry = built.scene.geometry(SectorId(0)).expect("a geometry");
+    let order = BvhOrder::build(geometry, Method::DEFAULT_LIMIT).expect("a small scene");
     let mut group = criterion.benchmark_group("masked: ask, boxes of @crowd");
     for (name, expected) in ASKED {
         let camera = built.cameras.iter().find(|camera| camera.name == name);
         let passage = passage(&built.scene, &camera.expect("a camera of that scene").view(SIZE));
         let mut rooms = Vec::new();
-        let occluders = occluders(content, &passage, 16, &mut rooms);
+        let occluders = occluders(geometry, &passage, 16, &mut rooms);
         let mut cover = MaskedDepth::default();
         filled(&mut cover, &passage, &occluders);
         let mut boxes = Boxes::default();
-        order.visit(content, &passage, &mut Default::default(), &mut boxes);
+        order.visit(geometry, &passage, &mut Default::default(), &mut boxes);
         let mut hidden = || {
             let each = boxes.0.iter().map(|region| cover.sees(region));
             each.filter(|&sight| sight == Sight::Hidden).count()

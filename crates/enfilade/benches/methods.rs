@@ -6,7 +6,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use enfilade::geom::{BspOptions, BspStep, BspTree, Polygons};
 use enfilade::order::{Bsp, FarToNear, Order};
 use enfilade::{
-    Canvas, Content, Contract, ItemId, Method, Passage, PassageId, Scene, SectorId, Span, View, Viewer,
+    Canvas, Contract, Geometry, ItemId, Method, Passage, PassageId, Scene, SectorId, Span, View, Viewer,
     VisibleItem, VisibleSet,
 };
 
@@ -44,8 +44,8 @@ const PATHS: [Path; 3] = [
 fn count(set: &VisibleSet, scene: &Scene) -> usize {
     let clusters = |item: &VisibleItem| match set.clusters(item).len() {
         0 => {
-            let content = scene.content(set.passage(item.passage).sector);
-            content.map_or(1, |content| content.mesh_of(item.item).clusters().len())
+            let geometry = scene.geometry(set.passage(item.passage).sector);
+            geometry.map_or(1, |geometry| geometry.mesh_of(item.item).clusters().len())
         }
         some => some,
     };
@@ -117,10 +117,10 @@ fn methods(criterion: &mut Criterion) {
 fn four_cylinders(criterion: &mut Criterion) {
     const FACES: u64 = 240;
     let built = enfilade_scenes::built_in("four-cylinders").expect("a built-in scene");
-    let content = built.scene.content(SectorId(0)).expect("a content");
+    let geometry = built.scene.geometry(SectorId(0)).expect("a geometry");
     let view = built.cameras[0].view(SIZE);
     let mut group = criterion.benchmark_group("@four-cylinders");
-    let pieces = |tree: &Bsp<FarToNear>| tree.built(content).faces;
+    let pieces = |tree: &Bsp<FarToNear>| tree.built(geometry).faces;
     for (name, free_splits) in [
         (
             "build a BSP tree, every polygon scored",
@@ -133,11 +133,11 @@ fn four_cylinders(criterion: &mut Criterion) {
             free_splits,
             ..BspOptions::default()
         };
-        let build = || pieces(&Bsp::with_options(content, &options));
+        let build = || pieces(&Bsp::with_options(geometry, &options));
         assert_eq!(build(), FACES, "no cylinder cuts another");
         group.bench_function(name, |bench| bench.iter(build));
     }
-    let tree = BspTree::build(&polygons(content), &BspOptions::default());
+    let tree = BspTree::build(&polygons(geometry), &BspOptions::default());
     let (eye, mut stack, mut list) = (view.eye.map(f64::from), Vec::new(), Vec::new());
     group.bench_function("list all polygons by the tree", |bench| {
         bench.iter(|| {
@@ -170,11 +170,11 @@ fn four_cylinders(criterion: &mut Criterion) {
 }
 
 /// Every face of every item, where it stands.
-fn polygons(content: &Content) -> Polygons {
+fn polygons(geometry: &Geometry) -> Polygons {
     let mut polygons = Polygons::default();
     polygons.starts.push(0);
-    for item in (0..content.items().len() as u32).map(ItemId) {
-        let (mesh, place) = (content.mesh_of(item), content.item(item).transform());
+    for item in (0..geometry.items().len() as u32).map(ItemId) {
+        let (mesh, place) = (geometry.mesh_of(item), geometry.item(item).transform());
         for face in 0..mesh.face_count() {
             let corners = mesh.face(face).iter();
             let corners = corners.map(|&corner| place.point(mesh.positions()[corner as usize]));

@@ -10,7 +10,7 @@ mod mirrors;
 
 use allocation_counter::measure;
 use enfilade::{
-    Canvas, Content, ContentBuilder, ConvexPolygon, Material, MaterialId, Mesh, Method, OpeningId, Passage,
+    Canvas, ConvexPolygon, Geometry, GeometryBuilder, Material, MaterialId, Mesh, Method, OpeningId, Passage,
     PassageId, PortalId, Scene, SceneBuilder, SectorId, Span, Transform, View, Viewer,
 };
 use std::hint::black_box;
@@ -97,7 +97,7 @@ fn row(rooms: usize) -> Scene {
     let mut builder = SceneBuilder::new();
     for number in 0..rooms {
         let z = -LENGTH * number as f32;
-        let mut room = ContentBuilder::new(Arc::clone(&materials));
+        let mut room = GeometryBuilder::new(Arc::clone(&materials));
         let [shell, thing] = [&shells[number % 2], &thing].map(|mesh| room.mesh(Arc::clone(mesh)));
         room.item("shell", shell, Transform::translation([0.0, 0.0, z]));
         for x in [-2.5, -1.0, 1.0, 2.5] {
@@ -211,7 +211,7 @@ const DOORS_IN_A_WALL: u16 = 10_000;
 
 /// A hall with 10,000 of them before its far wall, and things.
 fn hall(before: Before) -> Scene {
-    let mut hall = ContentBuilder::new([stone()]);
+    let mut hall = GeometryBuilder::new([stone()]);
     let wall = sheets(&[[[-50.0, 0.0, -30.0], [100.0, 0.0, 0.0], [0.0, 40.0, 0.0]]]);
     let [wall, panel] =
         [wall, sheets(&[[[0.0; 3], [0.8, 0.0, 0.0], [0.0, 0.3, 0.0]]])].map(|mesh| hall.mesh(mesh));
@@ -236,7 +236,7 @@ fn hall(before: Before) -> Scene {
         0
     };
     let hall = builder.add("hall", hall.build().expect("a hall"), Method::ZBuffer);
-    let beyond: Content = ContentBuilder::new([]).build().expect("nothing");
+    let beyond: Geometry = GeometryBuilder::new([]).build().expect("nothing");
     let beyond = builder.add("beyond", beyond, Method::ZBuffer);
     for opening in (0..openings).map(OpeningId) {
         builder.portal((hall, opening), beyond, Transform::IDENTITY);

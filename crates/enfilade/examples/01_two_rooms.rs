@@ -23,9 +23,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         let set = viewer.look(&scene, &View::new([x, 1.0, 3.0], [x, 1.0, 0.0], [640, 360]));
         println!("from x = {x}:");
         for (id, passage) in (0..).map(PassageId).zip(set.passages()) {
-            let content = scene.content(passage.sector).expect("built from content");
+            let geometry = scene.geometry(passage.sector).expect("built from geometry");
             let here = set.items().iter().filter(|seen| seen.passage == id);
-            let names: Vec<&str> = here.map(|seen| content.name(seen.item)).collect();
+            let names: Vec<&str> = here.map(|seen| geometry.name(seen.item)).collect();
             let sector = scene.sector_name(passage.sector);
             println!("  {} in the {sector}", names.join(", "));
         }
@@ -34,10 +34,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// Pillars at places (x, z), and a doorway: the first opening of each room is `OpeningId(0)`.
-fn room(pillars: &[(&str, f32, f32)], doorway: ConvexPolygon) -> Result<Content, Box<dyn Error>> {
+fn room(pillars: &[(&str, f32, f32)], doorway: ConvexPolygon) -> Result<Geometry, Box<dyn Error>> {
     let mut stone = Material::opaque([0.6, 0.6, 0.5]);
     stone.double_sided = true;
-    let mut room = ContentBuilder::new([stone]);
+    let mut room = GeometryBuilder::new([stone]);
     let corners = [[-0.2, 0.0, 0.0], [0.2, 0.0, 0.0], [0.0, 1.5, 0.0]];
     let pillar = room.mesh(Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0))?);
     for &(name, x, z) in pillars {

@@ -4,7 +4,7 @@
 use enfilade::*;
 
 /// A picture in letters: the first of each item's name, as a capital where it is seen in the mirror.
-struct Letters<'a>(&'a Content, bool, Vec<Vec<u8>>);
+struct Letters<'a>(&'a Geometry, bool, Vec<Vec<u8>>);
 
 impl Canvas for Letters<'_> {
     fn enter(&mut self, _id: PassageId, passage: &Passage) {
@@ -23,7 +23,7 @@ impl Canvas for Letters<'_> {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut paper = Material::opaque([0.9; 3]);
     paper.double_sided = true;
-    let mut room = ContentBuilder::new([paper]);
+    let mut room = GeometryBuilder::new([paper]);
     let corners = [[-0.7, 0.0, 0.0], [0.7, 0.0, 0.0], [0.0, 1.4, 0.0]];
     let kite = room.mesh(Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0))?);
     room.item("armchair", kite, Transform::translation([-0.8, 0.0, -2.0]));
@@ -46,11 +46,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     scene.mirror(room, mirror);
     let scene = scene.build()?;
 
-    let content = scene.content(room).expect("built from content");
-    let mut letters = Letters(content, false, vec![vec![b'.'; 72]; 24]);
+    let geometry = scene.geometry(room).expect("built from geometry");
+    let mut letters = Letters(geometry, false, vec![vec![b'.'; 72]; 24]);
     let view = View::new([0.0, 1.0, 0.0], [0.0, 1.0, -3.0], [72, 24]);
     for seen in Viewer::new().draw(&scene, &view, &mut letters).items() {
-        println!("{} through passage {}", content.name(seen.item), seen.passage.0);
+        println!("{} through passage {}", geometry.name(seen.item), seen.passage.0);
     }
     for row in letters.2 {
         println!("{}", String::from_utf8(row)?);

@@ -38,11 +38,11 @@ impl Sector for Lit {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let built = enfilade_scenes::built_in("two-rooms").ok_or("built in")?;
-    let content = |room| Arc::clone(built.scene.content(SectorId(room)).expect("ours"));
-    let lit = Lit(Method::HierarchicalZ.build(content(1), Method::DEFAULT_LIMIT)?);
+    let geometry = |room| Arc::clone(built.scene.geometry(SectorId(room)).expect("ours"));
+    let lit = Lit(Method::HierarchicalZ.build(geometry(1), Method::DEFAULT_LIMIT)?);
 
     let mut scene = SceneBuilder::new();
-    let hall = scene.add("hall", content(0), Method::SBuffer);
+    let hall = scene.add("hall", geometry(0), Method::SBuffer);
     let study = scene.add_custom("study", Arc::new(lit));
     scene.door((hall, OpeningId(0)), (study, OpeningId(0)));
     let (scene, mut viewer) = (scene.build()?, Viewer::new());

@@ -9,8 +9,8 @@
 //! Cost: O(n²) for n items of glass in one passage.
 //! Right for boxes that do not overlap, unless they cover each other in a cycle: then some two of those are not.
 
-use crate::content::Content;
 use crate::geom::Aabb;
+use crate::geometry::Geometry;
 use crate::passage::{Passage, PassageId};
 use crate::scene::Scene;
 use crate::visible::{VisibleItem, VisibleSet};
@@ -23,8 +23,8 @@ impl VisibleSet {
         glass.sort_by_key(|item| depth_first[item.passage.0 as usize]);
         for same in glass.chunk_by_mut(|a, b| a.passage == b.passage) {
             let passage = self.passage(same[0].passage);
-            if let Some(content) = scene.content(passage.sector) {
-                far_to_near(same, passage, content);
+            if let Some(geometry) = scene.geometry(passage.sector) {
+                far_to_near(same, passage, geometry);
             }
         }
         glass
@@ -52,7 +52,7 @@ impl VisibleSet {
 }
 
 /// Sorts the items of one passage.
-fn far_to_near(items: &mut [VisibleItem], passage: &Passage, content: &Content) {
+fn far_to_near(items: &mut [VisibleItem], passage: &Passage, geometry: &Geometry) {
     let eye = passage.eye();
     let away = |bounds: &Aabb| -> f64 {
         let middle = bounds.center();
@@ -61,12 +61,12 @@ fn far_to_near(items: &mut [VisibleItem], passage: &Passage, content: &Content) 
             .sum()
     };
     items.sort_by(|a, b| {
-        let [a, b] = [a, b].map(|item| (away(&content.item(item.item).bounds), item.item));
+        let [a, b] = [a, b].map(|item| (away(&geometry.item(item.item).bounds), item.item));
         b.0.total_cmp(&a.0).then(a.1.cmp(&b.1))
     });
     let sorted: Vec<(VisibleItem, Aabb)> = items
         .iter()
-        .map(|item| (*item, content.item(item.item).bounds))
+        .map(|item| (*item, geometry.item(item.item).bounds))
         .collect();
     // How many of those that are left must come before each.
     let must_come_first = |a: &Aabb, b: &Aabb| may_lie_over(b, a, eye) && !may_lie_over(a, b, eye);

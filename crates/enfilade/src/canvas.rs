@@ -1,6 +1,6 @@
 //! Receives what is seen.
 
-use crate::content::Owner;
+use crate::geometry::Owner;
 use crate::passage::{Passage, PassageId};
 
 /// Receives what is seen, a row of spans at a time: an image, a list of items, a picture of the overdraw.

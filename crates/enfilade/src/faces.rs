@@ -1,7 +1,7 @@
 //! Batches of faces, as orders hand them out and covers take them.
 
-use crate::content::{Alpha, Content, ItemId, OpeningId};
 use crate::geom::Step;
+use crate::geometry::{Alpha, Geometry, ItemId, OpeningId};
 use crate::mesh::Cluster;
 use crate::opening_view::OpeningView;
 use crate::passage::Passage;
@@ -62,26 +62,26 @@ pub enum Of {
 impl<'a> Faces<'a> {
     /// A cluster of an item.
     pub(crate) fn of_cluster(
-        content: &'a Content,
+        geometry: &'a Geometry,
         item: ItemId,
         number: u32,
         screen_from_local: &'a DAffine3,
     ) -> Faces<'a> {
-        let mesh = content.mesh_of(item);
+        let mesh = geometry.mesh_of(item);
         let Cluster { faces, positions, .. } = &mesh.clusters()[number as usize];
-        let material = content.material_of(item, &mesh.clusters()[number as usize]);
+        let material = geometry.material_of(item, &mesh.clusters()[number as usize]);
         let (corners, starts) = mesh.runs(faces.clone());
         Faces {
             of: Of::Item(item, number),
-            first_owner: content.first_face(item) + faces.start,
-            item_start: content.first_face(item),
+            first_owner: geometry.first_face(item) + faces.start,
+            item_start: geometry.first_face(item),
             positions: &mesh.positions()[positions.start as usize..positions.end as usize],
             first_position: positions.start,
             corners,
             starts,
             neighbours: mesh.neighbours(faces.clone()),
             screen_from_local,
-            mirrored: content.item(item).transform().mirrors(),
+            mirrored: geometry.item(item).transform().mirrors(),
             double_sided: material.double_sided,
             alpha: material.alpha,
             may_be_chosen: material.may_be_chosen(),
@@ -115,40 +115,40 @@ impl<'a> Faces<'a> {
 
     /// One face of an item, or what `cuts` leave of it.
     pub(crate) fn of_face(
-        content: &'a Content,
+        geometry: &'a Geometry,
         item: ItemId,
         face: u32,
         screen_from_local: &'a DAffine3,
         cuts: &'a [Cut],
     ) -> Faces<'a> {
-        let mesh = content.mesh_of(item);
+        let mesh = geometry.mesh_of(item);
         let number = mesh.cluster_of(face) as u32;
         let (corners, starts) = mesh.runs(face..face + 1);
         Faces {
-            first_owner: content.first_face(item) + face,
+            first_owner: geometry.first_face(item) + face,
             corners,
             starts,
             neighbours: &[],
             cuts,
-            ..Faces::of_cluster(content, item, number, screen_from_local)
+            ..Faces::of_cluster(geometry, item, number, screen_from_local)
         }
     }
 
     /// An opening, as a face.
     pub(crate) fn of_opening(
-        content: &'a Content,
+        geometry: &'a Geometry,
         opening: OpeningId,
         view: &'a OpeningView<'a>,
     ) -> Faces<'a> {
         let (corners, ends) = if view.holds_eye {
             OpeningView::SQUARE_FACE
         } else {
-            content.outline_face(opening)
+            geometry.outline_face(opening)
         };
         Faces {
             of: Of::Opening(opening),
-            first_owner: content.opening_number(opening),
-            item_start: content.opening_number(opening),
+            first_owner: geometry.opening_number(opening),
+            item_start: geometry.opening_number(opening),
             positions: view.positions,
             first_position: 0,
             corners,
@@ -164,16 +164,16 @@ impl<'a> Faces<'a> {
     }
 
     /// Hands out the openings that may be in view, each as a face: of many, those of the parts of the sector that are.
-    pub(crate) fn of_openings(content: &Content, passage: &Passage, mut each: impl FnMut(&Faces)) {
-        if passage.flat || content.openings().is_empty() {
+    pub(crate) fn of_openings(geometry: &Geometry, passage: &Passage, mut each: impl FnMut(&Faces)) {
+        if passage.flat || geometry.openings().is_empty() {
             return;
         }
-        content.opening_tree().walk(passage.eye(), |step| match step {
+        geometry.opening_tree().walk(passage.eye(), |step| match step {
             Step::Node(bounds) => passage.region_around_openings(bounds).is_some(),
             Step::Thing(opening) => {
                 let opening = OpeningId(opening as u16);
-                if let Some(view) = passage.view_of(content, opening) {
-                    each(&Faces::of_opening(content, opening, &view));
+                if let Some(view) = passage.view_of(geometry, opening) {
+                    each(&Faces::of_opening(geometry, opening, &view));
                 }
                 true
             }

@@ -4,7 +4,7 @@
 //! use enfilade::*;
 //!
 //! let sail = Mesh::triangles(&[[-0.4, 0.0, 0.0], [0.4, 0.0, 0.0], [0.0, 1.2, 0.0]], &[0, 1, 2], MaterialId(0))?;
-//! let [mut hall, mut study] = [(); 2].map(|()| ContentBuilder::new([Material::opaque([0.8, 0.3, 0.2])]));
+//! let [mut hall, mut study] = [(); 2].map(|()| GeometryBuilder::new([Material::opaque([0.8, 0.3, 0.2])]));
 //! let [in_hall, in_study] = [hall.mesh(sail.clone()), study.mesh(sail)];
 //! hall.item("vase", in_hall, Transform::translation([1.0, 0.0, -2.0]));
 //! study.item("lamp", in_study, Transform::translation([0.0, 0.0, -6.0]));
@@ -20,7 +20,7 @@
 //!
 //! let mut viewer = Viewer::new();
 //! let set = viewer.look(&scene, &View::new([0.0, 1.0, 0.0], [0.0, 1.0, -1.0], [640, 360]));
-//! let name = |seen: &VisibleItem| scene.content(set.passage(seen.passage).sector).unwrap().name(seen.item);
+//! let name = |seen: &VisibleItem| scene.geometry(set.passage(seen.passage).sector).unwrap().name(seen.item);
 //! assert_eq!(set.items().len(), 2); // The clock is beside the doorway.
 //! assert_eq!([name(&set.items()[0]), name(&set.items()[1])], ["vase", "lamp"]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -32,7 +32,7 @@
 //!
 //! A method is an [order](order) times a [cover](cover), and states its [`Contract`]; the feature `laws` adds the
 //! reference that any method, also one of your own, is held against. Looking cannot fail and opens no file; what does
-//! not fit together is refused when a mesh, a content or a scene is built.
+//! not fit together is refused when a mesh, a geometry or a scene is built.
 #![forbid(unsafe_code)]
 
 pub mod cover;
@@ -46,10 +46,10 @@ mod canvas;
 #[cfg(test)]
 mod chance;
 mod choose;
-mod content;
 mod detail;
 mod entrance;
 mod faces;
+mod geometry;
 #[cfg(feature = "laws")]
 pub mod laws;
 mod memory;
@@ -73,17 +73,17 @@ mod visible;
 pub use aperture::{Aperture, Rect, Rows};
 pub use canvas::{Canvas, CoverShape, CoverSpan, HiddenBy, Span};
 pub use choose::{Aim, Cost, MethodChoice, NotTried, Terms, Trial, choose_methods};
-pub use content::{
-    Alpha, BakedCells, BakedCellsError, CellId, CellNode, CellSide, CellTree, Content, ContentBuilder,
-    ContentError, Filter, Item, ItemId, Material, MaterialId, MeshId, Minify, Moved, Opening, OpeningId,
-    Owner, Owners, Texture, TextureError, TextureId, Wrap,
-};
 pub use cover::OccluderMesh;
 pub use detail::{
     BezierError, BezierPatch, BezierSurface, DetailError, DetailOptions, DetailSource, Details, Refined,
 };
 pub use faces::{Faces, Of};
 pub use geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Transform};
+pub use geometry::{
+    Alpha, BakedCells, BakedCellsError, CellId, CellNode, CellSide, CellTree, Filter, Geometry,
+    GeometryBuilder, GeometryError, Item, ItemId, Material, MaterialId, MeshId, Minify, Moved, Opening,
+    OpeningId, Owner, Owners, Texture, TextureError, TextureId, Wrap,
+};
 pub use memory::Memory;
 pub use mesh::{Attributes, Cluster, Mesh, MeshError, Part};
 pub use method::{

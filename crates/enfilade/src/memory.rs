@@ -1,7 +1,7 @@
 //! The working memory of one camera.
 
 use crate::aperture::Rows;
-use crate::content::ItemId;
+use crate::geometry::ItemId;
 use crate::passage::Passage;
 use crate::seen::{GlassSample, ReportBuffers};
 use crate::stats::Stats;

@@ -1,9 +1,9 @@
 //! One way from the eye into a sector, through zero or more portals.
 
 use crate::aperture::{Aperture, CellRoom, Rect, Rows};
-use crate::content::{Content, OpeningId};
 use crate::entrance::Entrance;
 use crate::geom::{Aabb, ConvexPolygon, Transform};
+use crate::geometry::{Geometry, OpeningId};
 use crate::opening_view::{OpeningView, may_touch_eye};
 use crate::region::{Region, Volume};
 use crate::scene::{Portal, PortalId, SectorId};
@@ -260,9 +260,9 @@ impl Passage {
         [self.eye(), (back * DVec3::new(x, y, 1.0)).into()]
     }
 
-    /// An opening of a content as the eye meets it; `None` where it faces away or is seen edge-on.
-    pub(crate) fn view_of<'a>(&self, content: &'a Content, opening: OpeningId) -> Option<OpeningView<'a>> {
-        OpeningView::new(self, &content.openings()[usize::from(opening.0)].outline)
+    /// An opening of a geometry as the eye meets it; `None` where it faces away or is seen edge-on.
+    pub(crate) fn view_of<'a>(&self, geometry: &'a Geometry, opening: OpeningId) -> Option<OpeningView<'a>> {
+        OpeningView::new(self, &geometry.openings()[usize::from(opening.0)].outline)
     }
 
     /// What of the aperture is left behind an opening of the sector.

@@ -1,8 +1,8 @@
 //! What every piece of the world can do.
 
 use crate::canvas::Canvas;
-use crate::content::{Alpha, ItemId, Opening};
 use crate::geom::Aabb;
+use crate::geometry::{Alpha, ItemId, Opening};
 use crate::memory::Memory;
 use crate::passage::Passage;
 use crate::seen::Seen;
@@ -59,7 +59,7 @@ pub trait Sector: Send + Sync {
     }
 
     /// How many items it has, for who counts them: those below this number. 0 where it does not say; nor need it where it is a
-    /// content that a method sees, as of which [`Scene::content`](crate::Scene::content) tells.
+    /// geometry that a method sees, as of which [`Scene::geometry`](crate::Scene::geometry) tells.
     fn item_count(&self) -> u32 {
         0
     }

@@ -2,7 +2,7 @@
 
 use crate::aperture::Rows;
 use crate::canvas::{Canvas, Span};
-use crate::content::{Content, ItemId, OpeningId, Owner, Owners};
+use crate::geometry::{Geometry, ItemId, OpeningId, Owner, Owners};
 use crate::passage::PassageId;
 use crate::visible::VisibleSet;
 use std::cmp::Reverse;
@@ -352,12 +352,13 @@ impl FoundClusters {
     }
 
     /// Reports items with their clusters, in order; nothing is left.
-    pub(crate) fn report(&mut self, content: &Content, seen: &mut Seen) {
+    pub(crate) fn report(&mut self, geometry: &Geometry, seen: &mut Seen) {
         self.runs.sort_unstable_by_key(|run| (run.item, run.clusters[0]));
         for same in self.runs.chunk_by(|a, b| a.item == b.item) {
             let item = same[0].item;
             let start = seen.clusters.len();
-            if content.mesh_of(item).clusters().len() > 1 && !same.iter().any(|run| run.what == What::Whole) {
+            if geometry.mesh_of(item).clusters().len() > 1 && !same.iter().any(|run| run.what == What::Whole)
+            {
                 for run in same {
                     let [first, end] = run.clusters.map(|place| place as usize);
                     seen.clusters.extend_from_slice(&self.clusters[first..end]);

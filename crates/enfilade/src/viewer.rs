@@ -1,7 +1,7 @@
 //! The working memory of one camera, and how it follows openings from sector to sector.
 
 use crate::canvas::{Canvas, Span};
-use crate::content::{Alpha, Content, Owner};
+use crate::geometry::{Alpha, Geometry, Owner};
 use crate::memory::Memory;
 use crate::mesh::Cluster;
 use crate::passage::{Passage, PassageId};
@@ -324,22 +324,22 @@ impl Look<'_> {
     /// Takes the items that a sector reported into the set.
     fn take_in(&mut self, id: PassageId, seen: &Seen) {
         let passage = &self.set.passages[id.0 as usize];
-        let content = self.scene.content(passage.sector);
+        let geometry = self.scene.geometry(passage.sector);
         let shift = self.set.clusters.len() as u32;
         self.set.clusters.extend(&seen.clusters);
-        let blends = |content: &Content, item: &SeenItem| {
-            let clusters = content.mesh_of(item.item).clusters();
-            let is_glass = |cluster: &Cluster| content.material(cluster).alpha == Alpha::Blend;
+        let blends = |geometry: &Geometry, item: &SeenItem| {
+            let clusters = geometry.mesh_of(item.item).clusters();
+            let is_glass = |cluster: &Cluster| geometry.material(cluster).alpha == Alpha::Blend;
             match &seen.clusters[item.clusters[0] as usize..item.clusters[1] as usize] {
                 [] => clusters.iter().any(is_glass),
                 known => known.iter().any(|&number| is_glass(&clusters[number as usize])),
             }
         };
         self.set.items.extend(seen.items.iter().map(|seen| {
-            let region = match content {
-                Some(content) => {
-                    let screen_from_item = passage.screen_from(&content.item(seen.item).transform());
-                    Region::of(passage, &screen_from_item, &content.mesh_of(seen.item).bounds())
+            let region = match geometry {
+                Some(geometry) => {
+                    let screen_from_item = passage.screen_from(&geometry.item(seen.item).transform());
+                    Region::of(passage, &screen_from_item, &geometry.mesh_of(seen.item).bounds())
                 }
                 None => {
                     let bounds = self.scene.sector(passage.sector).item_bounds(seen.item);
@@ -353,7 +353,7 @@ impl Look<'_> {
                 passage: id,
                 item: seen.item,
                 size_px,
-                blends: content.is_some_and(|content| blends(content, seen)),
+                blends: geometry.is_some_and(|geometry| blends(geometry, seen)),
                 clusters: seen.clusters.map(|at| at + shift),
             }
         }));

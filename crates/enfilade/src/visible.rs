@@ -1,6 +1,6 @@
 //! The answer to a look.
 
-use crate::content::ItemId;
+use crate::geometry::ItemId;
 use crate::passage::{Passage, PassageId};
 use crate::scene::Scene;
 use std::collections::BTreeSet;
@@ -61,10 +61,10 @@ impl VisibleSet {
         let triangles = |item: &VisibleItem| {
             let sector = self.passage(item.passage).sector;
             let clusters = self.clusters(item);
-            let Some(content) = scene.content(sector) else {
+            let Some(geometry) = scene.geometry(sector) else {
                 return scene.sector(sector).item_triangles(item.item, clusters);
             };
-            let mesh = content.mesh_of(item.item);
+            let mesh = geometry.mesh_of(item.item);
             if clusters.is_empty() {
                 mesh.triangle_count()
             } else {
@@ -88,9 +88,9 @@ impl VisibleSet {
                     triangles += its_triangles();
                 }
             };
-            if let Some(content) = scene.content(passage.sector) {
-                content.items_in_passage(passage, |item| {
-                    meet(item, &|| content.mesh_of(item).triangle_count());
+            if let Some(geometry) = scene.geometry(passage.sector) {
+                geometry.items_in_passage(passage, |item| {
+                    meet(item, &|| geometry.mesh_of(item).triangle_count());
                 });
                 continue;
             }

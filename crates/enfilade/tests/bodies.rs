@@ -2,7 +2,7 @@
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    Content, ContentBuilder, ConvexPolygon, Limits, Material, MaterialId, Mesh, Method, OpeningId, Place,
+    ConvexPolygon, Geometry, GeometryBuilder, Limits, Material, MaterialId, Mesh, Method, OpeningId, Place,
     Scene, SceneBuilder, SectorId, Transform, View, Viewer,
 };
 
@@ -14,8 +14,8 @@ fn there_from_here() -> Transform {
 const RADIUS: f32 = 0.4;
 
 /// A room's walls: a floor and a back wall, with the opening before them, and what stands in it.
-fn room(outline: &ConvexPolygon, here_from_first: Transform, depth: f32, bodies: &[[f32; 3]]) -> Content {
-    let mut builder = ContentBuilder::new([Material {
+fn room(outline: &ConvexPolygon, here_from_first: Transform, depth: f32, bodies: &[[f32; 3]]) -> Geometry {
+    let mut builder = GeometryBuilder::new([Material {
         double_sided: true,
         ..Material::opaque([0.6; 3])
     }]);

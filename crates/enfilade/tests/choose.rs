@@ -2,7 +2,7 @@
 
 use enfilade::laws::OwnerPicture;
 use enfilade::{
-    Aim, ContentBuilder, Contract, Material, MaterialId, Mesh, Method, MethodChoice, NotTried, Scene,
+    Aim, Contract, GeometryBuilder, Material, MaterialId, Mesh, Method, MethodChoice, NotTried, Scene,
     SceneBuilder, Terms, Transform, View, Viewer, choose_methods, survey_in,
 };
 use enfilade_scenes::built_in;
@@ -176,7 +176,7 @@ fn where_something_moves_a_tree_that_must_be_built_anew_pays_for_it() {
 /// Six walls seen from inside, each an item: none can move without another being behind it.
 #[test]
 fn a_convex_room_whose_walls_move_is_no_cell() {
-    let mut room = ContentBuilder::new([Material::opaque([1.0; 3])]);
+    let mut room = GeometryBuilder::new([Material::opaque([1.0; 3])]);
     let corner = |i: u32| [0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 2.0 } else { -2.0 });
     let walls = [
         [0, 2, 6, 4],
@@ -221,7 +221,7 @@ fn a_sector_that_no_view_sees_keeps_its_method() {
 
 #[test]
 fn what_takes_too_long_to_sort_is_not_tried() {
-    let mut heap = ContentBuilder::new([Material::opaque([1.0; 3])]);
+    let mut heap = GeometryBuilder::new([Material::opaque([1.0; 3])]);
     let leaf = Mesh::triangles(
         &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
         &[0, 1, 2],

@@ -2,7 +2,7 @@
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    Content, ContentBuilder, Contract, Limits, Material, MaterialId, Mesh, Method, Scene, SceneBuilder,
+    Contract, Geometry, GeometryBuilder, Limits, Material, MaterialId, Mesh, Method, Scene, SceneBuilder,
     SectorId, Transform, View, Viewer,
 };
 use proptest::prelude::*;
@@ -38,25 +38,25 @@ fn awkward() -> impl Strategy<Value = Awkward> {
     (corners, 1_u8..4).prop_map(|(corners, copies)| Awkward { corners, copies })
 }
 
-fn content(faces: &[Awkward], scale: f32) -> Content {
-    let mut content = ContentBuilder::new([Material {
+fn geometry(faces: &[Awkward], scale: f32) -> Geometry {
+    let mut geometry = GeometryBuilder::new([Material {
         double_sided: true,
         ..Material::opaque([0.5; 3])
     }]);
     for face in faces {
         let corners = face.corners.map(|corner| corner.map(|value| value * scale));
         let mesh =
-            content.mesh(Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)).expect("finite corners"));
+            geometry.mesh(Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)).expect("finite corners"));
         for _ in 0..face.copies {
-            content.item("face", mesh, Transform::IDENTITY);
+            geometry.item("face", mesh, Transform::IDENTITY);
         }
     }
-    content.build().expect("sound items")
+    geometry.build().expect("sound items")
 }
 
-fn scene(content: Content) -> Scene {
+fn scene(geometry: Geometry) -> Scene {
     let mut scene = SceneBuilder::new();
-    scene.add("world", content, Method::ZBuffer);
+    scene.add("world", geometry, Method::ZBuffer);
     scene.build().expect("one sector")
 }
 
@@ -118,7 +118,7 @@ proptest! {
         eye in point(),
     ) {
         let scale = 10_f32.powi(power);
-        let scene = scene(content(&faces, scale));
+        let scene = scene(geometry(&faces, scale));
         let mut view = View::new(eye.map(|value| 3.0 * scale * (value + 0.01)), [0.1 * scale; 3], [48, 36]);
         view.near = 0.01 * scale;
         every_method_keeps_its_contract(&scene, &view);
@@ -145,12 +145,12 @@ fn a_hundred_thousand_faces_in_one_plane_are_one_node_of_a_tree() {
             corners.extend([low, low + 1, high + 1, low, high + 1, high]);
         }
     }
-    let mut content = ContentBuilder::new([Material::opaque([0.5; 3])]);
-    let sheet = content.mesh(Mesh::triangles(&positions, &corners, MaterialId(0)).expect("a sheet"));
+    let mut geometry = GeometryBuilder::new([Material::opaque([0.5; 3])]);
+    let sheet = geometry.mesh(Mesh::triangles(&positions, &corners, MaterialId(0)).expect("a sheet"));
     for _ in 0..10 {
-        content.item("sheet", sheet, Transform::IDENTITY);
+        geometry.item("sheet", sheet, Transform::IDENTITY);
     }
-    let scene = scene(content.build().expect("ten sheets"));
+    let scene = scene(geometry.build().expect("ten sheets"));
     let view = View::new([12.5, 6.25, 12.0], [12.5, 6.25, 0.0], [96, 54]);
     for method in Method::ALL
         .into_iter()
@@ -175,25 +175,25 @@ fn a_hundred_thousand_faces_in_one_plane_are_one_node_of_a_tree() {
 fn items_without_faces_or_extent_are_never_seen_and_hide_nothing() {
     let wall = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
     let build = |with_wall: bool| {
-        let mut content = ContentBuilder::new([Material {
+        let mut geometry = GeometryBuilder::new([Material {
             double_sided: true,
             ..Material::opaque([0.5; 3])
         }]);
-        let nothing = content.mesh(Mesh::new(&[]).expect("no face breaks a rule"));
-        let wall = content.mesh(Mesh::triangles(&wall, &[0, 1, 2], MaterialId(0)).expect("a triangle"));
+        let nothing = geometry.mesh(Mesh::new(&[]).expect("no face breaks a rule"));
+        let wall = geometry.mesh(Mesh::triangles(&wall, &[0, 1, 2], MaterialId(0)).expect("a triangle"));
         for at in [[0.0; 3], [0.0, 0.0, 1.0], [0.0, 0.0, 3.0]] {
-            content.item("nothing", nothing, Transform::translation(at));
+            geometry.item("nothing", nothing, Transform::translation(at));
         }
         if with_wall {
-            content.item("wall", wall, Transform::IDENTITY);
+            geometry.item("wall", wall, Transform::IDENTITY);
         }
         // Before the wall: a point, an upright line, and a sheet seen edge-on.
         for factors in [[0.0; 3], [0.0, 1.0, 0.0], [0.0, 1.0, 1.0]] {
             let before = Transform::translation([0.0, 0.0, 1.0]);
-            content.item("flattened", wall, before * Transform::scaling(factors));
+            geometry.item("flattened", wall, before * Transform::scaling(factors));
         }
-        content.item("nothing", nothing, Transform::scaling([0.0; 3]));
-        scene(content.build().expect("sound items"))
+        geometry.item("nothing", nothing, Transform::scaling([0.0; 3]));
+        scene(geometry.build().expect("sound items"))
     };
     let view = View::new([0.0, 0.0, 4.0], [0.0; 3], [64, 48]);
     for (scene, expected) in [(build(true), 1), (build(false), 0)] {
@@ -207,8 +207,8 @@ fn items_without_faces_or_extent_are_never_seen_and_hide_nothing() {
                 .expect("few faces");
             let mut viewer = Viewer::new();
             let set = viewer.look(&seen, &view);
-            let content = scene.content(SectorId(0)).expect("a content");
-            let names: Vec<&str> = set.items().iter().map(|seen| content.name(seen.item)).collect();
+            let geometry = scene.geometry(SectorId(0)).expect("a geometry");
+            let names: Vec<&str> = set.items().iter().map(|seen| geometry.name(seen.item)).collect();
             assert!(!names.contains(&"nothing"), "{method}: {names:?}");
             if method.contract() == Contract::Exact {
                 assert_eq!(names.len(), expected, "{method}: {names:?}");
@@ -223,7 +223,7 @@ fn a_thousand_copies_of_one_face_look_like_one() {
         corners: [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.3], [0.0, 1.0, -0.2]],
         copies: 250,
     };
-    let scene = scene(content(&[face.clone(), face.clone(), face.clone(), face], 1.0));
+    let scene = scene(geometry(&[face.clone(), face.clone(), face.clone(), face], 1.0));
     let view = View::new([0.2, 0.1, 3.0], [0.0; 3], [64, 48]);
     assert_eq!(
         every_method_keeps_its_contract(&scene, &view),
@@ -255,15 +255,15 @@ fn the_near_half_of_a_fold_hides_a_blade_that_passes_before_the_far_half() {
     let fold = Mesh::triangles(&[low, high, far, near], &[0, 1, 2, 1, 0, 3], MaterialId(0));
     let blade = [[-4.0, -0.5, -10.0], [0.9, -0.5, -10.0], [-1.5, 0.8, -10.0]];
     let blade = Mesh::triangles(&blade, &[0, 1, 2], MaterialId(0));
-    let mut content = ContentBuilder::new([Material {
+    let mut geometry = GeometryBuilder::new([Material {
         double_sided: true,
         ..Material::opaque([0.5; 3])
     }]);
     for mesh in [fold, blade] {
-        let mesh = content.mesh(mesh.expect("sound triangles"));
-        content.item("part", mesh, Transform::IDENTITY);
+        let mesh = geometry.mesh(mesh.expect("sound triangles"));
+        geometry.item("part", mesh, Transform::IDENTITY);
     }
-    let scene = scene(content.build().expect("two items"));
+    let scene = scene(geometry.build().expect("two items"));
     let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [160, 90]);
     assert_eq!(every_method_keeps_its_contract(&scene, &view), 2);
 }

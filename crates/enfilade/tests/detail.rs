@@ -1,7 +1,7 @@
 //! What is marked as detail never hides where a method chooses what does.
 
 use enfilade::{
-    ContentBuilder, Contract, Material, MaterialId, Mesh, Method, SceneBuilder, Transform, View, Viewer,
+    Contract, GeometryBuilder, Material, MaterialId, Mesh, Method, SceneBuilder, Transform, View, Viewer,
 };
 
 /// Items that are seen of a wall and a thing behind it.
@@ -10,7 +10,7 @@ fn seen(method: Method, detail: bool, cover_size: Option<[u32; 2]>) -> usize {
         detail,
         ..Material::opaque([0.6; 3])
     };
-    let mut content = ContentBuilder::new([wall, Material::opaque([0.2; 3])]);
+    let mut geometry = GeometryBuilder::new([wall, Material::opaque([0.2; 3])]);
     let corners = [
         [-9.0, -9.0, 0.0],
         [9.0, -9.0, 0.0],
@@ -19,12 +19,12 @@ fn seen(method: Method, detail: bool, cover_size: Option<[u32; 2]>) -> usize {
     ];
     for (name, material, at, size) in [("wall", 0, [0.0; 3], 1.0), ("thing", 1, [0.0, 0.0, -5.0], 0.05)] {
         let mesh = Mesh::triangles(&corners, &[0, 1, 2, 0, 2, 3], MaterialId(material));
-        let mesh = content.mesh(mesh.expect("a square"));
+        let mesh = geometry.mesh(mesh.expect("a square"));
         let place = Transform::translation(at) * Transform::scaling([size; 3]);
-        content.item(name, mesh, place);
+        geometry.item(name, mesh, place);
     }
     let mut scene = SceneBuilder::new();
-    scene.add("world", content.build().expect("sound items"), method);
+    scene.add("world", geometry.build().expect("sound items"), method);
     let scene = scene.build().expect("one sector");
     let mut viewer = Viewer::new();
     viewer.set_cover_size(cover_size);

@@ -2,8 +2,8 @@
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    Content, ContentBuilder, ConvexPolygon, Limits, Material, MaterialId, Mesh, Method, Scene, SceneBuilder,
-    SceneError, SectorId, Transform, View, Viewer,
+    ConvexPolygon, Geometry, GeometryBuilder, Limits, Material, MaterialId, Mesh, Method, Scene,
+    SceneBuilder, SceneError, SectorId, Transform, View, Viewer,
 };
 
 const DOOR: [f32; 3] = [-1.0, 0.0, -4.0];
@@ -12,7 +12,7 @@ fn door() -> ConvexPolygon {
     ConvexPolygon::rectangle(DOOR, [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]).expect("a door")
 }
 
-fn leaves(builder: &mut ContentBuilder, places: impl IntoIterator<Item = [f32; 3]>) {
+fn leaves(builder: &mut GeometryBuilder, places: impl IntoIterator<Item = [f32; 3]>) {
     let corners = [[-0.3, 0.0, 0.0], [0.3, 0.0, 0.0], [0.0, 0.6, 0.0]];
     let leaf = builder.mesh(Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)).expect("a leaf"));
     for place in places {
@@ -20,8 +20,8 @@ fn leaves(builder: &mut ContentBuilder, places: impl IntoIterator<Item = [f32; 3
     }
 }
 
-fn content(opening: ConvexPolygon, places: impl IntoIterator<Item = [f32; 3]>) -> Content {
-    let mut builder = ContentBuilder::new([Material {
+fn geometry(opening: ConvexPolygon, places: impl IntoIterator<Item = [f32; 3]>) -> Geometry {
+    let mut builder = GeometryBuilder::new([Material {
         double_sided: true,
         ..Material::opaque([0.5; 3])
     }]);
@@ -31,17 +31,21 @@ fn content(opening: ConvexPolygon, places: impl IntoIterator<Item = [f32; 3]>) -
 }
 
 /// So many leaves behind the door, somewhere else at every moment.
-fn swarm(moment: u32, count: u32) -> Content {
+fn swarm(moment: u32, count: u32) -> Geometry {
     let place = |i: u32| {
         let phase = (i * 7 + moment) as f32 * 0.37;
         [1.5 * phase.sin(), 1.0 + phase.cos(), -5.0 - 0.1 * i as f32]
     };
-    content(door().flipped(), (0..count).map(place))
+    geometry(door().flipped(), (0..count).map(place))
 }
 
 fn garden(method: Method) -> (Scene, [SectorId; 2]) {
     let mut scene = SceneBuilder::new();
-    let room = scene.add("room", content(door(), [[0.5, 0.5, -2.0]]), Method::HierarchicalZ);
+    let room = scene.add(
+        "room",
+        geometry(door(), [[0.5, 0.5, -2.0]]),
+        Method::HierarchicalZ,
+    );
     let swarm = scene.add("swarm", swarm(0, 30), method);
     let opening = enfilade::OpeningId(0);
     scene.door((room, opening), (swarm, opening));
@@ -61,7 +65,7 @@ fn a_swarm_moves_every_frame_and_nothing_else_is_built() {
         for moment in 1..=20 {
             // Sometimes few are left: what was seen before must not be asked for.
             let count = if moment % 3 == 0 { 2 } else { 30 };
-            scene.set_content(moving, swarm(moment, count)).expect("it fits");
+            scene.set_geometry(moving, swarm(moment, count)).expect("it fits");
             let truth = Reference::new(&scene).see(&scene, &view, &Limits::default());
             viewer.look(&scene, &view);
             let looked = truth.check(viewer.visible(), None);
@@ -84,20 +88,20 @@ fn a_swarm_moves_every_frame_and_nothing_else_is_built() {
 }
 
 #[test]
-fn what_cannot_replace_a_content_is_refused_and_leaves_it_as_it_was() {
+fn what_cannot_replace_a_geometry_is_refused_and_leaves_it_as_it_was() {
     let (mut scene, [_, moving]) = garden(Method::ZBuffer);
-    let before = scene.content(moving).expect("ours").clone();
-    let closed = ContentBuilder::new([Material::opaque([1.0; 3])])
+    let before = scene.geometry(moving).expect("ours").clone();
+    let closed = GeometryBuilder::new([Material::opaque([1.0; 3])])
         .build()
         .expect("nothing");
-    let refused = scene.set_content(moving, closed).expect_err("it has no opening");
+    let refused = scene.set_geometry(moving, closed).expect_err("it has no opening");
     assert!(
         matches!(refused, SceneError::Openings { had: 1, has: 0, .. }),
         "{refused}"
     );
     assert!(std::sync::Arc::ptr_eq(
         &before,
-        scene.content(moving).expect("ours")
+        scene.geometry(moving).expect("ours")
     ));
     let sheared = Transform::from_columns([[1.0, 0.0, 0.0], [0.5, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]]);
     let refused = scene

@@ -1,7 +1,7 @@
 //! Edits: what comes of them, and what is refused.
 
 use enfilade::{
-    Aabb, ContentBuilder, Contract, EditError, ItemId, Material, MaterialId, Mesh, Method, Scene,
+    Aabb, Contract, EditError, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Scene,
     SceneBuilder, SceneError, SectorId, Transform, View, Viewer,
 };
 use std::sync::Arc;
@@ -16,7 +16,7 @@ fn leaf() -> Arc<Mesh> {
 
 /// A wall with three leaves before it.
 fn hall(method: Method) -> Scene {
-    let mut hall = ContentBuilder::new([Material {
+    let mut hall = GeometryBuilder::new([Material {
         double_sided: true,
         ..Material::opaque([0.5; 3])
     }]);
@@ -34,9 +34,9 @@ fn hall(method: Method) -> Scene {
 
 fn seen(viewer: &mut Viewer, scene: &Scene) -> Vec<String> {
     let view = View::new([0.0, 0.3, 0.0], [0.0, 0.3, -4.0], VIEW);
-    let content = scene.content(HALL).expect("ours");
+    let geometry = scene.geometry(HALL).expect("ours");
     let items = viewer.look(scene, &view).items().iter();
-    items.map(|item| content.name(item.item).to_owned()).collect()
+    items.map(|item| geometry.name(item.item).to_owned()).collect()
 }
 
 #[test]
@@ -67,13 +67,13 @@ fn what_is_removed_is_not_seen_and_its_number_goes_to_the_next_that_comes() {
 #[test]
 fn an_edit_that_is_dropped_changes_nothing() {
     let mut scene = hall(Method::HierarchicalZ);
-    let before = scene.content(HALL).expect("ours").items().to_vec();
+    let before = scene.geometry(HALL).expect("ours").items().to_vec();
     let mut edit = scene.edit();
     edit.remove(HALL, ItemId(1)).expect("it is there");
     edit.add(HALL, "new", leaf(), Transform::IDENTITY)
         .expect("it fits");
     drop(edit);
-    assert_eq!(scene.content(HALL).expect("ours").items(), before);
+    assert_eq!(scene.geometry(HALL).expect("ours").items(), before);
 }
 
 #[test]
@@ -83,7 +83,7 @@ fn a_copy_of_a_scene_stays_as_it_was() {
         .filter(|method| method.takes_any_content())
     {
         let mut scene = hall(method);
-        let (copy, content) = (scene.clone(), scene.content(HALL).expect("ours").clone());
+        let (copy, geometry) = (scene.clone(), scene.geometry(HALL).expect("ours").clone());
         let mut edit = scene.edit();
         edit.remove(HALL, ItemId(1)).expect("it is there");
         edit.place(HALL, ItemId(2), Transform::translation([0.0, 50.0, 0.0]))
@@ -95,7 +95,7 @@ fn a_copy_of_a_scene_stays_as_it_was() {
             ["wall", "left", "middle", "right"],
             "{method}"
         );
-        assert_eq!(content.item_count(), 4);
+        assert_eq!(geometry.item_count(), 4);
     }
 }
 
@@ -131,7 +131,7 @@ fn a_leaf_that_is_seen_past_hides_nothing() {
 #[test]
 fn meshes_live_as_long_as_an_item_is_a_copy_of_them() {
     let mut scene = hall(Method::Masked);
-    let first = scene.content(HALL).expect("ours").bytes();
+    let first = scene.geometry(HALL).expect("ours").bytes();
     for round in 0..100 {
         let mut edit = scene.edit();
         let there = Transform::translation([0.0, round as f32 * 0.01, -3.0]);
@@ -141,16 +141,16 @@ fn meshes_live_as_long_as_an_item_is_a_copy_of_them() {
         }
         edit.finish().expect("little");
     }
-    let content = scene.content(HALL).expect("ours");
-    assert!(content.meshes().len() < 10, "{}", content.meshes().len());
-    assert!(content.bytes() < 3 * first + 1000);
+    let geometry = scene.geometry(HALL).expect("ours");
+    assert!(geometry.meshes().len() < 10, "{}", geometry.meshes().len());
+    assert!(geometry.bytes() < 3 * first + 1000);
     assert_eq!(seen(&mut Viewer::new(), &scene).len(), 4);
 }
 
 #[test]
 fn what_cannot_be_is_refused_and_the_item_stays_as_it_was() {
     let mut scene = hall(Method::HierarchicalZ);
-    let before = scene.content(HALL).expect("ours").items().to_vec();
+    let before = scene.geometry(HALL).expect("ours").items().to_vec();
     let mut edit = scene.edit();
     let item = ItemId(2);
     let at = |x: f32| Transform::translation([x, 0.0, 0.0]);
@@ -194,7 +194,7 @@ fn what_cannot_be_is_refused_and_the_item_stays_as_it_was() {
         "there is no sector 3: the scene has 1",
     );
     edit.finish().expect("nothing to do");
-    assert_eq!(scene.content(HALL).expect("ours").items(), before);
+    assert_eq!(scene.geometry(HALL).expect("ours").items(), before);
 
     let mut edit = scene.edit();
     edit.remove(HALL, item).expect("once");
@@ -209,14 +209,14 @@ fn what_cannot_be_is_refused_and_the_item_stays_as_it_was() {
 
 #[test]
 fn an_edit_that_needs_too_much_memory_is_undone_in_every_sector() {
-    let room = |scene: &Scene| (**scene.content(HALL).expect("ours")).clone();
+    let room = |scene: &Scene| (**scene.geometry(HALL).expect("ours")).clone();
     let source = hall(Method::ZBuffer);
     let mut builder = SceneBuilder::new();
     builder.limit_bytes(40_000);
     let open = builder.add("open", room(&source), Method::HierarchicalZ);
     let tree = builder.add("tree", room(&source), Method::Bsp);
     let mut scene = builder.build().expect("small enough");
-    let before = [open, tree].map(|id| scene.content(id).expect("ours").items().to_vec());
+    let before = [open, tree].map(|id| scene.geometry(id).expect("ours").items().to_vec());
     let mut edit = scene.edit();
     edit.remove(open, ItemId(1)).expect("it is there");
     for i in 0..2000_u16 {
@@ -229,7 +229,7 @@ fn an_edit_that_needs_too_much_memory_is_undone_in_every_sector() {
         matches!(&refused, SceneError::TooLarge { sector, .. } if sector == "tree"),
         "{refused}"
     );
-    let after = [open, tree].map(|id| scene.content(id).expect("ours"));
+    let after = [open, tree].map(|id| scene.geometry(id).expect("ours"));
     assert_eq!(after[0].items(), before[0]);
     assert_eq!(after[1].item_count(), before[1].len());
     assert_eq!(after[1].items()[..4], before[1]);
@@ -247,8 +247,8 @@ fn a_mesh_too_large_for_its_occluders_to_be_found_is_refused() {
     for method in [Method::Masked, Method::Svbsp, Method::Mobsp] {
         let mut builder = SceneBuilder::new();
         builder.limit_bytes(100_000);
-        let content = (**source.content(HALL).expect("ours")).clone();
-        builder.add("hall", content, method);
+        let geometry = (**source.geometry(HALL).expect("ours")).clone();
+        builder.add("hall", geometry, method);
         let mut scene = builder.build().expect("small enough");
         let side = 40_u32;
         let positions: Vec<[f32; 3]> = (0..side * side)
@@ -283,12 +283,12 @@ fn a_set_of_the_scene_before_can_still_be_asked() {
 
 #[test]
 fn an_eye_above_an_open_hall_is_in_it_also_after_edits_and_within_another_scene() {
-    let content = |height: f32| {
-        let mut content = ContentBuilder::new([Material::opaque([0.5; 3])]);
-        let leaf = content.mesh(leaf());
-        content.item("leaf", leaf, Transform::translation([0.0, height, 0.0]));
-        content.item("leaf 2", leaf, Transform::translation([1.0, height, 1.0]));
-        content.build().expect("sound")
+    let geometry = |height: f32| {
+        let mut geometry = GeometryBuilder::new([Material::opaque([0.5; 3])]);
+        let leaf = geometry.mesh(leaf());
+        geometry.item("leaf", leaf, Transform::translation([0.0, height, 0.0]));
+        geometry.item("leaf 2", leaf, Transform::translation([1.0, height, 1.0]));
+        geometry.build().expect("sound")
     };
     let eye = [0.5, 90.0, 0.5];
     let name = |scene: &Scene| {
@@ -296,13 +296,13 @@ fn an_eye_above_an_open_hall_is_in_it_also_after_edits_and_within_another_scene(
         scene.sector_name(sector).to_owned()
     };
     let mut builder = SceneBuilder::new();
-    let hall = builder.add("hall", content(0.0), Method::ZBuffer);
-    builder.add("balloon", content(60.0), Method::ZBuffer);
+    let hall = builder.add("hall", geometry(0.0), Method::ZBuffer);
+    builder.add("balloon", geometry(60.0), Method::ZBuffer);
     assert_eq!(name(&builder.build().expect("sound")), "balloon");
 
     let mut builder = SceneBuilder::new();
-    builder.add("hall", content(0.0), Method::ZBuffer);
-    builder.add("balloon", content(60.0), Method::ZBuffer);
+    builder.add("hall", geometry(0.0), Method::ZBuffer);
+    builder.add("balloon", geometry(60.0), Method::ZBuffer);
     builder.open_above(hall);
     let mut scene = builder.build().expect("sound");
     assert!(scene.is_open_above(hall));
@@ -313,12 +313,12 @@ fn an_eye_above_an_open_hall_is_in_it_also_after_edits_and_within_another_scene(
     edit.finish().expect("little");
     assert_eq!(name(&scene), "hall");
     scene
-        .set_content(hall, content(-5.0))
+        .set_geometry(hall, geometry(-5.0))
         .expect("it has as many openings");
     assert_eq!(name(&scene), "hall");
 
     let mut outer = SceneBuilder::new();
-    outer.add("cloud", content(80.0), Method::ZBuffer);
+    outer.add("cloud", geometry(80.0), Method::ZBuffer);
     outer.nest(&scene);
     assert_eq!(name(&outer.build().expect("sound")), "hall");
 }

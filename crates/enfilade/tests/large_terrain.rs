@@ -1,9 +1,9 @@
-//! Large ground is what the same heights are as a content, and takes next to no memory.
+//! Large ground is what the same heights are as a geometry, and takes next to no memory.
 
 use allocation_counter::measure;
 use enfilade::laws::OwnerPicture;
 use enfilade::{
-    ContentBuilder, Contract, ConvexPolygon, Diagonal, HeightBytes, HeightField, HeightFieldError,
+    Contract, ConvexPolygon, Diagonal, GeometryBuilder, HeightBytes, HeightField, HeightFieldError,
     HeightFormat, Heights, LargeTerrain, Material, MaterialId, Mesh, Method, Opening, OpeningId, Ray, Scene,
     SceneBuilder, Sector, SectorId, Transform, View, Viewer,
 };
@@ -85,7 +85,7 @@ fn views(random: &mut Random, field: &HeightField) -> Vec<View> {
     views
 }
 
-/// The same ground as a content by the floating horizon, and as it is.
+/// The same ground as a geometry by the floating horizon, and as it is.
 fn both(random: &mut Random) -> (HeightField, LargeTerrain) {
     let (size, heights) = heights(random);
     let cell = [0, 1].map(|_| f64::from(random.between(0.3, 2.0)));
@@ -96,15 +96,15 @@ fn both(random: &mut Random) -> (HeightField, LargeTerrain) {
     (field.cut_along(diagonal), large.cut_along(diagonal))
 }
 
-fn as_content(field: &HeightField) -> ContentBuilder {
-    let mut content = ContentBuilder::new([Material {
+fn as_geometry(field: &HeightField) -> GeometryBuilder {
+    let mut geometry = GeometryBuilder::new([Material {
         double_sided: true,
         ..Material::opaque(COLOR)
     }]);
-    content
+    geometry
         .terrain("block", field.clone(), MaterialId(0), Transform::IDENTITY)
         .expect("few faces");
-    content
+    geometry
 }
 
 fn alone(add: impl FnOnce(&mut SceneBuilder) -> SectorId) -> Scene {
@@ -114,18 +114,18 @@ fn alone(add: impl FnOnce(&mut SceneBuilder) -> SectorId) -> Scene {
 }
 
 #[test]
-fn it_is_seen_as_the_same_heights_are_as_a_content() {
+fn it_is_seen_as_the_same_heights_are_as_a_geometry() {
     let mut random = Random::new(7);
     let (mut looks, mut met) = (0, 0);
     for number in 0..60 {
         let (field, large) = both(&mut random);
         let views = views(&mut random, &field);
         let large = alone(|scene| scene.add_custom("ground", Arc::new(large)));
-        let content = as_content(&field).build().expect("sound blocks");
-        let content = alone(|scene| scene.add("ground", content, Method::FloatingHorizon));
-        assert_eq!(large.item_count(), content.item_count());
-        assert_eq!(large.triangle_count(), content.triangle_count());
-        assert_eq!(large.bounds(SectorId(0)), content.bounds(SectorId(0)));
+        let geometry = as_geometry(&field).build().expect("sound blocks");
+        let geometry = alone(|scene| scene.add("ground", geometry, Method::FloatingHorizon));
+        assert_eq!(large.item_count(), geometry.item_count());
+        assert_eq!(large.triangle_count(), geometry.triangle_count());
+        assert_eq!(large.bounds(SectorId(0)), geometry.bounds(SectorId(0)));
         let [mut viewer, mut other] = [Viewer::new(), Viewer::new()];
         for (look, view) in views.iter().enumerate().filter(|(_, view)| view.check().is_ok()) {
             let items = |viewer: &Viewer| -> Vec<_> {
@@ -134,14 +134,14 @@ fn it_is_seen_as_the_same_heights_are_as_a_content() {
             };
             let [mut seen, mut expected] = [OwnerPicture::new(SCREEN), OwnerPicture::new(SCREEN)];
             viewer.draw(&large, view, &mut seen);
-            other.draw(&content, view, &mut expected);
+            other.draw(&geometry, view, &mut expected);
             let drawn = items(&viewer);
             assert_eq!(drawn, items(&other), "field {number}, look {look}");
             viewer.look(&large, view);
             assert_eq!(drawn, items(&viewer), "field {number}, look {look}");
             assert_eq!(
                 viewer.visible().in_frustum(&large).0,
-                other.visible().in_frustum(&content).0
+                other.visible().in_frustum(&geometry).0
             );
             for at in (0..SCREEN[1]).flat_map(|y| (0..SCREEN[0]).map(move |x| [x, y])) {
                 let [seen, expected] =
@@ -156,19 +156,19 @@ fn it_is_seen_as_the_same_heights_are_as_a_content() {
 }
 
 #[test]
-fn rays_meet_it_where_they_meet_the_same_heights_as_a_content() {
+fn rays_meet_it_where_they_meet_the_same_heights_as_a_geometry() {
     let mut random = Random::new(8);
     let mut hits = 0;
     for _ in 0..40 {
         let (field, large) = both(&mut random);
-        let content = as_content(&field).build().expect("sound blocks");
+        let geometry = as_geometry(&field).build().expect("sound blocks");
         for view in views(&mut random, &field) {
             let direction = [0, 1, 2].map(|axis| view.toward[axis] - view.eye[axis]);
             let ray = Ray {
                 origin: view.eye,
                 direction,
             };
-            let [met, expected] = [large.cast(&ray), content.cast(&ray)];
+            let [met, expected] = [large.cast(&ray), geometry.cast(&ray)];
             assert_eq!(met.is_some(), expected.is_some(), "{ray:?}");
             let (Some(met), Some(expected)) = (met, expected) else {
                 continue;
@@ -182,7 +182,7 @@ fn rays_meet_it_where_they_meet_the_same_heights_as_a_content() {
             assert_eq!((met.item, met.from_behind), (expected.item, expected.from_behind));
             let [surface, known] = [
                 large.surface(met.item, met.face),
-                content.surface(expected.item, expected.face),
+                geometry.surface(expected.item, expected.face),
             ];
             assert_eq!(surface.color, known.color);
             let turned: f32 = (0..3).map(|axis| surface.normal[axis] * known.normal[axis]).sum();
@@ -196,7 +196,7 @@ fn rays_meet_it_where_they_meet_the_same_heights_as_a_content() {
 fn with_a_door(field: &HeightField, large: Option<LargeTerrain>) -> Scene {
     let doorway = ConvexPolygon::rectangle([20.0, 0.0, 20.0], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]);
     let doorway = doorway.expect("a rectangle");
-    let mut room = ContentBuilder::new([Material::opaque([0.8, 0.3, 0.2])]);
+    let mut room = GeometryBuilder::new([Material::opaque([0.8, 0.3, 0.2])]);
     let corners = [[18.0, 0.0, 15.0], [26.0, 0.0, 15.0], [22.0, 5.0, 15.0]];
     let lamp = room.mesh(Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)).expect("a triangle"));
     room.item("lamp", lamp, Transform::IDENTITY);
@@ -212,10 +212,10 @@ fn with_a_door(field: &HeightField, large: Option<LargeTerrain>) -> Scene {
             scene.add_custom("ground", Arc::new(large))
         }
         None => {
-            let mut content = as_content(field);
-            content.opening("door", doorway);
-            let content = content.build().expect("sound blocks");
-            scene.add("ground", content, Method::FloatingHorizon)
+            let mut geometry = as_geometry(field);
+            geometry.opening("door", doorway);
+            let geometry = geometry.build().expect("sound blocks");
+            scene.add("ground", geometry, Method::FloatingHorizon)
         }
     };
     let room = scene.add("room", room.build().expect("a lamp"), Method::ZBuffer);
@@ -232,14 +232,14 @@ fn an_opening_in_it_is_followed() {
     let stored = HeightBytes::new(bytes(&heights), size, HeightFormat::F32Le, None).expect("as many");
     let large = LargeTerrain::new(stored, [1.0; 2], COLOR).expect("no holes");
     let field = HeightField::new(size, [1.0; 2], heights).expect("no holes");
-    let [large, content] = [with_a_door(&field, Some(large)), with_a_door(&field, None)];
+    let [large, geometry] = [with_a_door(&field, Some(large)), with_a_door(&field, None)];
     let [mut viewer, mut other] = [Viewer::new(), Viewer::new()];
     for eye in [[21.0, 2.0, 30.0], [24.0, 6.0, 50.0], [21.5, 2.0, 20.5]] {
         let mut view = View::new(eye, [21.5, 2.0, 15.0], SCREEN);
         view.sector = Some(SectorId(0));
         let [mut seen, mut expected] = [OwnerPicture::new(SCREEN), OwnerPicture::new(SCREEN)];
         viewer.draw(&large, &view, &mut seen);
-        other.draw(&content, &view, &mut expected);
+        other.draw(&geometry, &view, &mut expected);
         assert_eq!(
             viewer.visible().passages().len(),
             2,

@@ -2,15 +2,15 @@
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    Capsule, Cast, ContentBuilder, ContentError, ConvexPolygon, HeightField, HeightFieldError, Light, Limits,
-    MAX_COORDINATE, Material, MaterialId, Mesh, MeshError, Met, Method, Place, PortalId, Ray, Scene,
+    Capsule, Cast, ConvexPolygon, GeometryBuilder, GeometryError, HeightField, HeightFieldError, Light,
+    Limits, MAX_COORDINATE, Material, MaterialId, Mesh, MeshError, Met, Method, Place, PortalId, Ray, Scene,
     SceneBuilder, SceneError, SectorId, Transform, View, ViewError, Viewer, Walked, geom::PolygonError,
 };
 
 /// A room whose opening fills the view, and shows the room itself from the same eye, a little smaller: so the opening
 /// behind the opening fills the view too, however many are followed.
 fn endless() -> Scene {
-    let mut room = ContentBuilder::new([Material {
+    let mut room = GeometryBuilder::new([Material {
         double_sided: true,
         ..Material::opaque([0.5; 3])
     }]);
@@ -59,7 +59,7 @@ fn as_many_portals_in_a_row_are_followed_as_the_limits_allow() {
 
 /// A room without walls whose only opening leads from x = 10 back to x = -10, scaled.
 fn loop_of(scale: f32) -> Scene {
-    let mut room = ContentBuilder::new([Material::opaque([0.5; 3])]);
+    let mut room = GeometryBuilder::new([Material::opaque([0.5; 3])]);
     let outline = [
         [10.0, -5.0, 5.0],
         [10.0, -5.0, -5.0],
@@ -170,12 +170,12 @@ fn coordinates_beyond_the_bound_are_refused_wherever_they_come_in() {
         ),
         (1e7, Transform::scaling([1e7; 3])),
     ] {
-        let mut room = ContentBuilder::new([Material::opaque([0.5; 3])]);
+        let mut room = GeometryBuilder::new([Material::opaque([0.5; 3])]);
         let mesh = room.mesh(triangle(x).expect("in range"));
         room.item("beacon", mesh, at);
         assert_eq!(
             room.build().err(),
-            Some(ContentError::TooFar("beacon".to_owned()))
+            Some(GeometryError::TooFar("beacon".to_owned()))
         );
     }
 

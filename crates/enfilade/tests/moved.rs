@@ -10,7 +10,7 @@ fn clusters(viewer: &Viewer, scene: &Scene) -> BTreeMap<(u32, ItemId, u32), u64>
     let mut all = BTreeMap::new();
     for item in set.items() {
         let sector = set.passage(item.passage).sector;
-        let mesh = scene.content(sector).expect("of ours").mesh_of(item.item);
+        let mesh = scene.geometry(sector).expect("of ours").mesh_of(item.item);
         let only = [0];
         let seen = set.clusters(item);
         for &cluster in if seen.is_empty() { &only[..] } else { seen } {

@@ -3,7 +3,7 @@
 //! A scene cannot stand in itself: [`SceneBuilder::nest`] takes one that is built already.
 
 use enfilade::{
-    Aabb, Canvas, Content, ContentBuilder, Contract, ConvexPolygon, End, Hit, ItemId, Light, Material,
+    Aabb, Canvas, Contract, ConvexPolygon, End, Geometry, GeometryBuilder, Hit, ItemId, Light, Material,
     MaterialId, Memory, Mesh, Method, Opening, OpeningId, Passage, PortalId, Ray, Scene, SceneBuilder,
     SceneError, Sector, SectorId, Seen, Surface, Transform,
 };
@@ -13,8 +13,8 @@ const DOOR: OpeningId = OpeningId(0);
 const WINDOW: OpeningId = OpeningId(1);
 
 /// A room with a wall, a door and a window.
-fn room() -> Content {
-    let mut room = ContentBuilder::new([Material::opaque([1.0; 3])]);
+fn room() -> Geometry {
+    let mut room = GeometryBuilder::new([Material::opaque([1.0; 3])]);
     let wall = Mesh::triangles(
         &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
         &[0, 1, 2],
@@ -250,8 +250,8 @@ fn what_is_not_ours_is_not_exchanged() {
     let mut builder = SceneBuilder::new();
     let void = builder.add_custom("void", Arc::new(Void(Aabb::EMPTY)));
     let mut scene = builder.build().expect("a scene of one's own");
-    let message = "sector `void` is one of your own: it has neither content nor method to exchange";
-    says(&scene.set_content(void, room()).expect_err("not ours"), message);
+    let message = "sector `void` is one of your own: it has neither geometry nor method to exchange";
+    says(&scene.set_geometry(void, room()).expect_err("not ours"), message);
     says(
         &scene.set_method(void, Method::Bsp).expect_err("not ours"),
         message,
@@ -286,14 +286,16 @@ fn a_custom_sector_with_a_box_of_no_numbers() {
 }
 
 #[test]
-fn a_content_with_fewer_openings() {
+fn a_geometry_with_fewer_openings() {
     let mut builder = SceneBuilder::new();
     let hall = builder.add("hall", room(), Method::ZBuffer);
     let mut scene = builder.build().expect("a hall");
-    let closed = ContentBuilder::new([]).build().expect("nothing");
+    let closed = GeometryBuilder::new([]).build().expect("nothing");
     says(
-        &scene.set_content(hall, closed).expect_err("openings are missing"),
-        "sector `hall` has 2 openings, but the content that is to replace its own has 0",
+        &scene
+            .set_geometry(hall, closed)
+            .expect_err("openings are missing"),
+        "sector `hall` has 2 openings, but the geometry that is to replace its own has 0",
     );
 }
 

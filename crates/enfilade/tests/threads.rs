@@ -1,7 +1,7 @@
 //! However many threads look and build, what is seen is the same, and so is what is built.
 
 use enfilade::{
-    ContentBuilder, Limits, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, SectorId, Stats,
+    GeometryBuilder, Limits, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, SectorId, Stats,
     Transform, View, Viewer,
 };
 use enfilade_scenes::built_in;
@@ -91,7 +91,7 @@ fn block() -> Mesh {
 
 /// Some thousand houses, all turned a little: enough for trees in parts, and for walks in shares.
 fn town() -> Scene {
-    let mut builder = ContentBuilder::new([Material::opaque([0.6; 3])]);
+    let mut builder = GeometryBuilder::new([Material::opaque([0.6; 3])]);
     let house = builder.mesh(block());
     for i in 0..1600_u32 {
         let at = [(i % 40) as f32 * 5.0, 0.0, (i / 40) as f32 * 5.0];
@@ -169,11 +169,11 @@ fn a_viewer_that_is_not_parallel_does_what_one_thread_does() {
 }
 
 #[test]
-fn sectors_of_one_content_are_built_side_by_side_without_waiting_for_each_other() {
-    let content = town().content(SectorId(0)).expect("of ours").clone();
+fn sectors_of_one_geometry_are_built_side_by_side_without_waiting_for_each_other() {
+    let geometry = town().geometry(SectorId(0)).expect("of ours").clone();
     let mut builder = SceneBuilder::new();
     for name in ["here", "there", "yonder"] {
-        builder.add(name, content.clone(), Method::ZBuffer);
+        builder.add(name, geometry.clone(), Method::ZBuffer);
     }
     let scene = builder.build().expect("three sectors");
     for pool in pools() {
@@ -191,7 +191,7 @@ fn two_threads_and_eight_build_what_one_does() {
     for method in Method::ALL.into_iter().filter(|&method| town.suits(method)) {
         let built = pools.iter().map(|pool| {
             pool.install(|| {
-                // A content of its own: what methods share would be built once.
+                // A geometry of its own: what methods share would be built once.
                 let scene = self::town().with_method(method, Method::DEFAULT_LIMIT);
                 let scene = scene.expect("it is small");
                 let mut viewer = viewer();

@@ -8,7 +8,7 @@
 use crate::lamps::Near;
 use crate::mips::Mips;
 use crate::stage::Stage;
-use enfilade::{Alpha, Content, ItemId, Passage, Surface, Transform};
+use enfilade::{Alpha, Geometry, ItemId, Passage, Surface, Transform};
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
@@ -149,25 +149,25 @@ impl<'s> Face<'s> {
         }
     }
 
-    /// A face of a content, with its textures and what its corners carry.
-    pub(crate) fn of_content(
-        (content, stage): (&Content, &'s Stage),
+    /// A face of a geometry, with its textures and what its corners carry.
+    pub(crate) fn of_geometry(
+        (geometry, stage): (&Geometry, &'s Stage),
         (item, face): (ItemId, u32),
         surface: &Surface,
         rays: &Rays,
         lights: &[Near],
     ) -> Face<'s> {
         let mut made = Face::plain(surface, rays);
-        let mesh = content.mesh_of(item);
-        let material = content.material(&mesh.clusters()[mesh.cluster_of(face)]);
+        let mesh = geometry.mesh_of(item);
+        let material = geometry.material(&mesh.clusters()[mesh.cluster_of(face)]);
         made.emission = material.emission.into();
         made.unlit = material.unlit;
         made.glass = material.alpha == Alpha::Blend;
         made.cutoff = (material.alpha == Alpha::Mask).then_some(material.cutoff);
-        made.texture = stage.mips(content, material.texture);
-        made.glow = stage.mips(content, material.emission_texture);
+        made.texture = stage.mips(geometry, material.texture);
+        made.glow = stage.mips(geometry, material.emission_texture);
         let corners = mesh.face(face);
-        let transform = content.item(item).transform();
+        let transform = geometry.item(item).transform();
         let columns = transform
             .columns()
             .map(|column| DVec3::from(column.map(f64::from)));

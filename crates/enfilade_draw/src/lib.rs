@@ -2,15 +2,15 @@
 //! through openings, cut-outs, glass, one or four samples a pixel; and pictures of how a method came to its answer.
 //!
 //! ```
-//! use enfilade::{ContentBuilder, Material, Mesh, Method, SceneBuilder, Transform, View, Viewer};
+//! use enfilade::{GeometryBuilder, Material, Mesh, Method, SceneBuilder, Transform, View, Viewer};
 //! use enfilade_draw::{Settings, Stage};
 //!
-//! let mut content = ContentBuilder::new([Material::opaque([0.8, 0.3, 0.2])]);
+//! let mut geometry = GeometryBuilder::new([Material::opaque([0.8, 0.3, 0.2])]);
 //! let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
-//! let mesh = content.mesh(Mesh::triangles(&corners, &[0, 1, 2], enfilade::MaterialId(0))?);
-//! content.item("leaf", mesh, Transform::IDENTITY);
+//! let mesh = geometry.mesh(Mesh::triangles(&corners, &[0, 1, 2], enfilade::MaterialId(0))?);
+//! geometry.item("leaf", mesh, Transform::IDENTITY);
 //! let mut scene = SceneBuilder::new();
-//! scene.add("meadow", content.build()?, Method::ZBuffer);
+//! scene.add("meadow", geometry.build()?, Method::ZBuffer);
 //! let scene = scene.build()?;
 //!
 //! let view = View::new([0.0, 0.0, 3.0], [0.0, 0.0, 0.0], [64, 48]);

@@ -209,10 +209,10 @@ impl<'a> Painter<'a> {
                 plain((lit * Vec3::from(distinct(u64::from(self.sector.0)))).into())
             }
             _ => {
-                let made = match self.scene.content(self.sector) {
-                    Some(content) => {
-                        let of = (&**content, self.stage);
-                        Face::of_content(of, (item, face), &surface, light.rays, light.lights)
+                let made = match self.scene.geometry(self.sector) {
+                    Some(geometry) => {
+                        let of = (&**geometry, self.stage);
+                        Face::of_geometry(of, (item, face), &surface, light.rays, light.lights)
                     }
                     None => Face::plain(&surface, light.rays),
                 };

@@ -99,8 +99,8 @@ mod tests {
     use crate::shade::Row;
     use crate::stage::{Exposure, Stage};
     use enfilade::{
-        Attributes, ContentBuilder, ItemId, Material, MaterialId, Mesh, Method, Part, SceneBuilder, SectorId,
-        Transform, View, Viewer,
+        Attributes, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Part, SceneBuilder,
+        SectorId, Transform, View, Viewer,
     };
 
     /// Numbers that are everywhere between −1 and 1.
@@ -131,7 +131,7 @@ mod tests {
                     ..Attributes::default()
                 },
             }]);
-            let mut builder = ContentBuilder::new([Material::opaque(spread(seed).map(f32::abs))]);
+            let mut builder = GeometryBuilder::new([Material::opaque(spread(seed).map(f32::abs))]);
             let mesh = builder.mesh(mesh.expect("a triangle"));
             builder.item("face", mesh, Transform::IDENTITY);
             let mut scene = SceneBuilder::new();
@@ -140,9 +140,9 @@ mod tests {
             let stage = Stage::new(&scene);
             let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [64, 48]);
             let rays = crate::face::Rays::new(&Viewer::new().look(&scene, &view).passages()[0]);
-            let content = scene.content(SectorId(0)).expect("a content");
+            let geometry = scene.geometry(SectorId(0)).expect("a geometry");
             let surface = scene.sector(SectorId(0)).surface(ItemId(0), 0);
-            let face = Face::of_content((content, &stage), (ItemId(0), 0), &surface, &rays, &[]);
+            let face = Face::of_geometry((geometry, &stage), (ItemId(0), 0), &surface, &rays, &[]);
             let tone = crate::light::Tone {
                 exposure: 1.0,
                 soft: false,

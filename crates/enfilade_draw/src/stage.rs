@@ -5,7 +5,7 @@ use crate::mips::Mips;
 use crate::painter::Painter;
 use crate::samples;
 use crate::show::Show;
-use enfilade::{Content, Scene, Texture, TextureId, View, Viewer};
+use enfilade::{Geometry, Scene, Texture, TextureId, View, Viewer};
 use image::RgbImage;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// Of a scene as it is: make it anew after lights, portals or textures have changed. Edits of items change nothing in it.
 pub struct Stage {
     pub(crate) lamps: Lamps,
-    /// By the texture's address: contents share them.
+    /// By the texture's address: geometries share them.
     mips: HashMap<usize, Mips>,
 }
 
@@ -79,9 +79,9 @@ pub struct Picture {
 impl Stage {
     /// Makes a scene's textures ready, on all cores, and follows its lights.
     pub fn new(scene: &Scene) -> Stage {
-        let contents = || scene.sectors().filter_map(|id| scene.content(id));
+        let geometries = || scene.sectors().filter_map(|id| scene.geometry(id));
         let mut unique: HashMap<usize, &Arc<Texture>> = HashMap::new();
-        for texture in contents().flat_map(|content| content.textures()) {
+        for texture in geometries().flat_map(|geometry| geometry.textures()) {
             unique.insert(address(texture), texture);
         }
         let unique: Vec<_> = unique.into_iter().collect();
@@ -105,8 +105,8 @@ impl Stage {
     }
 
     /// A texture ready to be looked up.
-    pub(crate) fn mips(&self, content: &Content, texture: Option<TextureId>) -> Option<&Mips> {
-        let texture = content.textures().get(texture?.0 as usize)?;
+    pub(crate) fn mips(&self, geometry: &Geometry, texture: Option<TextureId>) -> Option<&Mips> {
+        let texture = geometry.textures().get(texture?.0 as usize)?;
         self.mips.get(&address(texture))
     }
 }

@@ -15,7 +15,7 @@ mod common;
 use common::{Lens, Place, folder, in_turn, median_of, open};
 use enfilade::geom::BspOptions;
 use enfilade::order::{Bsp, NearToFar, Order, Visit};
-use enfilade::{Alpha, Content, ContentBuilder, Faces, ItemId, MeshId, Of, Passage, Region, Sight, Viewer};
+use enfilade::{Alpha, Faces, Geometry, GeometryBuilder, ItemId, MeshId, Of, Passage, Region, Sight, Viewer};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -30,14 +30,14 @@ const WALKS: usize = 3;
 /// A way to cut the scene, and the trees that it gives.
 struct Cut {
     name: &'static str,
-    parts: Vec<Content>,
+    parts: Vec<Geometry>,
     trees: Vec<Bsp<NearToFar>>,
     scratch: <Bsp<NearToFar> as Order>::Scratch,
 }
 
 /// What walks meet: pieces of faces that hide, handed out one by one.
 struct Pieces<'a> {
-    content: &'a Content,
+    geometry: &'a Geometry,
     count: u64,
 }
 
@@ -52,8 +52,8 @@ impl Visit for Pieces<'_> {
 
     fn faces(&mut self, faces: &Faces) {
         if let Of::Item(item, cluster) = faces.of {
-            let cluster = &self.content.mesh_of(item).clusters()[cluster as usize];
-            self.count += u64::from(self.content.material(cluster).alpha == Alpha::Opaque);
+            let cluster = &self.geometry.mesh_of(item).clusters()[cluster as usize];
+            self.count += u64::from(self.geometry.material(cluster).alpha == Alpha::Opaque);
         }
     }
 }
@@ -61,17 +61,17 @@ impl Visit for Pieces<'_> {
 fn main() {
     let Some(folder) = folder() else { return };
     let place = open(&folder, &format!("{FILE}.glb"));
-    let content = place.content();
+    let geometry = place.geometry();
     let floors = floors(&folder.join(format!("{FILE}_cells.json")));
     let storey = |y: f32| floors.partition_point(|&floor| floor <= y).max(1) as i32;
-    let along = |value: f32, axis: usize| ((value - content.bounds().min[axis]) / CELL_M) as i32;
+    let along = |value: f32, axis: usize| ((value - geometry.bounds().min[axis]) / CELL_M) as i32;
     let mut cuts = [
-        cut("one tree", content, |_, _| [0; 3]),
-        cut("a storey each", content, |_, [_, y, _]| [storey(y), 0, 0]),
-        cut("cells of 6 m", content, |_, [x, y, z]| {
+        cut("one tree", geometry, |_, _| [0; 3]),
+        cut("a storey each", geometry, |_, [_, y, _]| [storey(y), 0, 0]),
+        cut("cells of 6 m", geometry, |_, [x, y, z]| {
             [storey(y), along(x, 0), along(z, 2)]
         }),
-        cut("an item each", content, |item, _| [item.0 as i32, 0, 0]),
+        cut("an item each", geometry, |item, _| [item.0 as i32, 0, 0]),
     ];
     let built = {
         let mut builders: Vec<Box<dyn FnMut(usize)>> = Vec::new();
@@ -98,7 +98,7 @@ fn main() {
     println!(
         "{FILE}, {} items; trees walked and pieces handed out are means of the {} views\n\
          {:16}{:>7}{:>9}{:>9}{:>9}{:>8}{:>7}{:>10}{:>9}{:>14}{:>9}{:>9}",
-        content.items().len(),
+        geometry.items().len(),
         place.views.len(),
         "",
         "trees",
@@ -161,13 +161,13 @@ fn floors(cells: &Path) -> Vec<f32> {
 }
 
 /// Deals the items out: those with the same key go together.
-fn cut(name: &'static str, content: &Content, key: impl Fn(ItemId, [f32; 3]) -> [i32; 3]) -> Cut {
+fn cut(name: &'static str, geometry: &Geometry, key: impl Fn(ItemId, [f32; 3]) -> [i32; 3]) -> Cut {
     let mut dealt: BTreeMap<[i32; 3], Vec<ItemId>> = BTreeMap::new();
-    for id in (0..content.items().len() as u32).map(ItemId) {
-        let center = content.item(id).bounds.center();
+    for id in (0..geometry.items().len() as u32).map(ItemId) {
+        let center = geometry.item(id).bounds.center();
         dealt.entry(key(id, center)).or_default().push(id);
     }
-    let parts = dealt.values().map(|items| part(content, items)).collect();
+    let parts = dealt.values().map(|items| part(geometry, items)).collect();
     Cut {
         name,
         parts,
@@ -176,18 +176,18 @@ fn cut(name: &'static str, content: &Content, key: impl Fn(ItemId, [f32; 3]) -> 
     }
 }
 
-/// Some items of a content as one of their own; meshes are shared.
-fn part(content: &Content, items: &[ItemId]) -> Content {
-    let mut builder = ContentBuilder::new(content.materials().to_vec());
+/// Some items of a geometry as one of their own; meshes are shared.
+fn part(geometry: &Geometry, items: &[ItemId]) -> Geometry {
+    let mut builder = GeometryBuilder::new(geometry.materials().to_vec());
     let mut taken: BTreeMap<u32, MeshId> = BTreeMap::new();
     for &id in items {
-        let item = content.item(id);
+        let item = geometry.item(id);
         let mesh = *taken
             .entry(item.mesh.0)
-            .or_insert_with(|| builder.mesh(Arc::clone(&content.meshes()[item.mesh.0 as usize])));
-        builder.item(content.name(id), mesh, item.transform());
+            .or_insert_with(|| builder.mesh(Arc::clone(&geometry.meshes()[item.mesh.0 as usize])));
+        builder.item(geometry.name(id), mesh, item.transform());
     }
-    builder.build().expect("part of a sound content")
+    builder.build().expect("part of a sound geometry")
 }
 
 /// The way into the one sector, at each view.
@@ -201,10 +201,10 @@ impl Cut {
     /// Trees whose box is in the picture, and pieces that they hand out.
     fn walk(&mut self, passage: &Passage, lens: &Lens) -> [u64; 2] {
         let mut counts = [0; 2];
-        for (content, tree) in self.parts.iter().zip(&self.trees) {
-            if lens.may_show(&lens.screen_from_sector, &content.bounds()) {
-                let mut pieces = Pieces { content, count: 0 };
-                tree.visit(content, passage, &mut self.scratch, &mut pieces);
+        for (geometry, tree) in self.parts.iter().zip(&self.trees) {
+            if lens.may_show(&lens.screen_from_sector, &geometry.bounds()) {
+                let mut pieces = Pieces { geometry, count: 0 };
+                tree.visit(geometry, passage, &mut self.scratch, &mut pieces);
                 counts[0] += 1;
                 counts[1] += pieces.count;
             }
@@ -215,9 +215,9 @@ impl Cut {
     /// Faces before and after, cuts, the depth of the deepest tree, and the bytes of all.
     fn sums(&self) -> [u64; 5] {
         let mut sums = [0; 5];
-        for (content, tree) in self.parts.iter().zip(&self.trees) {
-            let built = tree.built(content);
-            sums[0] += content.face_count();
+        for (geometry, tree) in self.parts.iter().zip(&self.trees) {
+            let built = tree.built(geometry);
+            sums[0] += geometry.face_count();
             sums[1] += built.faces;
             sums[2] += built.splits;
             sums[3] = sums[3].max(u64::from(built.depth));

@@ -31,17 +31,17 @@ fn main() {
     );
     for (file, faces, limit) in SCENES {
         let place = open(&folder, file);
-        let content = place.content();
-        assert_eq!(content.face_count(), faces, "{file}: faces");
+        let geometry = place.geometry();
+        assert_eq!(geometry.face_count(), faces, "{file}: faces");
         let mut tree = None;
         let ms = {
             let mut build: [Box<dyn FnMut(usize)>; 1] = [Box::new(|_| {
-                tree = Some(Bsp::<NearToFar>::with_options(content, &BspOptions::default()));
+                tree = Some(Bsp::<NearToFar>::with_options(geometry, &BspOptions::default()));
             })];
             in_turn(1, BUILDS, &mut build)[0][0]
         };
         let tree = tree.expect("it was built");
-        let built = tree.built(content);
+        let built = tree.built(geometry);
         let growth = built.faces as f64 / faces as f64;
         let bytes = tree.bytes() as f64 / faces as f64;
         println!(

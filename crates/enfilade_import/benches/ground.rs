@@ -33,9 +33,9 @@ fn main() {
     let scene = import
         .scene(Method::ZBuffer, Method::DEFAULT_LIMIT)
         .expect("one sector");
-    let content = &import.rooms[0].content;
-    let clusters: usize = (0..content.items().len() as u32)
-        .map(|item| content.mesh_of(ItemId(item)).clusters().len())
+    let geometry = &import.rooms[0].geometry;
+    let clusters: usize = (0..geometry.items().len() as u32)
+        .map(|item| geometry.mesh_of(ItemId(item)).clusters().len())
         .sum();
     let views = valleys(&scene);
     let scenes = METHODS.map(|method| scene.with_method(method, Method::DEFAULT_LIMIT).expect("it fits"));
@@ -65,7 +65,7 @@ fn main() {
         stage.draw(viewer, scene, view, &settings);
     });
 
-    let blocks = content.items().len();
+    let blocks = geometry.items().len();
     println!(
         "{} views from valleys; {blocks} blocks of {clusters} clusters, {} in view",
         views.len(),

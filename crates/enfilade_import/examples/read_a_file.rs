@@ -13,14 +13,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     println!("read in {took:.1?}");
     for room in &import.rooms {
-        let content = &room.content;
+        let geometry = &room.geometry;
         println!(
             "{}: {} items, {} triangles, {} openings, {} bytes in memory",
             room.name,
-            content.items().len(),
-            content.triangle_count(),
-            content.openings().len(),
-            content.bytes()
+            geometry.items().len(),
+            geometry.triangle_count(),
+            geometry.openings().len(),
+            geometry.bytes()
         );
     }
     for camera in &import.cameras {

@@ -2,7 +2,7 @@
 
 use crate::spoken::{bytes, unreadable};
 use crate::{AuthoringErrors, BspError, ObjError, PrtError, TerrainError};
-use enfilade::{BakedCellsError, ContentError, MAX_COORDINATE, MeshError};
+use enfilade::{BakedCellsError, GeometryError, MAX_COORDINATE, MeshError};
 use std::io;
 use thiserror::Error;
 
@@ -398,9 +398,9 @@ pub enum BrokenRule {
     /// What is left to the cells to check.
     #[error("what is visible in it cannot be used: {0}; run vis again")]
     Cells(Box<BakedCellsError>),
-    /// What is left to the content to check.
+    /// What is left to the geometry to check.
     #[error("{0}")]
-    Content(ContentError),
+    Geometry(GeometryError),
     /// Rooms, portals or terrain that do not make a scene: all that is wrong with them.
     #[error("{0}")]
     Authoring(Box<AuthoringErrors>),

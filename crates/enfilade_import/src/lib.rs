@@ -15,8 +15,8 @@
 //!         "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA" }]
 //! }"#;
 //! let leaf = read_bytes(file, None, &ReadOptions::default())?;
-//! assert_eq!(leaf.rooms[0].content.triangle_count(), 1);
-//! assert_eq!(leaf.rooms[0].content.bounds().max, [1.0, 3.0, 0.0]);
+//! assert_eq!(leaf.rooms[0].geometry.triangle_count(), 1);
+//! assert_eq!(leaf.rooms[0].geometry.bounds().max, [1.0, 3.0, 0.0]);
 //! let scene = leaf.scene(Method::HierarchicalZ, Method::DEFAULT_LIMIT)?;
 //! assert_eq!(scene.sector_name(SectorId(0)), "scene");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -57,7 +57,7 @@
 //! Doors, lifts and what else moves are items of their own, `func_door gate#34`: what it is, how others call it, and its number
 //! among the map's entities. What engines do not draw is left out; sky is an opaque face, for it bounds the world. Places where
 //! players start are cameras, lights are lamps. Faces with lightmaps show those instead of lamps. What is visible from where, if
-//! that has been computed, becomes the content's [cells](enfilade::Content::cells). Z is up in maps: x stays x, their z is our
+//! that has been computed, becomes the geometry's [cells](enfilade::Geometry::cells). Z is up in maps: x stays x, their z is our
 //! y, their y our −z; lengths stay theirs. The images of their textures lie in files of the game, so colors are made up by
 //! their names.
 //!
@@ -128,7 +128,7 @@ pub use terrain::{GridError, GridPlace, TerrainError};
 pub use warning::{Warning, WarningKind};
 
 use budget::Budget;
-use enfilade::{Content, LargeTerrain, Light, Method, Portal, Scene, SceneBuilder, SceneError};
+use enfilade::{Geometry, LargeTerrain, Light, Method, Portal, Scene, SceneBuilder, SceneError};
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::Read;
@@ -169,14 +169,14 @@ pub struct Room {
     /// How its author called it; the file's name without its ending (`scene` for bytes) where nobody marked it.
     pub name: String,
     /// What stands in it, and its openings, which are named for the nodes of their portals.
-    pub content: Arc<Content>,
+    pub geometry: Arc<Geometry>,
     /// Which nodes of a glTF file those items come from; empty for other files.
     pub nodes: SourceNodes,
     /// How it is to be seen, where its author says so.
     pub method: Option<Method>,
     /// It has no top, as a garden or a courtyard: what is above it, however far, is in it.
     pub open_above: bool,
-    /// Terrain that would not have fit in memory as meshes: then `content` holds nothing, and this is the sector, whatever
+    /// Terrain that would not have fit in memory as meshes: then `geometry` holds nothing, and this is the sector, whatever
     /// `method` says.
     pub large: Option<Arc<LargeTerrain>>,
 }
@@ -198,7 +198,7 @@ impl Import {
             }
             let id = builder.add(
                 &room.name,
-                Arc::clone(&room.content),
+                Arc::clone(&room.geometry),
                 room.method.unwrap_or(method),
             );
             if room.open_above {

@@ -5,7 +5,7 @@
 
 use crate::random::Random;
 use enfilade::{
-    Alpha, Content, ContentBuilder, ConvexPolygon, Material, MaterialId, Mesh, Method, OpeningId, Scene,
+    Alpha, ConvexPolygon, Geometry, GeometryBuilder, Material, MaterialId, Mesh, Method, OpeningId, Scene,
     SceneBuilder, SectorId, Transform, View,
 };
 use glam::{Vec2, Vec3, vec3};
@@ -29,7 +29,7 @@ struct World {
 
 /// A sector while it is made.
 struct Room {
-    content: ContentBuilder,
+    geometry: GeometryBuilder,
     /// Its corner of least coordinates, in rooms.
     cell: Vec3,
     outlines: Vec<ConvexPolygon>,
@@ -70,8 +70,8 @@ pub fn fuzz_scene(seed: u64) -> FuzzScene {
     let mut scene = SceneBuilder::new();
     let mut seen = Vec::new();
     for room in rooms {
-        let content: Content = room.content.build().expect("content within its limits");
-        let sector = scene.add("room", content, Method::HierarchicalZ);
+        let geometry: Geometry = room.geometry.build().expect("geometry within its limits");
+        let sector = scene.add("room", geometry, Method::HierarchicalZ);
         seen.push((sector, room.outlines, room.corners));
     }
     for portal in portals {
@@ -142,7 +142,7 @@ fn grid_point(random: &mut Random) -> Vec3 {
 impl Room {
     fn new(cell: Vec3) -> Room {
         Room {
-            content: ContentBuilder::new(materials()),
+            geometry: GeometryBuilder::new(materials()),
             cell,
             outlines: Vec::new(),
             corners: Vec::new(),
@@ -204,9 +204,9 @@ impl Room {
         let positions: Vec<[f32; 3]> = triangles.iter().flatten().map(Vec3::to_array).collect();
         let corners: Vec<u32> = (0..positions.len() as u32).collect();
         let mesh = Mesh::triangles(&positions, &corners, material).expect("finite positions");
-        let mesh = self.content.mesh(mesh);
+        let mesh = self.geometry.mesh(mesh);
         let world_from_mesh = world.world_from_local * *moved;
-        self.content.item(name, mesh, world_from_mesh);
+        self.geometry.item(name, mesh, world_from_mesh);
         self.corners
             .extend(positions.iter().map(|&corner| Vec3::from(moved.point(corner))));
     }
@@ -264,7 +264,7 @@ impl Room {
 
     fn opening(&mut self, outline: ConvexPolygon) -> OpeningId {
         self.outlines.push(outline.clone());
-        self.content.opening("opening", outline)
+        self.geometry.opening("opening", outline)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Edits at random, for properties that must hold of a scene however it was changed.
 
 use crate::random::Random;
-use enfilade::{Content, Edited, ItemId, Scene, SceneError, SectorId, Transform};
+use enfilade::{Edited, Geometry, ItemId, Scene, SceneError, SectorId, Transform};
 use std::sync::Arc;
 
 /// So many edits at random, all done at once: things go, come as copies of others, move near and far, turn, are mirrored and
@@ -18,24 +18,24 @@ pub fn random_edits(
 ) -> Result<Edited, SceneError> {
     let has_items = |id: &SectorId| {
         scene
-            .content(*id)
-            .is_some_and(|content| !content.items().is_empty())
+            .geometry(*id)
+            .is_some_and(|geometry| !geometry.items().is_empty())
     };
     let sectors: Vec<SectorId> = scene.sectors().filter(has_items).collect();
     let mut edit = scene.edit();
     for _ in 0..count {
         let sector = random.pick(&sectors);
-        let Some(content) = edit.scene().content(sector) else {
+        let Some(geometry) = edit.scene().geometry(sector) else {
             continue;
         };
-        let item = ItemId(random.below(content.items().len()) as u32);
-        let other = ItemId(random.below(content.items().len()) as u32);
+        let item = ItemId(random.below(geometry.items().len()) as u32);
+        let other = ItemId(random.below(geometry.items().len()) as u32);
         let [mesh, other_mesh] =
-            [item, other].map(|item| Arc::clone(&content.meshes()[content.item(item).mesh.0 as usize]));
-        let name = content.name(item).to_owned();
-        let there = elsewhere(content, item, random);
-        let is_there = content.holds(item);
-        let crowded = content.item_count() > at_first[sector.0 as usize];
+            [item, other].map(|item| Arc::clone(&geometry.meshes()[geometry.item(item).mesh.0 as usize]));
+        let name = geometry.name(item).to_owned();
+        let there = elsewhere(geometry, item, random);
+        let is_there = geometry.holds(item);
+        let crowded = geometry.item_count() > at_first[sector.0 as usize];
         // Some cannot be: of what has gone already, or would have no faces. Then nothing is asked for.
         let _ = match random.below(10) {
             0 if crowded => edit.remove(sector, item),
@@ -50,14 +50,14 @@ pub fn random_edits(
 }
 
 /// Where something may be moved to: near, anywhere in the sector or a little outside, turned, mirrored, flattened.
-fn elsewhere(content: &Content, item: ItemId, random: &mut Random) -> Transform {
-    let held = content.bounds();
+fn elsewhere(geometry: &Geometry, item: ItemId, random: &mut Random) -> Transform {
+    let held = geometry.bounds();
     let size = held.size();
-    let place = content.item(item).transform();
+    let place = geometry.item(item).transform();
     let step = match random.below(3) {
         0 => size.map(|side| (random.unit() - 0.5) * 0.02 * side),
         _ => {
-            let middle = content.item(item).bounds.center();
+            let middle = geometry.item(item).bounds.center();
             [0, 1, 2].map(|axis| held.min[axis] + (1.2 * random.unit() - 0.1) * size[axis] - middle[axis])
         }
     };
@@ -68,7 +68,7 @@ fn elsewhere(content: &Content, item: ItemId, random: &mut Random) -> Transform 
         _ => Transform::IDENTITY,
     };
     // Turned where it stands.
-    let middle = content.item(item).bounds.center();
+    let middle = geometry.item(item).bounds.center();
     let there = [0, 1, 2].map(|axis| middle[axis] + step[axis]);
     let back = middle.map(|value| -value);
     Transform::translation(there) * turn * Transform::translation(back) * place

@@ -1,6 +1,6 @@
 //! The palace stands as drawn: counted, closed, joined, and the same every time.
 
-use enfilade::{Aabb, Content, ItemId, Method, Scene, SectorId, Transform};
+use enfilade::{Aabb, Geometry, ItemId, Method, Scene, SectorId, Transform};
 use enfilade_scenes::{BuiltIn, FOUNTAIN_SECONDS, built_in, fountain};
 use std::collections::{BTreeSet, HashMap};
 
@@ -8,12 +8,12 @@ fn palace() -> BuiltIn {
     built_in("enfilade").expect("the palace is built in")
 }
 
-fn rooms(scene: &Scene) -> impl Iterator<Item = (SectorId, &str, &Content)> {
+fn rooms(scene: &Scene) -> impl Iterator<Item = (SectorId, &str, &Geometry)> {
     scene.sectors().map(|id| {
         (
             id,
             scene.sector_name(id),
-            &**scene.content(id).expect("all rooms are ours"),
+            &**scene.geometry(id).expect("all rooms are ours"),
         )
     })
 }
@@ -40,9 +40,9 @@ fn it_has_the_rooms_doors_items_and_triangles_that_it_is_known_for() {
 fn two_builds_are_equal() {
     let fingerprint = |scene: &Scene| {
         let mut hash = Fnv::new();
-        for (_, name, content) in rooms(scene) {
+        for (_, name, geometry) in rooms(scene) {
             hash.add(name.as_bytes());
-            hash.content(content);
+            hash.geometry(geometry);
         }
         hash.0
     };
@@ -63,12 +63,12 @@ impl Fnv {
         }
     }
 
-    fn content(&mut self, content: &Content) {
-        for (number, item) in content.items().iter().enumerate() {
-            self.add(content.name(ItemId(number as u32)).as_bytes());
+    fn geometry(&mut self, geometry: &Geometry) {
+        for (number, item) in geometry.items().iter().enumerate() {
+            self.add(geometry.name(ItemId(number as u32)).as_bytes());
             self.floats(&item.sector_from_item);
         }
-        for mesh in content.meshes() {
+        for mesh in geometry.meshes() {
             self.floats(mesh.positions());
         }
     }
@@ -89,7 +89,7 @@ fn room(scene: &Scene, wanted: &str) -> SectorId {
 fn the_fountain_moves_and_comes_back_and_keeps_its_things_and_openings() {
     let fingerprint = |seconds| {
         let mut hash = Fnv::new();
-        hash.content(&fountain(seconds));
+        hash.geometry(&fountain(seconds));
         hash.0
     };
     let moments: BTreeSet<u64> = (0..10).map(|i| fingerprint(0.37 * i as f32)).collect();
@@ -99,12 +99,12 @@ fn the_fountain_moves_and_comes_back_and_keeps_its_things_and_openings() {
     let scene = palace().scene;
     let id = room(&scene, "Fountain");
     assert_eq!(scene.method(id), Some(Method::ZBuffer));
-    let built = scene.content(id).expect("it is ours");
+    let built = scene.geometry(id).expect("it is ours");
     let later = fountain(1.3);
     assert_eq!(later.openings(), built.openings());
-    let names = |content: &Content| -> Vec<String> {
-        (0..content.items().len())
-            .map(|i| content.name(ItemId(i as u32)).to_owned())
+    let names = |geometry: &Geometry| -> Vec<String> {
+        (0..geometry.items().len())
+            .map(|i| geometry.name(ItemId(i as u32)).to_owned())
             .collect()
     };
     assert_eq!(names(&later), names(built));
@@ -128,8 +128,8 @@ fn one_comes_out_of_the_secret_passage_and_out_of_the_living_picture_but_not_bac
 #[test]
 fn two_mirrors_of_the_mirror_room_face_each_other() {
     let scene = palace().scene;
-    let content = scene.content(room(&scene, "Mirror Room")).expect("it is ours");
-    let mirrors: Vec<_> = (content.openings().iter())
+    let geometry = scene.geometry(room(&scene, "Mirror Room")).expect("it is ours");
+    let mirrors: Vec<_> = (geometry.openings().iter())
         .filter(|opening| opening.name.starts_with("mirror "))
         .map(|opening| &opening.outline)
         .collect();
@@ -161,10 +161,14 @@ fn the_garden_is_seen_as_terrain_and_the_painted_gallery_as_convex_cells() {
             .iter()
             .all(|cell| cells.contains(cell))
     );
-    for (_, name, content) in rooms(&scene) {
-        assert_eq!(Method::FloatingHorizon.suits(content), name == "Garden", "{name}");
+    for (_, name, geometry) in rooms(&scene) {
+        assert_eq!(
+            Method::FloatingHorizon.suits(geometry),
+            name == "Garden",
+            "{name}"
+        );
         if cells.contains(&name) {
-            assert!(Method::Cell.suits(content), "{name} is not convex");
+            assert!(Method::Cell.suits(geometry), "{name} is not convex");
         }
     }
 }
@@ -197,7 +201,7 @@ fn windows_look_into_the_garden_and_the_garden_into_the_windows() {
 fn every_thing_has_a_name_of_its_own() {
     let scene = palace().scene;
     let names: BTreeSet<&str> = rooms(&scene)
-        .flat_map(|(_, _, content)| (0..content.items().len()).map(|i| content.name(ItemId(i as u32))))
+        .flat_map(|(_, _, geometry)| (0..geometry.items().len()).map(|i| geometry.name(ItemId(i as u32))))
         .collect();
     assert_eq!(names.len(), scene.item_count());
 }
@@ -253,13 +257,13 @@ fn rooms_meet_at_their_doors_and_nowhere_overlap() {
         .iter()
         .filter(|portal| portal.there_from_here == Transform::IDENTITY)
     {
-        let content = scene.content(portal.from).expect("all rooms are ours");
-        let opening = &content.openings()[usize::from(portal.opening.0)];
+        let geometry = scene.geometry(portal.from).expect("all rooms are ours");
+        let opening = &geometry.openings()[usize::from(portal.opening.0)];
         let Aabb { min, max } = opening.outline.bounds();
         let axis = (0..3)
             .find(|&axis| min[axis] == max[axis])
             .expect("doors stand square to the axes");
-        let bounds = content.bounds();
+        let bounds = geometry.bounds();
         let end = if opening.outline.normal()[axis] > 0.0 {
             bounds.min[axis]
         } else {
@@ -280,7 +284,7 @@ fn rooms_meet_at_their_doors_and_nowhere_overlap() {
 #[test]
 fn every_room_is_closed_but_for_its_openings() {
     let scene = palace().scene;
-    for (_, name, content) in rooms(&scene) {
+    for (_, name, geometry) in rooms(&scene) {
         let mut edges: HashMap<[[u32; 3]; 2], i32> = HashMap::new();
         let mut add = |corners: &[[f32; 3]]| {
             for i in 0..corners.len() {
@@ -290,13 +294,13 @@ fn every_room_is_closed_but_for_its_openings() {
             }
         };
         let mut pieces = 0;
-        for number in 0..content.items().len() as u32 {
-            if !content.name(ItemId(number)).contains("shell") {
+        for number in 0..geometry.items().len() as u32 {
+            if !geometry.name(ItemId(number)).contains("shell") {
                 continue;
             }
             pieces += 1;
-            assert_eq!(content.item(ItemId(number)).transform(), Transform::IDENTITY);
-            let mesh = content.mesh_of(ItemId(number));
+            assert_eq!(geometry.item(ItemId(number)).transform(), Transform::IDENTITY);
+            let mesh = geometry.mesh_of(ItemId(number));
             for face in 0..mesh.face_count() {
                 let corners: Vec<[f32; 3]> = mesh
                     .face(face)
@@ -307,7 +311,7 @@ fn every_room_is_closed_but_for_its_openings() {
             }
         }
         assert!(pieces > 0, "{name} has no shell");
-        for opening in content
+        for opening in geometry
             .openings()
             .iter()
             .filter(|opening| opening.name != "doll's house")

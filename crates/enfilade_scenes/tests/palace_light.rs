@@ -1,7 +1,7 @@
 //! The palace is painted and lit as it should be: every face that has a texture says where it is in it, lamps hang in
 //! their rooms, and the sun comes in through the windows.
 
-use enfilade::{Content, LightId, LightShape, Limits, Scene, SectorId};
+use enfilade::{Geometry, LightId, LightShape, Limits, Scene, SectorId};
 use enfilade_scenes::built_in;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,8 +9,8 @@ fn palace() -> Scene {
     built_in("enfilade").expect("the palace is built in").scene
 }
 
-fn content(scene: &Scene, room: SectorId) -> &Content {
-    scene.content(room).expect("all rooms are ours")
+fn geometry(scene: &Scene, room: SectorId) -> &Geometry {
+    scene.geometry(room).expect("all rooms are ours")
 }
 
 #[test]
@@ -19,14 +19,14 @@ fn every_face_with_a_texture_has_a_part_of_it() {
     let mut faces = 0;
     let mut seen = BTreeSet::new();
     for room in scene.sectors() {
-        let content = content(&scene, room);
-        for mesh in content.meshes() {
+        let geometry = geometry(&scene, room);
+        for mesh in geometry.meshes() {
             for cluster in mesh.clusters() {
-                let Some(texture) = content.material(cluster).texture else {
+                let Some(texture) = geometry.material(cluster).texture else {
                     continue;
                 };
                 seen.insert(texture.0);
-                assert!((texture.0 as usize) < content.textures().len());
+                assert!((texture.0 as usize) < geometry.textures().len());
                 for face in cluster.faces.clone() {
                     let places: Vec<[f32; 2]> = (mesh.face(face).iter())
                         .map(|&corner| mesh.texture()[corner as usize])

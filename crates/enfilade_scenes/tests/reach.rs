@@ -165,12 +165,12 @@ fn what_is_behind_a_door_is_near_by_the_way_through_it_and_not_when_it_is_closed
         position: [-0.6, 1.0, -2.0],
     };
     let named = |scene: &Scene, sector: SectorId, name: &str| {
-        let content = scene.content(sector).expect("ours");
-        let mut items = (0..content.items().len() as u32).map(enfilade::ItemId);
+        let geometry = scene.geometry(sector).expect("ours");
+        let mut items = (0..geometry.items().len() as u32).map(enfilade::ItemId);
         let item = items
-            .find(|&item| content.name(item) == name)
+            .find(|&item| geometry.name(item) == name)
             .expect("it is there");
-        (item, content.item(item).bounds)
+        (item, geometry.item(item).bounds)
     };
     let (left_box, bounds) = named(&scene, there, "left box");
     let all = scene.near(place, 20.0).items;

@@ -50,9 +50,9 @@ fn both_sides_of_every_door_have_one_outline() {
                 .iter()
                 .map(|&corner| portal.there_from_here.point(corner))
                 .collect();
-            let content = scene.content(portal.to).expect("all sectors are ours");
+            let geometry = scene.geometry(portal.to).expect("all sectors are ours");
             // A mirror leads back through its own outline; elsewhere front and back are exchanged.
-            let arrives = content.openings().iter().any(|opening| {
+            let arrives = geometry.openings().iter().any(|opening| {
                 let mut corners = opening.outline.corners().to_vec();
                 if !portal.there_from_here.mirrors() {
                     corners.reverse();
@@ -82,8 +82,8 @@ fn both_sides_of_every_door_have_one_outline() {
 }
 
 fn outline<'a>(scene: &'a Scene, portal: &Portal) -> &'a ConvexPolygon {
-    let content = scene.content(portal.from).expect("all sectors are ours");
-    &content.openings()[usize::from(portal.opening.0)].outline
+    let geometry = scene.geometry(portal.from).expect("all sectors are ours");
+    &geometry.openings()[usize::from(portal.opening.0)].outline
 }
 
 /// The same corners in the same order, wherever they begin, up to the rounding of f32.

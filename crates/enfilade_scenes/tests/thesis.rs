@@ -3,7 +3,7 @@
 //! They are written here again, in a few lines, with a ray for each sample as the truth, so that the figures can be
 //! trusted whatever the methods do; then the methods are held against the same table.
 
-use enfilade::{Canvas, Content, ItemId, Method, Owner, Passage, PassageId, Scene, SectorId, Span, Viewer};
+use enfilade::{Canvas, Geometry, ItemId, Method, Owner, Passage, PassageId, Scene, SectorId, Span, Viewer};
 use enfilade_scenes::{BuiltIn, Camera, Group, figures};
 use glam::{DMat3, DVec3};
 
@@ -100,22 +100,22 @@ fn edges(corners: &[DVec3]) -> impl Iterator<Item = [DVec3; 2]> {
     (0..corners.len()).map(|i| [corners[i], corners[(i + 1) % corners.len()]])
 }
 
-fn content(figure: &BuiltIn) -> &Content {
-    figure.scene.content(SectorId(0)).expect("figures are ours")
+fn geometry(figure: &BuiltIn) -> &Geometry {
+    figure.scene.geometry(SectorId(0)).expect("figures are ours")
 }
 
 /// The polygons of a figure, item after item.
 fn polygons(figure: &BuiltIn) -> Vec<Vec<DVec3>> {
-    let content = content(figure);
+    let geometry = geometry(figure);
     let polygons_of = |item| {
-        let (mesh, place) = (content.mesh_of(item), content.item(item).transform());
+        let (mesh, place) = (geometry.mesh_of(item), geometry.item(item).transform());
         (0..mesh.face_count()).map(move |face| {
             let corners = mesh.face(face).iter();
             let corners = corners.map(|&corner| place.point(mesh.positions()[corner as usize]));
             corners.map(|at| DVec3::from(at.map(f64::from))).collect()
         })
     };
-    (0..content.items().len() as u32)
+    (0..geometry.items().len() as u32)
         .map(ItemId)
         .flat_map(polygons_of)
         .collect()
@@ -293,9 +293,9 @@ fn polygons_go_through_each_other_only_where_the_catalogue_says() {
 fn every_polygon_is_seen_from_both_sides_and_is_an_item_of_its_own() {
     for named in figures() {
         let figure = named.build();
-        let content = content(&figure);
-        assert!(content.materials().iter().all(|material| material.double_sided));
-        let [items, faces] = [content.items().len(), polygons(&figure).len()];
+        let geometry = geometry(&figure);
+        assert!(geometry.materials().iter().all(|material| material.double_sided));
+        let [items, faces] = [geometry.items().len(), polygons(&figure).len()];
         let expected = match named.name {
             "four-cylinders" => [4, 240],
             "crossing-triangles" | "overlap" => [2, 2],

@@ -150,14 +150,14 @@ fn steps_through_edges_and_corners_of_neighbouring_openings_never_leak() {
 
 /// Rooms of 1 × 1 × 1, each open to its neighbours on all of its sides.
 fn honeycomb() -> Scene {
-    use enfilade::{ContentBuilder, ConvexPolygon, Material, Method, SceneBuilder};
+    use enfilade::{ConvexPolygon, GeometryBuilder, Material, Method, SceneBuilder};
     const N: u32 = 3;
     let number = |[x, y, z]: [u32; 3]| x + N * (y + N * z);
     let mut scene = SceneBuilder::new();
     let mut doors: Vec<Vec<(SectorId, enfilade::OpeningId)>> = vec![Vec::new(); 3 * (N * N * N) as usize];
     for room in 0..N * N * N {
         let at = [room % N, room / N % N, room / N / N];
-        let mut content = ContentBuilder::new([Material::opaque([1.0; 3])]);
+        let mut geometry = GeometryBuilder::new([Material::opaque([1.0; 3])]);
         let mut openings = Vec::new();
         for axis in 0..3 {
             for up in [false, true] {
@@ -177,12 +177,12 @@ fn honeycomb() -> Scene {
                 lower[axis] -= u32::from(!up);
                 openings.push((
                     3 * number(lower) as usize + axis,
-                    content.opening("wall", outline),
+                    geometry.opening("wall", outline),
                 ));
             }
         }
-        let content = content.build().expect("six openings at most");
-        let id = scene.add("room", content, Method::ZBuffer);
+        let geometry = geometry.build().expect("six openings at most");
+        let id = scene.add("room", geometry, Method::ZBuffer);
         for (door, opening) in openings {
             doors[door].push((id, opening));
         }

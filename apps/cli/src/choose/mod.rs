@@ -106,7 +106,7 @@ fn measured(scene: &Scene, views: &[View], terms: &Terms, what: &str) -> Vec<Met
 /// What a method of the choice builds was within the limit when it was tried, so none is expected.
 pub(crate) fn take_over(scene: &mut Scene, choices: &[MethodChoice]) -> Result<()> {
     for choice in choices {
-        // A sector that is no content has no other method.
+        // A sector that is no geometry has no other method.
         let method = scene.method(choice.sector);
         if method.is_some_and(|method| method != choice.method) {
             scene.set_method(choice.sector, choice.method)?;

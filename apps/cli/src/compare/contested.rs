@@ -81,12 +81,12 @@ mod tests {
     use super::*;
     use enfilade::laws::Reference;
     use enfilade::{
-        ContentBuilder, Limits, Material, MaterialId, Mesh, Method, SceneBuilder, Transform, View, Viewer,
+        GeometryBuilder, Limits, Material, MaterialId, Mesh, Method, SceneBuilder, Transform, View, Viewer,
     };
 
     #[test]
     fn an_edge_through_the_middle_of_samples_is_contested() {
-        let mut content = ContentBuilder::new([Material::opaque([1.0; 3])]);
+        let mut geometry = GeometryBuilder::new([Material::opaque([1.0; 3])]);
         let corners = [
             [0.0, -9.0, 0.0],
             [9.0, -9.0, 0.0],
@@ -94,10 +94,10 @@ mod tests {
             [0.0, 9.0, 0.0],
         ];
         let mesh = Mesh::triangles(&corners, &[0, 1, 2, 0, 2, 3], MaterialId(0)).expect("a square");
-        let mesh = content.mesh(mesh);
-        content.item("right half", mesh, Transform::IDENTITY);
+        let mesh = geometry.mesh(mesh);
+        geometry.item("right half", mesh, Transform::IDENTITY);
         let mut scene = SceneBuilder::new();
-        scene.add("plane", content.build().expect("sound"), Method::ZBuffer);
+        scene.add("plane", geometry.build().expect("sound"), Method::ZBuffer);
         let scene = scene.build().expect("sound");
         // With an odd width, the middle of the middle column is on the square's left edge.
         let mut view = View::new([0.0, 0.0, 3.0], [0.0; 3], [15, 9]);

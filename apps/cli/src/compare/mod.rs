@@ -92,8 +92,8 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
 }
 
 fn faces(scene: &Scene) -> u64 {
-    let faces = |id| match scene.content(id) {
-        Some(content) => content.face_count(),
+    let faces = |id| match scene.geometry(id) {
+        Some(geometry) => geometry.face_count(),
         None => scene.triangles_of(id),
     };
     scene.sectors().map(faces).sum()

@@ -2,7 +2,7 @@
 
 use crate::report::rounded;
 use crate::text::{bytes, count, plural};
-use enfilade::{CellId, Content};
+use enfilade::{CellId, Geometry};
 use enfilade_import::MapSummary;
 use serde::Serialize;
 
@@ -23,8 +23,8 @@ pub(super) struct MapEntry {
 }
 
 impl MapEntry {
-    pub(super) fn of(map: &MapSummary, contents: &[&Content]) -> MapEntry {
-        let cells = contents.iter().find_map(|content| content.cells());
+    pub(super) fn of(map: &MapSummary, geometries: &[&Geometry]) -> MapEntry {
+        let cells = geometries.iter().find_map(|geometry| geometry.cells());
         let visible_share = cells.filter(|cells| cells.cell_count() > 0).map(|cells| {
             let ids = || (0..cells.cell_count() as u32).map(CellId);
             let seen: usize = ids()

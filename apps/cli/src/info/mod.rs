@@ -12,7 +12,7 @@ use crate::run_files::RunFiles;
 use crate::text::{bytes, count, ms, plural, point};
 use crate::values::Choice;
 use anyhow::Result;
-use enfilade::{Aabb, Alpha, Content, LightShape, Material, Portal, Scene, Transform};
+use enfilade::{Aabb, Alpha, Geometry, LightShape, Material, Portal, Scene, Transform};
 use map::MapEntry;
 use occluders::Occluders;
 use serde::Serialize;
@@ -134,26 +134,26 @@ pub(crate) fn run(args: &InfoArgs) -> Result<Outcome> {
 impl Inventory {
     fn of(opened: Opened) -> Inventory {
         let scene = &opened.scene;
-        let contents: Vec<&Content> = scene
+        let geometries: Vec<&Geometry> = scene
             .sectors()
-            .filter_map(|id| scene.content(id))
+            .filter_map(|id| scene.geometry(id))
             .map(|c| &**c)
             .collect();
         // Sectors may share meshes and tables of materials: each is counted once.
         let mut counted = HashSet::new();
-        let meshes: Vec<_> = contents
+        let meshes: Vec<_> = geometries
             .iter()
-            .flat_map(|content| content.meshes())
+            .flat_map(|geometry| geometry.meshes())
             .filter(|mesh| counted.insert(Arc::as_ptr(mesh).addr()))
             .collect();
         let mut materials = Materials::default();
         let mut tables: Vec<&[Material]> = Vec::new();
-        for content in &contents {
-            if tables.contains(&content.materials()) {
+        for geometry in &geometries {
+            if tables.contains(&geometry.materials()) {
                 continue;
             }
-            tables.push(content.materials());
-            content.materials().iter().for_each(|material| {
+            tables.push(geometry.materials());
+            geometry.materials().iter().for_each(|material| {
                 *match material.alpha {
                     Alpha::Opaque => &mut materials.opaque,
                     Alpha::Mask => &mut materials.mask,
@@ -177,12 +177,12 @@ impl Inventory {
             bounds: boxes
                 .reduce(|a, b| a.union(&b))
                 .map(|Aabb { min, max, .. }| Bounds { min, max }),
-            map: opened.map.as_ref().map(|map| MapEntry::of(map, &contents)),
+            map: opened.map.as_ref().map(|map| MapEntry::of(map, &geometries)),
             sectors: sectors(scene),
             portals: scene.portals().len(),
             ways: ways(scene),
             openings: scene.sectors().map(|id| scene.sector(id).openings().len()).sum(),
-            occluders: Occluders::of(&contents),
+            occluders: Occluders::of(&geometries),
             bytes: scene.bytes(),
             load_ms: rounded(opened.load_ms),
             cameras: opened.cameras.into_iter().map(CameraEntry::from).collect(),
@@ -370,12 +370,12 @@ fn ways(scene: &Scene) -> Vec<WayEntry> {
 
 fn sectors(scene: &Scene) -> Vec<SectorEntry> {
     let entry = |id| {
-        let content = scene.content(id);
+        let geometry = scene.geometry(id);
         let sector = scene.sector(id);
         SectorEntry {
             name: scene.sector_name(id).to_owned(),
             method: scene.method(id).map_or("its own", |method| method.name()),
-            items: content.map_or(sector.item_count() as usize, |content| content.items().len()),
+            items: geometry.map_or(sector.item_count() as usize, |geometry| geometry.items().len()),
             triangles: scene.triangles_of(id),
             openings: sector.openings().len(),
             open_above: scene.is_open_above(id),

@@ -1,7 +1,7 @@
 //! The occluders that would be found in a scene.
 
 use crate::report::rounded;
-use enfilade::{Content, OccluderSet};
+use enfilade::{Geometry, OccluderSet};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -21,11 +21,11 @@ pub(super) struct Occluders {
 }
 
 impl Occluders {
-    pub(super) fn of(contents: &[&Content]) -> Occluders {
+    pub(super) fn of(geometries: &[&Geometry]) -> Occluders {
         let start = Instant::now();
-        let sets: Vec<OccluderSet> = contents
+        let sets: Vec<OccluderSet> = geometries
             .iter()
-            .map(|content| OccluderSet::build(content))
+            .map(|geometry| OccluderSet::build(geometry))
             .collect();
         let build_ms = rounded(1e3 * start.elapsed().as_secs_f64());
         let mut occluders = Occluders {
@@ -33,8 +33,8 @@ impl Occluders {
             ..Occluders::default()
         };
         let (mut area, mut opaque_area) = (0.0, 0.0);
-        for (set, content) in sets.iter().zip(contents) {
-            let summary = set.summary(content);
+        for (set, geometry) in sets.iter().zip(geometries) {
+            let summary = set.summary(geometry);
             occluders.polygons += summary.polygons;
             occluders.polygons_placed += summary.placed;
             occluders.triangles_merged += summary.triangles;

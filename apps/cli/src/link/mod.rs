@@ -94,7 +94,7 @@ pub(crate) fn run(args: &LinkArgs) -> Result<Outcome> {
         parts: world.parts.len(),
         rooms: import.rooms.len(),
         portals: import.portals.len(),
-        items: import.rooms.iter().map(|room| room.content.items().len()).sum(),
+        items: import.rooms.iter().map(|room| room.geometry.items().len()).sum(),
         warnings,
     };
     if !args.json.takes_stdout() {
@@ -288,7 +288,7 @@ fn apart(world: &World, import: &Import) -> Vec<String> {
             .rooms
             .iter()
             .filter(|room| part_of(&room.name) == Some(part));
-        rooms.fold(Aabb::EMPTY, |sum, room| sum.union(&room.content.bounds()))
+        rooms.fold(Aabb::EMPTY, |sum, room| sum.union(&room.geometry.bounds()))
     };
     let door = |a: &str, b: &str| {
         import.portals.iter().any(|portal| {

@@ -68,7 +68,7 @@ impl Other {
                 ..options.clone()
             },
         )?;
-        let Some(cells) = import.rooms.first().and_then(|room| room.content.cells()) else {
+        let Some(cells) = import.rooms.first().and_then(|room| room.geometry.cells()) else {
             bail!(
                 "{}: it has no PVS; name a map that vis has run on",
                 path.display()

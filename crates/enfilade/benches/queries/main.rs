@@ -8,8 +8,8 @@
 mod pairs;
 
 use enfilade::{
-    Aabb, Between, Capsule, Content, ContentBuilder, ItemId, Material, MaterialId, Mesh, Method, OccluderSet,
-    Place, Ray, Scene, SceneBuilder, SectorId, Transform, View,
+    Aabb, Between, Capsule, Geometry, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method,
+    OccluderSet, Place, Ray, Scene, SceneBuilder, SectorId, Transform, View,
 };
 use enfilade_scenes::{Random, built_in};
 use pairs::pairs;
@@ -39,7 +39,7 @@ fn hold<T>(answer: T) {
 }
 
 /// Ten thousand blocks along a hundred streets, on a floor.
-fn city() -> Content {
+fn city() -> Geometry {
     const SIDES: [[u32; 4]; 6] = [
         [0, 4, 6, 2],
         [1, 3, 7, 5],
@@ -51,7 +51,7 @@ fn city() -> Content {
     let corners = cube([0.5; 3], 0.5).corners();
     let faces = SIDES.map(|[a, b, c, d]| [a, b, c, a, c, d]);
     let block = Mesh::triangles(&corners, faces.as_flattened(), MaterialId(0)).expect("a cube");
-    let mut builder = ContentBuilder::new([Material::opaque([0.5; 3])]);
+    let mut builder = GeometryBuilder::new([Material::opaque([0.5; 3])]);
     let block = builder.mesh(block);
     let ground = Transform::translation([-10.0, -1.0, -10.0]) * Transform::scaling([1020.0, 1.0, 1020.0]);
     builder.item("ground", block, ground);
@@ -65,10 +65,10 @@ fn city() -> Content {
     builder.build().expect("a city")
 }
 
-fn largest(name: &str) -> Arc<Content> {
+fn largest(name: &str) -> Arc<Geometry> {
     let scene = built_in(name).expect("it is built in").scene;
-    let contents = scene.sectors().filter_map(|id| scene.content(id));
-    let largest = contents.max_by_key(|content| content.items().len());
+    let geometries = scene.sectors().filter_map(|id| scene.geometry(id));
+    let largest = geometries.max_by_key(|geometry| geometry.items().len());
     Arc::clone(largest.expect("it has sectors"))
 }
 
@@ -104,13 +104,13 @@ impl Bench {
 
 type Boxed = GeomWithData<Rectangle<[f32; 3]>, u32>;
 
-fn items(bench: &Bench, place: &str, content: &Content) {
+fn items(bench: &Bench, place: &str, geometry: &Geometry) {
     let boxed = |(number, item): (u32, &enfilade::Item)| {
         let Aabb { min, max } = item.bounds;
         (!item.bounds.is_empty()).then(|| Boxed::new(Rectangle::from_corners(min, max), number))
     };
-    let tree = RTree::bulk_load((0..).zip(content.items()).filter_map(boxed).collect());
-    let (whole, mut chance) = (content.bounds(), Random::new(1));
+    let tree = RTree::bulk_load((0..).zip(geometry.items()).filter_map(boxed).collect());
+    let (whole, mut chance) = (geometry.bounds(), Random::new(1));
     let half = 0.02 * whole.longest_side();
     let points: Vec<[f32; 3]> = (0..bench.questions).map(|_| chance.point_in(&whole)).collect();
     let each = bench.questions as f64;
@@ -119,7 +119,7 @@ fn items(bench: &Bench, place: &str, content: &Content) {
     for &point in &points {
         let bounds = cube(point, half);
         let (mut ours, mut theirs) = (Vec::new(), Vec::new());
-        content.items_in_box(&bounds, |item| ours.push(item.0));
+        geometry.items_in_box(&bounds, |item| ours.push(item.0));
         let envelope = AABB::from_corners(bounds.min, bounds.max);
         theirs.extend(
             tree.locate_in_envelope_intersecting(envelope)
@@ -130,7 +130,7 @@ fn items(bench: &Bench, place: &str, content: &Content) {
         assert_eq!(ours, theirs, "{place}, {bounds:?}");
         found += ours.len() as u64;
     }
-    let ours = bench.ns(|i| content.items_in_box(&cube(points[i], half), hold));
+    let ours = bench.ns(|i| geometry.items_in_box(&cube(points[i], half), hold));
     let theirs = bench.ns(|i| {
         let Aabb { min, max } = cube(points[i], half);
         for held in tree.locate_in_envelope_intersecting(AABB::from_corners(min, max)) {
@@ -147,7 +147,7 @@ fn items(bench: &Bench, place: &str, content: &Content) {
 
     let mut found = 0_u64;
     let ours = bench.ns(|i| {
-        content.items_in_sphere(points[i], half, |item| {
+        geometry.items_in_sphere(points[i], half, |item| {
             found += 1;
             black_box(item);
         })
@@ -165,7 +165,7 @@ fn items(bench: &Bench, place: &str, content: &Content) {
     let ours = bench.ns(|i| {
         let mut view = View::new(points[i], points[(i + 1) % points.len()], [1280, 720]);
         view.fov_y = 1.0;
-        content.items_in_frustum(&view, |item| {
+        geometry.items_in_frustum(&view, |item| {
             found += 1;
             black_box(item);
         });
@@ -180,7 +180,7 @@ fn items(bench: &Bench, place: &str, content: &Content) {
 
     let mut nearest = Vec::new();
     for &point in &points {
-        content.nearest_items(point, 10, f32::INFINITY, &mut nearest);
+        geometry.nearest_items(point, 10, f32::INFINITY, &mut nearest);
         let theirs = tree.nearest_neighbor_iter_with_distance_2(point).take(10);
         let last = theirs
             .map(|(_, square)| f64::from(square).sqrt())
@@ -193,7 +193,7 @@ fn items(bench: &Bench, place: &str, content: &Content) {
         );
     }
     let ours = bench.ns(|i| {
-        content.nearest_items(points[i], 10, f32::INFINITY, &mut nearest);
+        geometry.nearest_items(points[i], 10, f32::INFINITY, &mut nearest);
         black_box(&nearest);
     });
     let theirs = bench.ns(|i| {
@@ -204,11 +204,11 @@ fn items(bench: &Bench, place: &str, content: &Content) {
     bench.tell(place, "the 10 nearest items", ours, Some(("rstar", theirs)), 10.0);
 }
 
-/// All triangles of a content as one mesh.
-fn soup(content: &Content) -> TriMesh {
+/// All triangles of a geometry as one mesh.
+fn soup(geometry: &Geometry) -> TriMesh {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-    for item in (0..content.items().len() as u32).map(ItemId) {
-        let (mesh, placed) = (content.mesh_of(item), content.item(item).transform());
+    for item in (0..geometry.items().len() as u32).map(ItemId) {
+        let (mesh, placed) = (geometry.mesh_of(item), geometry.item(item).transform());
         let first = positions.len() as u32;
         positions.extend(mesh.positions().iter().map(|&p| Vector::from(placed.point(p))));
         for face in 0..mesh.face_count() {
@@ -220,9 +220,9 @@ fn soup(content: &Content) -> TriMesh {
     TriMesh::new(positions, triangles).expect("triangles")
 }
 
-fn rays(bench: &Bench, place: &str, content: &Content) {
-    let soup = soup(content);
-    let (whole, mut chance) = (content.bounds(), Random::new(2));
+fn rays(bench: &Bench, place: &str, geometry: &Geometry) {
+    let soup = soup(geometry);
+    let (whole, mut chance) = (geometry.bounds(), Random::new(2));
     let rays: Vec<Ray> = (0..bench.questions)
         .map(|_| Ray {
             origin: chance.point_in(&whole),
@@ -236,7 +236,7 @@ fn rays(bench: &Bench, place: &str, content: &Content) {
     let mut differ = 0;
     let mut found = 0;
     for ray in &rays {
-        let hit = content.cast(ray);
+        let hit = geometry.cast(ray);
         found += u32::from(hit.is_some());
         let agree = match (hit, theirs(ray)) {
             (Some(hit), Some(distance)) => {
@@ -252,7 +252,7 @@ fn rays(bench: &Bench, place: &str, content: &Content) {
         "{place}: {differ} rays end elsewhere"
     );
     let each = bench.questions as f64;
-    let ours = bench.ns(|i| hold(content.cast(&rays[i])));
+    let ours = bench.ns(|i| hold(geometry.cast(&rays[i])));
     let other = bench.ns(|i| hold(theirs(&rays[i])));
     bench.tell(
         place,
@@ -264,28 +264,28 @@ fn rays(bench: &Bench, place: &str, content: &Content) {
     let mut hits = Vec::new();
     let mut found = 0;
     for ray in &rays {
-        content.cast_all(ray, f64::INFINITY, &mut hits);
+        geometry.cast_all(ray, f64::INFINITY, &mut hits);
         found += hits.len();
     }
-    let ours = bench.ns(|i| content.cast_all(&rays[i], f64::INFINITY, &mut hits));
+    let ours = bench.ns(|i| geometry.cast_all(&rays[i], f64::INFINITY, &mut hits));
     bench.tell(place, "all hits of a ray", ours, None, found as f64 / each);
 }
 
-fn between(bench: &Bench, place: &str, content: &Content) {
-    let occluders = OccluderSet::build(content);
+fn between(bench: &Bench, place: &str, geometry: &Geometry) {
+    let occluders = OccluderSet::build(geometry);
     let mut chance = Random::new(5);
-    let mut item = || content.items()[(chance.unit() * content.items().len() as f32) as usize].bounds;
+    let mut item = || geometry.items()[(chance.unit() * geometry.items().len() as f32) as usize].bounds;
     let boxes: Vec<[Aabb; 2]> = (0..bench.questions).map(|_| [item(), item()]).collect();
     let answers: Vec<Between> = boxes
         .iter()
-        .map(|[a, b]| content.between(a, b, &occluders))
+        .map(|[a, b]| geometry.between(a, b, &occluders))
         .collect();
     let known = answers
         .iter()
         .filter(|&&answer| answer != Between::Unknown)
         .count();
     assert!(known > 0, "nothing is known of {place}");
-    let ours = bench.ns(|i| hold(content.between(&boxes[i][0], &boxes[i][1], &occluders)));
+    let ours = bench.ns(|i| hold(geometry.between(&boxes[i][0], &boxes[i][1], &occluders)));
     bench.tell(
         place,
         "do two boxes see each other",
@@ -339,11 +339,11 @@ fn main() {
         ("crowd", largest("crowd")),
         ("palace", largest("enfilade")),
     ];
-    for (place, content) in &places {
-        items(&bench, place, content);
+    for (place, geometry) in &places {
+        items(&bench, place, geometry);
     }
-    for (place, content) in places.iter().chain([&("hills", largest("big-mesh"))]) {
-        rays(&bench, place, content);
+    for (place, geometry) in places.iter().chain([&("hills", largest("big-mesh"))]) {
+        rays(&bench, place, geometry);
     }
     for (place, sides) in [
         ("in space", [60.0; 3]),
@@ -352,8 +352,8 @@ fn main() {
     ] {
         pairs(&bench, place, sides);
     }
-    for (place, content) in &places {
-        between(&bench, place, content);
+    for (place, geometry) in &places {
+        between(&bench, place, geometry);
     }
     let palace = built_in("enfilade").expect("it is built in");
     let camera = &palace.cameras[0];

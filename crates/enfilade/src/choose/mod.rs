@@ -11,8 +11,8 @@
 
 mod trial;
 
-use crate::content::{Content, ItemId};
 use crate::geom::Transform;
+use crate::geometry::{Geometry, ItemId};
 use crate::method::{Method, Unsuited};
 use crate::passage::Passage;
 use crate::scene::{Scene, SectorId};
@@ -124,7 +124,7 @@ pub struct Cost {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum NotTried {
-    /// It cannot see the content, or not within the limit.
+    /// It cannot see the geometry, or not within the limit.
     #[error(transparent)]
     Unsuited(#[from] Unsuited),
     /// What it promises is less than what is wanted.
@@ -133,7 +133,7 @@ pub enum NotTried {
     /// Building it sorts and splits faces, of which there are so many that it would take too long, about as long as this.
     #[error("to sort its faces would take about {:.0} s", .0.as_secs_f64().ceil())]
     BuildsTooLong(Duration),
-    /// It cannot see the content once an item has moved.
+    /// It cannot see the geometry once an item has moved.
     #[error("an item that moves would leave what it cannot see")]
     Moves,
     /// No view sees the sector.
@@ -318,18 +318,18 @@ fn begin(
     if contract == Contract::Approximate || (terms.exact && contract != Contract::Exact) {
         return Err(NotTried::Promise(contract));
     }
-    let content = scene.content(sector).ok_or(NotTried::NotSeen)?;
+    let geometry = scene.geometry(sector).ok_or(NotTried::NotSeen)?;
     let first = through.first().ok_or(NotTried::NotSeen)?;
     if method.sorts_faces() {
-        let estimate = sorting(content.face_count());
+        let estimate = sorting(geometry.face_count());
         if estimate > terms.longest_build {
             return Err(NotTried::BuildsTooLong(estimate));
         }
     }
     let size = first[0].size;
-    let mut tried = Tried::build(method, Arc::clone(content), size, terms.limit_bytes, clock)?;
+    let mut tried = Tried::build(method, Arc::clone(geometry), size, terms.limit_bytes, clock)?;
     if terms.moving.contains(&sector) {
-        tried.edit = edit(scene, sector, method, content, clock)?;
+        tried.edit = edit(scene, sector, method, geometry, clock)?;
     }
     tried.warm_up(first);
     Ok(tried)
@@ -340,28 +340,28 @@ fn edit(
     scene: &Scene,
     sector: SectorId,
     method: Method,
-    content: &Content,
+    geometry: &Geometry,
     clock: &dyn Fn() -> Duration,
 ) -> Result<Duration, NotTried> {
     let is_ground = |item: u32| {
-        content
+        geometry
             .terrains()
             .iter()
             .any(|terrain| terrain.blocks.contains(&item))
     };
-    let items = (0..content.items().len() as u32).map(ItemId);
-    let items = items.filter(|&item| content.holds(item) && !is_ground(item.0));
-    let Some(item) = items.min_by_key(|&item| content.mesh_of(item).face_count()) else {
+    let items = (0..geometry.items().len() as u32).map(ItemId);
+    let items = items.filter(|&item| geometry.holds(item) && !is_ground(item.0));
+    let Some(item) = items.min_by_key(|&item| geometry.mesh_of(item).face_count()) else {
         return Ok(Duration::ZERO);
     };
     let mut scene = scene.clone();
     scene.set_method(sector, method).map_err(|_| NotTried::Moves)?;
-    let here = content.item(item).transform();
+    let here = geometry.item(item).transform();
     // Out of whatever plane it may lie in: a wall that slides along itself would leave a room convex.
-    let step = 0.01 * content.bounds().longest_side();
+    let step = 0.01 * geometry.bounds().longest_side();
     let there = Transform::translation([step, 0.7 * step, 0.4 * step]) * here;
     let mut least = None::<Duration>;
-    // The first time the content is copied, for it is shared.
+    // The first time the geometry is copied, for it is shared.
     for time in 0..4 {
         let start = clock();
         let mut edit = scene.edit();

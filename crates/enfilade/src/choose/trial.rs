@@ -2,7 +2,7 @@
 
 use super::{Aim, Cost, Terms, Views};
 use crate::canvas::{Canvas, Span};
-use crate::content::{Content, Owner};
+use crate::geometry::{Geometry, Owner};
 use crate::memory::Memory;
 use crate::method::{Method, Unsuited};
 use crate::passage::{Passage, PassageId};
@@ -45,17 +45,17 @@ struct Measured {
 impl Tried {
     pub(super) fn build(
         method: Method,
-        content: Arc<Content>,
+        geometry: Arc<Geometry>,
         size: [u32; 2],
         limit_bytes: u64,
         clock: &dyn Fn() -> Duration,
     ) -> Result<Tried, Unsuited> {
-        // The content's own, whatever sees it.
-        content.item_tree();
-        let shared = content.bytes();
+        // The geometry's own, whatever sees it.
+        geometry.item_tree();
+        let shared = geometry.bytes();
         let build_once = || -> Result<_, Unsuited> {
             let start = clock();
-            let sector = method.build(Arc::clone(&content), limit_bytes)?;
+            let sector = method.build(Arc::clone(&geometry), limit_bytes)?;
             Ok((sector, clock().saturating_sub(start)))
         };
         let (sector, mut build) = build_once()?;

@@ -37,9 +37,9 @@ pub use span_buffer::SpanBuffer;
 
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, CoverShape};
-use crate::content::Owners;
 use crate::faces::Faces;
 use crate::geom::Aabb;
+use crate::geometry::Owners;
 use crate::occluders::{Measure, Occluder};
 use crate::passage::Passage;
 use crate::region::{Region, Sight};

@@ -4,7 +4,7 @@ use super::samples::{OPEN, Sample, owner_of};
 use super::trace::Trace;
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, Span};
-use crate::content::{ItemId, Owner, Owners};
+use crate::geometry::{ItemId, Owner, Owners};
 use crate::seen::{GlassSample, ReportBuffers, Seen, report_owners};
 
 /// Gathers runs of owners, left to right and row after row.

@@ -1,8 +1,8 @@
 //! Which levels are wanted: by how far an error shows on the screen.
 
 use super::{Details, Key};
-use crate::content::ItemId;
 use crate::geom::Aabb;
+use crate::geometry::ItemId;
 use crate::passage::Passage;
 use crate::scene::Scene;
 use crate::visible::VisibleSet;
@@ -23,11 +23,11 @@ impl Details {
             if !self.holds(scene, key) {
                 return;
             }
-            let Some(content) = scene.content(key.0) else {
+            let Some(geometry) = scene.geometry(key.0) else {
                 return;
             };
             let bounds = &self.sources[&self.items[&key].source].bounds;
-            let pixels = passage.pixels_per_unit(&content.item(item).transform(), bounds);
+            let pixels = passage.pixels_per_unit(&geometry.item(item).transform(), bounds);
             let known = most.entry(key).or_default();
             *known = known.max(pixels);
         };
@@ -58,9 +58,9 @@ impl Details {
     fn entered(&self, scene: &Scene, passage: &Passage) -> impl Iterator<Item = ItemId> {
         let begins = beginnings(scene, passage);
         let here = (passage.sector, ItemId(0))..=(passage.sector, ItemId(u32::MAX));
-        let content = scene.content(passage.sector);
+        let geometry = scene.geometry(passage.sector);
         self.items.range(here).filter_map(move |(key, _)| {
-            let held = content.filter(|content| content.holds(key.1))?;
+            let held = geometry.filter(|geometry| geometry.holds(key.1))?;
             let bounds = &held.item(key.1).bounds;
             let begins_within = begins.iter().flatten().any(|begin| begin.meets(bounds));
             (begins_within && passage.may_show(bounds)).then_some(key.1)

@@ -16,8 +16,8 @@ mod source;
 pub use bezier::{BezierError, BezierPatch, BezierSurface};
 pub use source::DetailSource;
 
-use crate::content::ItemId;
 use crate::geom::{MAX_COORDINATE, Transform};
+use crate::geometry::ItemId;
 use crate::mesh::Mesh;
 use crate::scene::{EditError, Scene, SceneError, SectorId};
 use crate::visible::VisibleSet;
@@ -324,9 +324,9 @@ impl Held {
 /// The mesh of an item, and whether it hides.
 fn scene_item(scene: &Scene, (sector, item): Key) -> Option<(&Arc<Mesh>, bool)> {
     let there = (sector.0 as usize) < scene.sector_count();
-    let content = there.then(|| scene.content(sector)).flatten()?;
-    let item = content.holds(item).then(|| content.item(item))?;
-    Some((&content.meshes()[item.mesh.0 as usize], item.hides))
+    let geometry = there.then(|| scene.geometry(sector)).flatten()?;
+    let item = geometry.holds(item).then(|| geometry.item(item))?;
+    Some((&geometry.meshes()[item.mesh.0 as usize], item.hides))
 }
 
 /// Why an item gets no levels.

@@ -1,8 +1,8 @@
 //! Where levels come from, and those of one source that were built.
 
 use super::DetailError;
-use crate::content::MaterialId;
 use crate::geom::Aabb;
+use crate::geometry::MaterialId;
 use crate::mesh::Mesh;
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};

@@ -2,7 +2,7 @@
 
 use super::EPSILON;
 use super::tree::{Found, Meeting};
-use crate::content::Owner;
+use crate::geometry::Owner;
 
 /// What rays meet in a sector, sorted out when all is known.
 pub(super) struct Hits<const N: usize> {

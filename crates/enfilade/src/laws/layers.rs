@@ -7,7 +7,7 @@ use super::EPSILON;
 use super::chains::{Chain, Chains, PassageChains};
 use super::reference::RaySees;
 use crate::canvas::{Canvas, Span};
-use crate::content::{ItemId, Owner};
+use crate::geometry::{ItemId, Owner};
 use crate::passage::{Passage, PassageId};
 
 /// A face of glass, or of a cut-out, that a ray meets.

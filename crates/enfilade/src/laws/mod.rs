@@ -3,7 +3,7 @@
 //! Idea: five rays a sample, each followed through portals; whatever any of them may meet first may own the sample.
 //! Source: DESIGN of the contracts; Möller, Trumbore 1997 for triangles.
 //! Cost: about 3 µs a sample and core, half of one for a single ray anywhere; memory of two nodes a triangle.
-//! Independent of the methods: it shares with them only the input arrays of contents, scenes and views. Which sector the
+//! Independent of the methods: it shares with them only the input arrays of geometries, scenes and views. Which sector the
 //! eye is in, the rays of a view and the chains of portals they follow are computed here anew, in the simplest way.
 //!
 //! Positions are f32, so a face or an opening is where its corners are only up to half the spacing of f32 at its greatest

@@ -2,7 +2,7 @@
 
 use super::chains::{Chain, Chains, PassageChains};
 use crate::canvas::{Canvas, Span};
-use crate::content::Owner;
+use crate::geometry::Owner;
 use crate::passage::{Passage, PassageId};
 
 /// A canvas that keeps the owner of each sample; glass is left aside.

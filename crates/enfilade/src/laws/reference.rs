@@ -10,7 +10,7 @@ use super::openings::Entered;
 use super::sector::sector_of_eye;
 use super::tree::{Built, Meeting, Trees};
 use super::truth::{Possible, Told, Truth};
-use crate::content::{ItemId, OpeningId, Owner};
+use crate::geometry::{ItemId, OpeningId, Owner};
 use crate::scene::{Scene, SectorId};
 use crate::view::View;
 use crate::viewer::Limits;
@@ -28,7 +28,11 @@ impl Reference {
         let mut built = Built::default();
         let sectors = scene
             .sectors()
-            .map(|id| scene.content(id).map(|content| Trees::build(content, &mut built)))
+            .map(|id| {
+                scene
+                    .geometry(id)
+                    .map(|geometry| Trees::build(geometry, &mut built))
+            })
             .collect();
         Reference { sectors }
     }

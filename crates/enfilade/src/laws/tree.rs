@@ -5,8 +5,8 @@
 
 use super::bundle::Bundle;
 use super::openings::Outline;
-use crate::content::{Alpha, Content, ItemId, Opening};
 use crate::geom::{Aabb, Transform};
+use crate::geometry::{Alpha, Geometry, ItemId, Opening};
 use crate::mesh::Mesh;
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
@@ -25,9 +25,9 @@ pub(super) struct Meeting {
     pub(super) hides: bool,
 }
 
-/// A content, ready for rays.
+/// A geometry, ready for rays.
 pub(super) struct Trees {
-    content: Arc<Content>,
+    geometry: Arc<Geometry>,
     items: Tree,
     /// The items that the tree holds: those that have faces.
     solid: Vec<ItemId>,
@@ -176,7 +176,7 @@ impl Faces {
     }
 }
 
-/// Trees of meshes that are built already, by the mesh's address: contents may share meshes.
+/// Trees of meshes that are built already, by the mesh's address: geometries may share meshes.
 #[derive(Default)]
 pub(super) struct Built(HashMap<usize, Arc<Faces>>);
 
@@ -185,40 +185,40 @@ fn address(mesh: &Arc<Mesh>) -> usize {
 }
 
 impl Trees {
-    pub(super) fn build(content: &Arc<Content>, built: &mut Built) -> Trees {
-        let new: Vec<(usize, Arc<Faces>)> = content
+    pub(super) fn build(geometry: &Arc<Geometry>, built: &mut Built) -> Trees {
+        let new: Vec<(usize, Arc<Faces>)> = geometry
             .meshes()
             .par_iter()
             .filter(|mesh| !built.0.contains_key(&address(mesh)))
             .map(|mesh| (address(mesh), Arc::new(Faces::build(mesh, &Transform::IDENTITY))))
             .collect();
         built.0.extend(new);
-        let item_from_sector: Vec<Option<DAffine3>> = content
+        let item_from_sector: Vec<Option<DAffine3>> = geometry
             .items()
             .iter()
             .map(|item| item.transform().inverse().map(|back| back.0))
             .collect();
-        let faces = (content.items().iter().zip(&item_from_sector))
+        let faces = (geometry.items().iter().zip(&item_from_sector))
             .map(|(item, back)| {
-                let mesh = &content.meshes()[item.mesh.0 as usize];
+                let mesh = &geometry.meshes()[item.mesh.0 as usize];
                 match back {
                     Some(_) => Arc::clone(&built.0[&address(mesh)]),
                     None => Arc::new(Faces::build(mesh, &item.transform())),
                 }
             })
             .collect();
-        let all = (0..content.items().len() as u32).map(ItemId);
+        let all = (0..geometry.items().len() as u32).map(ItemId);
         let solid: Vec<ItemId> = all
-            .filter(|&item| !content.item(item).bounds.is_empty())
+            .filter(|&item| !geometry.item(item).bounds.is_empty())
             .collect();
-        let boxes: Vec<Aabb> = solid.iter().map(|&item| content.item(item).bounds).collect();
+        let boxes: Vec<Aabb> = solid.iter().map(|&item| geometry.item(item).bounds).collect();
         let outline = |opening: &Opening| {
             let corners = opening.outline.corners().iter();
             Outline::new(corners.map(|c| DVec3::from(c.map(f64::from))).collect())
         };
         Trees {
-            openings: content.openings().iter().map(outline).collect(),
-            content: Arc::clone(content),
+            openings: geometry.openings().iter().map(outline).collect(),
+            geometry: Arc::clone(geometry),
             items: Tree::build(&boxes),
             solid,
             faces,
@@ -253,8 +253,8 @@ impl Trees {
         let faces = &self.faces[item.0 as usize];
         let back = &self.item_from_sector[item.0 as usize];
         let local = back.map_or(*bundle, |back| bundle.moved(&back));
-        let mesh = self.content.mesh_of(item);
-        let sector_from_item = self.content.item(item).transform();
+        let mesh = self.geometry.mesh_of(item);
+        let sector_from_item = self.geometry.item(item).transform();
         // A flattened item's faces are met where they stand.
         let place = back.is_none().then_some(sector_from_item);
         visit(&faces.tree, &local, found, |triangle, found| {
@@ -270,7 +270,7 @@ impl Trees {
                     continue;
                 };
                 let material = self
-                    .content
+                    .geometry
                     .material_of(item, &mesh.clusters()[mesh.cluster_of(face)]);
                 if material.double_sided || !from_behind {
                     let hides = material.alpha == Alpha::Opaque;

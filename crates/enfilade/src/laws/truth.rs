@@ -3,7 +3,7 @@
 use super::chains::{Chain, Chains, PassageChains};
 use super::owners::OwnerPicture;
 use super::reference::RaySees;
-use crate::content::{ItemId, Owner};
+use crate::geometry::{ItemId, Owner};
 use crate::passage::PassageId;
 use crate::scene::SectorId;
 use crate::visible::VisibleSet;

@@ -90,7 +90,7 @@ fn gather<'a, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::content::MaterialId;
+    use crate::geometry::MaterialId;
     use crate::mesh::Mesh;
 
     const CORNERS: [[f32; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];

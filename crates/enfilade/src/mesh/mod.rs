@@ -9,8 +9,8 @@ pub use attributes::Attributes;
 pub use build::MeshError;
 pub(crate) use neighbours::NONE;
 
-use crate::content::MaterialId;
 use crate::geom::{Aabb, Octree, Step};
+use crate::geometry::MaterialId;
 use attributes::Carried;
 use below::Below;
 use build::{build, check};

@@ -1,7 +1,7 @@
 //! What an order costs alone.
 
-use crate::content::{Content, ItemId};
 use crate::faces::Faces;
+use crate::geometry::{Geometry, ItemId};
 use crate::memory::{Marks, Memory};
 use crate::order::{Order, Visit};
 use crate::passage::Passage;
@@ -36,14 +36,14 @@ impl Visit for Count<'_> {
 /// Goes through an order, and gives the number of faces handed out.
 pub(super) fn count_faces<O: Order>(
     order: &O,
-    content: &Content,
+    geometry: &Geometry,
     passage: &Passage,
     memory: &mut Memory,
 ) -> u64 {
     let mut scratch = memory.take::<O::Scratch>();
-    memory.marks.begin(content.items().len());
+    memory.marks.begin(geometry.items().len());
     let mut count = Count::new(&mut memory.marks);
-    order.visit(content, passage, &mut scratch, &mut count);
+    order.visit(geometry, passage, &mut scratch, &mut count);
     let faces = count.faces;
     memory.put_back(scratch);
     faces

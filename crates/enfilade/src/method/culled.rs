@@ -1,4 +1,4 @@
-//! Content seen by an order and a cover that holds no picture: occluders first, then what they leave.
+//! Geometry seen by an order and a cover that holds no picture: occluders first, then what they leave.
 //!
 //! Where the cover takes faces too, those of what is found hide what the walk finds later; what was found before them is
 //! asked about again at the end. Whatever the budget of chosen occluders, also 0, they do.
@@ -12,10 +12,10 @@ use super::ours::{Edited, Ours, edit_order};
 use super::shares::find_by_shares;
 use super::{Method, TooLarge, Unsuited};
 use crate::canvas::Canvas;
-use crate::content::{Changes, Content, ItemId, Opening};
 use crate::cover::{Coarse, Hides};
 use crate::faces::Faces;
 use crate::geom::Aabb;
+use crate::geometry::{Changes, Geometry, ItemId, Opening};
 use crate::memory::Memory;
 use crate::occluders::{Choice, OccluderRoom, OccluderSet};
 use crate::order::{Gives, Order};
@@ -28,10 +28,10 @@ use glam::DAffine3;
 use std::marker::PhantomData;
 use std::sync::{Arc, OnceLock};
 
-/// Content seen by an order and a cover that holds no picture.
+/// Geometry seen by an order and a cover that holds no picture.
 pub struct Culled<O, C> {
     method: Method,
-    content: Arc<Content>,
+    geometry: Arc<Geometry>,
     /// Found when first asked for: a cover may do without.
     occluders: OnceLock<Arc<OccluderSet>>,
     order: O,
@@ -44,18 +44,18 @@ where
     C: Hides,
     O::Gives: Gives<C::CullNeeds>,
 {
-    pub(super) fn build(method: Method, content: Arc<Content>, limit: u64) -> Result<Self, Unsuited> {
-        let needs_bytes = O::needs_bytes(&content) + OccluderSet::needs_bytes(&content);
+    pub(super) fn build(method: Method, geometry: Arc<Geometry>, limit: u64) -> Result<Self, Unsuited> {
+        let needs_bytes = O::needs_bytes(&geometry) + OccluderSet::needs_bytes(&geometry);
         if needs_bytes > limit {
             return Err(TooLarge::new(method, needs_bytes, limit).into());
         }
         let order =
-            O::build(&content, limit).map_err(|refusal| Unsuited::of(method, &content, refusal, limit))?;
+            O::build(&geometry, limit).map_err(|refusal| Unsuited::of(method, &geometry, refusal, limit))?;
         let culled = Culled {
             method,
             occluders: OnceLock::new(),
             order,
-            content,
+            geometry,
             cover: PhantomData,
         };
         if C::OCCLUDERS > 0 {
@@ -69,7 +69,7 @@ where
             return occluders;
         }
         // Not while the cell waits for them: a thread that waits for others to find them may be asked for the same.
-        let found = self.content.share(|| OccluderSet::build(&self.content));
+        let found = self.geometry.share(|| OccluderSet::build(&self.geometry));
         self.occluders.get_or_init(|| found)
     }
 
@@ -83,14 +83,14 @@ where
         let mut choice = memory.take::<Choice>();
         let mut room = memory.take::<OccluderRoom>();
         let set = self.occluders();
-        let mut choosing = set.choosing(&self.content, passage, C::MEASURE, &mut choice);
+        let mut choosing = set.choosing(&self.geometry, passage, C::MEASURE, &mut choice);
         for _ in 0..budget {
             let Some(chosen) =
                 choosing.next(|screen_from_local, bounds| !cover.hides(passage, screen_from_local, bounds))
             else {
                 break;
             };
-            if let Some(occluder) = set.on_screen(&self.content, passage, &chosen, &mut room) {
+            if let Some(occluder) = set.on_screen(&self.geometry, passage, &chosen, &mut room) {
                 memory.stats.occluders += 1;
                 cover.hide(&occluder, passage, &mut memory.stats);
             }
@@ -103,12 +103,12 @@ where
     fn look(&self, cover: &mut C, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
         self.fill(cover, passage, memory);
         if !C::TAKES_FACES && memory.threads() > 1 {
-            find_by_shares(&self.order, &self.content, passage, cover, memory, seen);
+            find_by_shares(&self.order, &self.geometry, passage, cover, memory, seen);
             return;
         }
         find(
             &self.order,
-            &self.content,
+            &self.geometry,
             passage,
             &mut InSamples(cover),
             memory,
@@ -162,11 +162,11 @@ where
     O::Gives: Gives<C::CullNeeds>,
 {
     fn bounds(&self) -> Aabb {
-        self.content.bounds()
+        self.geometry.bounds()
     }
 
     fn openings(&self) -> &[Opening] {
-        self.content.openings()
+        self.geometry.openings()
     }
 
     fn contract(&self) -> Contract {
@@ -184,7 +184,7 @@ where
     }
 
     fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: &mut dyn Canvas) {
-        draw_gathered(&self.content, passage, memory, seen, canvas);
+        draw_gathered(&self.geometry, passage, memory, seen, canvas);
         if canvas.wants_cover() {
             // Other passages have used it since it was asked.
             let mut cover = memory.take::<C>();
@@ -197,24 +197,24 @@ where
     }
 
     fn cast(&self, ray: &Ray) -> Option<Hit> {
-        self.content.cast(ray)
+        self.geometry.cast(ray)
     }
 
     fn surface(&self, item: ItemId, face: u32) -> Surface {
-        self.content.surface(item, face)
+        self.geometry.surface(item, face)
     }
 
     fn walk(&self, passage: &Passage, memory: &mut Memory) -> u64 {
-        count_faces(&self.order, &self.content, passage, memory)
+        count_faces(&self.order, &self.geometry, passage, memory)
     }
 
     fn built(&self) -> Built {
-        self.order.built(&self.content)
+        self.order.built(&self.geometry)
     }
 
     fn bytes(&self) -> u64 {
         let occluders = self.occluders.get().map_or(0, |set| set.bytes());
-        self.content.bytes() + self.order.bytes() + occluders
+        self.geometry.bytes() + self.order.bytes() + occluders
     }
 }
 
@@ -224,21 +224,21 @@ where
     C: Hides,
     O::Gives: Gives<C::CullNeeds>,
 {
-    fn content(&self) -> &Arc<Content> {
-        &self.content
+    fn geometry(&self) -> &Arc<Geometry> {
+        &self.geometry
     }
 
     fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, Unsuited> {
         let (mut edited, done) = edit_order(
             self.method,
             &mut self.order,
-            &mut self.content,
+            &mut self.geometry,
             changes,
             limit,
             OccluderSet::needs_bytes,
         )?;
         if let Some(occluders) = self.occluders.get_mut() {
-            edited.nodes += Arc::make_mut(occluders).follow(&self.content, &done);
+            edited.nodes += Arc::make_mut(occluders).follow(&self.geometry, &done);
         }
         Ok(edited)
     }

@@ -1,8 +1,8 @@
 //! What a walk finds that a cover without a picture does not hide.
 
-use crate::content::{Content, ItemId, OpeningId};
 use crate::faces::{Faces, Of};
 use crate::geom::Aabb;
+use crate::geometry::{Geometry, ItemId, OpeningId};
 use crate::memory::{Marks, Memory};
 use crate::order::{Order, Visit};
 use crate::passage::Passage;
@@ -53,10 +53,10 @@ pub(super) struct Found {
     openings: Vec<OpeningId>,
 }
 
-/// Reports what an order's walk finds of a content.
+/// Reports what an order's walk finds of a geometry.
 pub(super) fn find<O: Order>(
     order: &O,
-    content: &Content,
+    geometry: &Geometry,
     passage: &Passage,
     against: &mut impl Against,
     memory: &mut Memory,
@@ -64,16 +64,16 @@ pub(super) fn find<O: Order>(
 ) {
     let mut scratch = memory.take::<O::Scratch>();
     let mut found = memory.take::<Found>();
-    memory.marks.begin(content.items().len());
+    memory.marks.begin(geometry.items().len());
     let mut walk = Walk {
         passage,
-        content,
+        geometry,
         against,
         marks: &mut memory.marks,
         stats: &mut memory.stats,
         found: &mut found,
     };
-    order.visit(content, passage, &mut scratch, &mut walk);
+    order.visit(geometry, passage, &mut scratch, &mut walk);
     walk.report(seen);
     memory.put_back(scratch);
     memory.put_back(found);
@@ -82,7 +82,7 @@ pub(super) fn find<O: Order>(
 /// Joins an order's walk to what it is held against.
 pub(super) struct Walk<'a, A> {
     pub(super) passage: &'a Passage,
-    pub(super) content: &'a Content,
+    pub(super) geometry: &'a Geometry,
     pub(super) against: &'a mut A,
     pub(super) marks: &'a mut Marks,
     pub(super) stats: &'a mut Stats,
@@ -97,14 +97,14 @@ impl<A: Against> Walk<'_, A> {
     }
 
     fn region_of(&self, faces: &Faces, item: ItemId, cluster: u32) -> Option<Region> {
-        let bounds = &self.content.mesh_of(item).clusters()[cluster as usize].bounds;
+        let bounds = &self.geometry.mesh_of(item).clusters()[cluster as usize].bounds;
         Region::of(self.passage, faces.screen_from_local, bounds)
     }
 
     /// Reports what was found; nothing is left.
     pub(super) fn report(&mut self, seen: &mut Seen) {
         self.look_again();
-        self.found.clusters.report(self.content, seen);
+        self.found.clusters.report(self.geometry, seen);
         for opening in self.found.openings.drain(..) {
             seen.opening(opening, None);
         }
@@ -123,8 +123,8 @@ impl<A: Against> Walk<'_, A> {
                 if seen == Some(item) {
                     return true;
                 }
-                let screen_from_item = self.passage.screen_from(&self.content.item(item).transform());
-                let faces = Faces::of_cluster(self.content, item, cluster, &screen_from_item);
+                let screen_from_item = self.passage.screen_from(&self.geometry.item(item).transform());
+                let faces = Faces::of_cluster(self.geometry, item, cluster, &screen_from_item);
                 let stays = self.region_of(&faces, item, cluster).is_some_and(|region| {
                     self.enter(&region) != Sight::Hidden
                         && self.against.sees_faces(&faces, &region, self.passage, self.stats)
@@ -133,14 +133,14 @@ impl<A: Against> Walk<'_, A> {
                 stays
             });
             clusters.retain_groups(|item, node| {
-                let screen_from_item = self.passage.screen_from(&self.content.item(item).transform());
-                let bounds = self.content.mesh_of(item).tree().bounds(node);
+                let screen_from_item = self.passage.screen_from(&self.geometry.item(item).transform());
+                let bounds = self.geometry.mesh_of(item).tree().bounds(node);
                 let region = Region::of(self.passage, &screen_from_item, bounds);
                 region.is_some_and(|region| self.enter(&region) != Sight::Hidden)
             });
         }
         openings.retain(|opening| {
-            let outline = &self.content.openings()[usize::from(opening.0)].outline;
+            let outline = &self.geometry.openings()[usize::from(opening.0)].outline;
             let region = self.passage.region_around_openings(&outline.bounds());
             region.is_some_and(|region| {
                 self.passage.is_before_near(&region) || self.enter(&region) != Sight::Hidden
@@ -176,7 +176,7 @@ impl<A: Against> Visit for Walk<'_, A> {
     }
 
     fn are_enough(&mut self, item: ItemId, node: u32, region: &Region) -> bool {
-        let below = self.content.mesh_of(item).below();
+        let below = self.geometry.mesh_of(item).below();
         let clusters = below.clusters(node);
         if !A::TAKES_FACES || clusters.len() > FEW_CLUSTERS {
             return false;
@@ -203,18 +203,18 @@ impl<A: Against> Visit for Walk<'_, A> {
         }
     }
 
-    fn cluster(&mut self, content: &Content, item: ItemId, cluster: u32, screen_from_item: &DAffine3) {
+    fn cluster(&mut self, geometry: &Geometry, item: ItemId, cluster: u32, screen_from_item: &DAffine3) {
         if A::TAKES_FACES {
-            self.faces(&Faces::of_cluster(content, item, cluster, screen_from_item));
+            self.faces(&Faces::of_cluster(geometry, item, cluster, screen_from_item));
         } else {
             self.found.clusters.push(item, cluster);
         }
     }
 
-    fn whole(&mut self, content: &Content, item: ItemId, screen_from_item: &DAffine3) {
+    fn whole(&mut self, geometry: &Geometry, item: ItemId, screen_from_item: &DAffine3) {
         if A::TAKES_FACES {
-            for cluster in 0..content.mesh_of(item).clusters().len() as u32 {
-                self.cluster(content, item, cluster, screen_from_item);
+            for cluster in 0..geometry.mesh_of(item).clusters().len() as u32 {
+                self.cluster(geometry, item, cluster, screen_from_item);
             }
         } else {
             self.found.clusters.push_whole(item);

@@ -1,9 +1,9 @@
 //! Draws what was gathered, by a z-buffer: the picture is exact though the set need not be.
 
 use crate::canvas::Canvas;
-use crate::content::{Alpha, Content, ItemId};
 use crate::cover::{DepthBuffer, Paints};
 use crate::faces::Faces;
+use crate::geometry::{Alpha, Geometry, ItemId};
 use crate::memory::Memory;
 use crate::passage::Passage;
 use crate::seen::Seen;
@@ -12,9 +12,9 @@ use crate::seen::Seen;
 #[derive(Default)]
 struct Gathered(Vec<(ItemId, u32)>);
 
-/// Paints what `seen` reports of a content, and reports what of it is left in its place.
+/// Paints what `seen` reports of a geometry, and reports what of it is left in its place.
 pub(super) fn draw_gathered(
-    content: &Content,
+    geometry: &Geometry,
     passage: &Passage,
     memory: &mut Memory,
     seen: &mut Seen,
@@ -22,21 +22,21 @@ pub(super) fn draw_gathered(
 ) {
     let mut cover = memory.take::<DepthBuffer>();
     let mut gathered = memory.take::<Gathered>();
-    gathered.0.extend(seen.clusters_of_items(content));
+    gathered.0.extend(seen.clusters_of_items(geometry));
     seen.items.clear();
     seen.clusters.clear();
     cover.clear(passage, memory.trace);
     let stats = &mut memory.stats;
     let before = seen.samples_owned;
-    Faces::of_openings(content, passage, |faces| cover.add(faces, passage, stats, None));
+    Faces::of_openings(geometry, passage, |faces| cover.add(faces, passage, stats, None));
     let hides = |&(item, cluster): &(ItemId, u32)| {
-        let cluster = &content.mesh_of(item).clusters()[cluster as usize];
-        content.material_of(item, cluster).alpha == Alpha::Opaque
+        let cluster = &geometry.mesh_of(item).clusters()[cluster as usize];
+        geometry.material_of(item, cluster).alpha == Alpha::Opaque
     };
     for opaque in [true, false] {
         for &(item, cluster) in gathered.0.iter().filter(|found| hides(found) == opaque) {
-            let screen_from_item = passage.screen_from(&content.item(item).transform());
-            let faces = Faces::of_cluster(content, item, cluster, &screen_from_item);
+            let screen_from_item = passage.screen_from(&geometry.item(item).transform());
+            let faces = Faces::of_cluster(geometry, item, cluster, &screen_from_item);
             if opaque {
                 cover.add(&faces, passage, stats, None);
             } else {
@@ -44,7 +44,7 @@ pub(super) fn draw_gathered(
             }
         }
     }
-    cover.finish(content, passage, seen, Some(canvas));
+    cover.finish(geometry, passage, seen, Some(canvas));
     stats.samples_owned += seen.samples_owned - before;
     gathered.0.clear();
     memory.put_back(cover);

@@ -13,10 +13,10 @@ use super::gathered::draw_gathered;
 use super::ours::{Edited, Ours};
 use crate::aperture::CellRoom;
 use crate::canvas::Canvas;
-use crate::content::{Changes, Content, ItemId, Opening};
 use crate::cover::{Coarse, Cover, Surface};
 use crate::faces::Faces;
 use crate::geom::Aabb;
+use crate::geometry::{Changes, Geometry, ItemId, Opening};
 use crate::memory::Memory;
 use crate::order::Order;
 use crate::passage::Passage;
@@ -76,7 +76,7 @@ impl<M: InParts> InCells<M> {
         seen: &mut Seen,
         canvas: Option<&mut dyn Canvas>,
     ) {
-        let content = self.0.content();
+        let geometry = self.0.geometry();
         let mut room = memory.take::<CellRoom>();
         let mut cover = memory.take::<M::Cover>();
         let mut surface = memory.take::<Surface>();
@@ -87,7 +87,7 @@ impl<M: InParts> InCells<M> {
             cover: &mut *cover,
             surface: &mut surface,
         };
-        find(self.0.order(), content, &passage, &mut against, memory, seen);
+        find(self.0.order(), geometry, &passage, &mut against, memory, seen);
         if let Some(canvas) = canvas {
             cover.show(&passage, &mut Enlarged::new(canvas, whole, cells));
         }
@@ -126,7 +126,7 @@ impl<M: InParts> Sector for InCells<M> {
         let Some(cells) = memory.cover_size else {
             return self.0.draw(passage, memory, seen, canvas);
         };
-        draw_gathered(self.0.content(), passage, memory, seen, canvas);
+        draw_gathered(self.0.geometry(), passage, memory, seen, canvas);
         if canvas.wants_cover() {
             let stats = memory.stats;
             self.look(cells, passage, memory, &mut Seen::default(), Some(canvas));
@@ -156,8 +156,8 @@ impl<M: InParts> Sector for InCells<M> {
 }
 
 impl<M: InParts> Ours for InCells<M> {
-    fn content(&self) -> &Arc<Content> {
-        self.0.content()
+    fn geometry(&self) -> &Arc<Geometry> {
+        self.0.geometry()
     }
 
     fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, Unsuited> {

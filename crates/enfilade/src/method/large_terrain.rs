@@ -1,12 +1,12 @@
-//! Large ground seen by the floating horizon: its own walk, and the same cover as of ground that is a content.
+//! Large ground seen by the floating horizon: its own walk, and the same cover as of ground that is a geometry.
 
 use super::count::Count;
 use super::strips::{self, look_in_strips};
 use crate::canvas::Canvas;
-use crate::content::{ItemId, Opening};
 use crate::cover::{Cover, Horizon, Paints};
 use crate::faces::Faces;
 use crate::geom::Aabb;
+use crate::geometry::{ItemId, Opening};
 use crate::memory::Memory;
 use crate::order::Visit;
 use crate::passage::Passage;

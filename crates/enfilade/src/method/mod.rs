@@ -22,11 +22,11 @@ pub use paired::Paired;
 pub use unsuited::{FaceName, NoTerrain, NotBaked, NotConvex, TooLarge, Unsuited};
 
 use crate::canvas::CoverShape;
-use crate::content::Content;
 use crate::cover::{
     ByBox, ByFaces, Cover, DepthBuffer, DepthPyramid, Horizon, Mask, MaskedDepth, Nothing, OcclusionTree,
     SpanBuffer, Surface,
 };
+use crate::geometry::Geometry;
 use crate::order::{
     BakedCellsOrder, Bsp, BvhOrder, ConvexCell, DepthSort, FarToNear, KdTreeOrder, Mean, Min, NearToFar,
     OctreeOrder, Order, TerrainRows, Unordered,
@@ -84,26 +84,26 @@ pub type Svbsp = Culled<KdTreeOrder, OcclusionTree<ByFaces>>;
 /// in modern computer games.
 pub type Mobsp = Culled<KdTreeOrder, OcclusionTree<ByBox>>;
 
-/// Potentially visible sets: a content's cells say what may be seen from where sight begins, drawn by a z-buffer. Only for
-/// contents that have cells ([`ContentBuilder::cells`](crate::ContentBuilder::cells)). Teller, Séquin, SIGGRAPH 1991;
+/// Potentially visible sets: a geometry's cells say what may be seen from where sight begins, drawn by a z-buffer. Only for
+/// geometries that have cells ([`GeometryBuilder::cells`](crate::GeometryBuilder::cells)). Teller, Séquin, SIGGRAPH 1991;
 /// Boreskov, Using portals.
 ///
 /// What moves is followed, at the cost of sorting its faces into cells. What hides must stay: rows that were computed from a
 /// wall go on hiding what is behind it when it has gone.
 pub type Pvs = Ordered<BakedCellsOrder>;
 
-/// Convex cell: faces as they come, painted over each other. Only for contents in which every face has all others on one
+/// Convex cell: faces as they come, painted over each other. Only for geometries in which every face has all others on one
 /// side, as in a box of a room: there, no face seen from that side hides another. Boreskov, Using portals.
 ///
 /// Takes faces, openings included, that bound a convex space, seen from inside or outside; what hides nothing (glass,
 /// cut-outs, items that never hide) may stand anywhere. An edit that leaves it convex no more is refused.
 pub type Cell = Paired<ConvexCell, Nothing>;
 
-/// Floating horizon: terrain near to far, and what stands on it, under a horizon that rises. Only for contents that have a
-/// height field ([`ContentBuilder::terrain`](crate::ContentBuilder::terrain)). Anderson, ACM TOG 1982; Boreskov, Using
+/// Floating horizon: terrain near to far, and what stands on it, under a horizon that rises. Only for geometries that have a
+/// height field ([`GeometryBuilder::terrain`](crate::GeometryBuilder::terrain)). Anderson, ACM TOG 1982; Boreskov, Using
 /// portals.
 ///
-/// What else is in the content comes between its blocks, by how near it is, and may hide some of it. An edit that changes the ground is refused.
+/// What else is in the geometry comes between its blocks, by how near it is, and may hide some of it. An edit that changes the ground is refused.
 pub type FloatingHorizon = Paired<TerrainRows, Horizon>;
 
 /// How a sector is seen.
@@ -222,7 +222,7 @@ impl Method {
         }
     }
 
-    /// Does it go by cells that were computed ahead? Then it suits only contents that have some.
+    /// Does it go by cells that were computed ahead? Then it suits only geometries that have some.
     pub fn goes_by_cells(self) -> bool {
         self == Method::Pvs
     }
@@ -232,50 +232,50 @@ impl Method {
         matches!(self, Method::Bsp | Method::BspFront)
     }
 
-    /// Can it see contents of every kind? Those that cannot ask for cells, for convexity, or for ground.
+    /// Can it see geometries of every kind? Those that cannot ask for cells, for convexity, or for ground.
     pub fn takes_any_content(self) -> bool {
         !matches!(self, Method::Pvs | Method::Cell | Method::FloatingHorizon)
     }
 
-    /// Has a content what the method goes by? Of [`Method::Cell`] that costs as much as to build it.
-    pub fn suits(self, content: &Content) -> bool {
+    /// Has a geometry what the method goes by? Of [`Method::Cell`] that costs as much as to build it.
+    pub fn suits(self, geometry: &Geometry) -> bool {
         match self {
-            Method::Pvs => content.cells().is_some(),
-            Method::Cell => ConvexCell::build(content, u64::MAX).is_ok(),
-            Method::FloatingHorizon => TerrainRows::build(content, u64::MAX).is_ok(),
+            Method::Pvs => geometry.cells().is_some(),
+            Method::Cell => ConvexCell::build(geometry, u64::MAX).is_ok(),
+            Method::FloatingHorizon => TerrainRows::build(geometry, u64::MAX).is_ok(),
             _ => true,
         }
     }
 
-    /// Prepares a content to be seen.
+    /// Prepares a geometry to be seen.
     ///
     /// # Errors
     /// [`Unsuited::TooLarge`] where more than `limit_bytes` would be needed, [`Unsuited::NotBaked`], [`Unsuited::NotConvex`] and
-    /// [`Unsuited::NoTerrain`] where the content has not what the method goes by.
-    pub fn build(self, content: Arc<Content>, limit_bytes: u64) -> Result<Arc<dyn Sector>, Unsuited> {
-        Ok(self.build_ours(content, limit_bytes)?)
+    /// [`Unsuited::NoTerrain`] where the geometry has not what the method goes by.
+    pub fn build(self, geometry: Arc<Geometry>, limit_bytes: u64) -> Result<Arc<dyn Sector>, Unsuited> {
+        Ok(self.build_ours(geometry, limit_bytes)?)
     }
 
     pub(crate) fn build_ours(
         self,
-        content: Arc<Content>,
+        geometry: Arc<Geometry>,
         limit_bytes: u64,
     ) -> Result<Arc<dyn Ours>, Unsuited> {
         Ok(match self {
-            Method::PainterMin => Arc::new(PainterMin::build(self, content, limit_bytes)?),
-            Method::PainterMean => Arc::new(PainterMean::build(self, content, limit_bytes)?),
-            Method::Bsp => Arc::new(BspPainter::build(self, content, limit_bytes)?),
-            Method::BspFront => Arc::new(BspFront::build(self, content, limit_bytes)?),
-            Method::ZBuffer => Arc::new(ZBuffer::build(self, content, limit_bytes)?),
-            Method::SBuffer => Arc::new(SBuffer::build(self, content, limit_bytes)?),
-            Method::HierarchicalZ => Arc::new(InCells(HierarchicalZ::build(self, content, limit_bytes)?)),
-            Method::HierarchicalS => Arc::new(InCells(HierarchicalS::build(self, content, limit_bytes)?)),
-            Method::Masked => Arc::new(InCells(Masked::build(self, content, limit_bytes)?)),
-            Method::Svbsp => Arc::new(Svbsp::build(self, content, limit_bytes)?),
-            Method::Mobsp => Arc::new(Mobsp::build(self, content, limit_bytes)?),
-            Method::Pvs => Arc::new(Pvs::build(self, content, limit_bytes)?),
-            Method::Cell => Arc::new(Cell::build(self, content, limit_bytes)?),
-            Method::FloatingHorizon => Arc::new(FloatingHorizon::build(self, content, limit_bytes)?),
+            Method::PainterMin => Arc::new(PainterMin::build(self, geometry, limit_bytes)?),
+            Method::PainterMean => Arc::new(PainterMean::build(self, geometry, limit_bytes)?),
+            Method::Bsp => Arc::new(BspPainter::build(self, geometry, limit_bytes)?),
+            Method::BspFront => Arc::new(BspFront::build(self, geometry, limit_bytes)?),
+            Method::ZBuffer => Arc::new(ZBuffer::build(self, geometry, limit_bytes)?),
+            Method::SBuffer => Arc::new(SBuffer::build(self, geometry, limit_bytes)?),
+            Method::HierarchicalZ => Arc::new(InCells(HierarchicalZ::build(self, geometry, limit_bytes)?)),
+            Method::HierarchicalS => Arc::new(InCells(HierarchicalS::build(self, geometry, limit_bytes)?)),
+            Method::Masked => Arc::new(InCells(Masked::build(self, geometry, limit_bytes)?)),
+            Method::Svbsp => Arc::new(Svbsp::build(self, geometry, limit_bytes)?),
+            Method::Mobsp => Arc::new(Mobsp::build(self, geometry, limit_bytes)?),
+            Method::Pvs => Arc::new(Pvs::build(self, geometry, limit_bytes)?),
+            Method::Cell => Arc::new(Cell::build(self, geometry, limit_bytes)?),
+            Method::FloatingHorizon => Arc::new(FloatingHorizon::build(self, geometry, limit_bytes)?),
         })
     }
 

@@ -1,4 +1,4 @@
-//! Content seen by an order alone: what it hands out is the set.
+//! Geometry seen by an order alone: what it hands out is the set.
 //!
 //! For orders that know more than where things are: what cannot be seen never comes. No cover culls what comes.
 //! Drawn by a z-buffer, which gets what may be seen and nothing else: the picture is exact though the set is not.
@@ -9,9 +9,9 @@ use super::gathered::draw_gathered;
 use super::ours::{Edited, Ours, edit_order};
 use super::{Method, TooLarge, Unsuited};
 use crate::canvas::Canvas;
-use crate::content::{Changes, Content, ItemId, Opening};
 use crate::faces::Faces;
 use crate::geom::Aabb;
+use crate::geometry::{Changes, Geometry, ItemId, Opening};
 use crate::memory::Memory;
 use crate::order::Order;
 use crate::passage::Passage;
@@ -21,25 +21,25 @@ use crate::seen::Seen;
 use crate::stats::Stats;
 use std::sync::Arc;
 
-/// Content seen by an order alone.
+/// Geometry seen by an order alone.
 pub struct Ordered<O> {
     method: Method,
-    content: Arc<Content>,
+    geometry: Arc<Geometry>,
     order: O,
 }
 
 impl<O: Order> Ordered<O> {
-    pub(super) fn build(method: Method, content: Arc<Content>, limit: u64) -> Result<Self, Unsuited> {
-        let needs_bytes = O::needs_bytes(&content);
+    pub(super) fn build(method: Method, geometry: Arc<Geometry>, limit: u64) -> Result<Self, Unsuited> {
+        let needs_bytes = O::needs_bytes(&geometry);
         if needs_bytes > limit {
             return Err(TooLarge::new(method, needs_bytes, limit).into());
         }
         let order =
-            O::build(&content, limit).map_err(|refusal| Unsuited::of(method, &content, refusal, limit))?;
+            O::build(&geometry, limit).map_err(|refusal| Unsuited::of(method, &geometry, refusal, limit))?;
         Ok(Ordered {
             method,
             order,
-            content,
+            geometry,
         })
     }
 }
@@ -65,11 +65,11 @@ impl Against for Open {
 
 impl<O: Order> Sector for Ordered<O> {
     fn bounds(&self) -> Aabb {
-        self.content.bounds()
+        self.geometry.bounds()
     }
 
     fn openings(&self) -> &[Opening] {
-        self.content.openings()
+        self.geometry.openings()
     }
 
     fn contract(&self) -> Contract {
@@ -81,46 +81,46 @@ impl<O: Order> Sector for Ordered<O> {
     }
 
     fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
-        find(&self.order, &self.content, passage, &mut Open, memory, seen);
+        find(&self.order, &self.geometry, passage, &mut Open, memory, seen);
     }
 
     fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: &mut dyn Canvas) {
-        draw_gathered(&self.content, passage, memory, seen, canvas);
+        draw_gathered(&self.geometry, passage, memory, seen, canvas);
     }
 
     fn cast(&self, ray: &Ray) -> Option<Hit> {
-        self.content.cast(ray)
+        self.geometry.cast(ray)
     }
 
     fn surface(&self, item: ItemId, face: u32) -> Surface {
-        self.content.surface(item, face)
+        self.geometry.surface(item, face)
     }
 
     fn walk(&self, passage: &Passage, memory: &mut Memory) -> u64 {
-        count_faces(&self.order, &self.content, passage, memory)
+        count_faces(&self.order, &self.geometry, passage, memory)
     }
 
     fn built(&self) -> Built {
-        self.order.built(&self.content)
+        self.order.built(&self.geometry)
     }
 
     fn bytes(&self) -> u64 {
-        self.content.bytes() + self.order.bytes()
+        self.geometry.bytes() + self.order.bytes()
     }
 }
 
 impl<O: Order> Ours for Ordered<O> {
-    fn content(&self) -> &Arc<Content> {
-        &self.content
+    fn geometry(&self) -> &Arc<Geometry> {
+        &self.geometry
     }
 
     fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, Unsuited> {
         let Self {
             method,
-            content,
+            geometry,
             order,
             ..
         } = self;
-        edit_order(*method, order, content, changes, limit, |_| 0).map(|(edited, _)| edited)
+        edit_order(*method, order, geometry, changes, limit, |_| 0).map(|(edited, _)| edited)
     }
 }

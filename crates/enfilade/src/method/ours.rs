@@ -1,16 +1,16 @@
-//! A sector that is content, seen by a method of ours: its items can be edited.
+//! A sector that is geometry, seen by a method of ours: its items can be edited.
 
 use super::{Method, TooLarge, Unsuited};
-use crate::content::{Changes, Content, Exchanged};
+use crate::geometry::{Changes, Exchanged, Geometry};
 use crate::order::Order;
 use crate::sector::Sector;
 use std::sync::Arc;
 
-/// A sector that is content, seen by a method of ours: its items can be edited.
+/// A sector that is geometry, seen by a method of ours: its items can be edited.
 pub(crate) trait Ours: Sector {
-    fn content(&self) -> &Arc<Content>;
+    fn geometry(&self) -> &Arc<Geometry>;
 
-    /// Exchanges items for those of `changes`, which then undo it; content that others share becomes a copy first. Where
+    /// Exchanges items for those of `changes`, which then undo it; geometry that others share becomes a copy first. Where
     /// that needs more than `limit` bytes, or leaves what the method cannot see, nothing is changed.
     fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, Unsuited>;
 }
@@ -35,17 +35,17 @@ impl Edited {
     }
 }
 
-/// Edits a content and has an order over it follow, or builds it anew. Where that, and what `beside` says is needed besides,
+/// Edits a geometry and has an order over it follow, or builds it anew. Where that, and what `beside` says is needed besides,
 /// is more than `limit` bytes, or the order cannot be built, all stays as it was.
 pub(super) fn edit_order<O: Order>(
     method: Method,
     order: &mut O,
-    content: &mut Arc<Content>,
+    geometry: &mut Arc<Geometry>,
     changes: &mut Changes,
     limit: u64,
-    beside: impl Fn(&Content) -> u64,
+    beside: impl Fn(&Geometry) -> u64,
 ) -> Result<(Edited, Exchanged), Unsuited> {
-    let edited = Arc::make_mut(content);
+    let edited = Arc::make_mut(geometry);
     let done = edited.exchange(changes);
     let needs = O::needs_bytes(edited) + beside(edited);
     let mut touched = Vec::new();

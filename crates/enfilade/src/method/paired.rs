@@ -1,4 +1,4 @@
-//! Content seen by an order and a cover that holds a picture.
+//! Geometry seen by an order and a cover that holds a picture.
 
 use super::count::count_faces;
 use super::in_cells::InParts;
@@ -6,10 +6,10 @@ use super::ours::{Edited, Ours, edit_order};
 use super::strips::{self, look_in_strips};
 use super::{Method, TooLarge, Unsuited};
 use crate::canvas::Canvas;
-use crate::content::{Alpha, Changes, Content, ItemId, Opening};
 use crate::cover::{Coarse, Paints};
 use crate::faces::{Faces, Of};
 use crate::geom::Aabb;
+use crate::geometry::{Alpha, Changes, Geometry, ItemId, Opening};
 use crate::memory::{Marks, Memory};
 use crate::order::{Gives, Order, Visit};
 use crate::passage::Passage;
@@ -20,7 +20,7 @@ use crate::stats::Stats;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-/// Content seen by an order and a cover that go together. A pair that does not, does not compile:
+/// Geometry seen by an order and a cover that go together. A pair that does not, does not compile:
 ///
 /// ```compile_fail,E0277
 /// use enfilade::order::{Gives, NearToFar, Order, Unordered};
@@ -29,7 +29,7 @@ use std::sync::Arc;
 /// ```
 pub struct Paired<O, C> {
     method: Method,
-    content: Arc<Content>,
+    geometry: Arc<Geometry>,
     order: O,
     cover: PhantomData<fn() -> C>,
 }
@@ -40,24 +40,24 @@ where
     C: Paints,
     O::Gives: Gives<C::CullNeeds> + Gives<C::DrawNeeds>,
 {
-    pub(super) fn build(method: Method, content: Arc<Content>, limit: u64) -> Result<Self, Unsuited> {
-        let needs_bytes = O::needs_bytes(&content);
+    pub(super) fn build(method: Method, geometry: Arc<Geometry>, limit: u64) -> Result<Self, Unsuited> {
+        let needs_bytes = O::needs_bytes(&geometry);
         if needs_bytes > limit {
             return Err(TooLarge::new(method, needs_bytes, limit).into());
         }
         let order =
-            O::build(&content, limit).map_err(|refusal| Unsuited::of(method, &content, refusal, limit))?;
+            O::build(&geometry, limit).map_err(|refusal| Unsuited::of(method, &geometry, refusal, limit))?;
         Ok(Paired {
             method,
             order,
-            content,
+            geometry,
             cover: PhantomData,
         })
     }
 
     /// Reports what may be seen; what the last look saw is seen first, where that serves the cover.
     fn see(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: Option<&mut dyn Canvas>) {
-        let size = self.content.bounds().longest_side();
+        let size = self.geometry.bounds().longest_side();
         let primes = C::PRIMES && memory.coherence;
         let last = if primes {
             memory.recall.seen_last(passage, size)
@@ -74,7 +74,7 @@ where
         if strips > 1 {
             look_in_strips(
                 strips,
-                &*self.content,
+                &*self.geometry,
                 passage,
                 memory,
                 seen,
@@ -87,7 +87,7 @@ where
         if primes {
             memory
                 .recall
-                .remember(passage, seen.clusters_of_items(&*self.content), last);
+                .remember(passage, seen.clusters_of_items(&*self.geometry), last);
         } else {
             memory.recall.give_back(last);
         }
@@ -106,7 +106,7 @@ where
         let mut work = memory.take::<Work>();
         let mut scratch = memory.take::<O::Scratch>();
         cover.clear(passage, memory.trace);
-        memory.marks.begin(self.content.items().len());
+        memory.marks.begin(self.geometry.items().len());
         let mut walk = Walk {
             passage,
             cover: &mut *cover,
@@ -116,18 +116,18 @@ where
             primed: first,
             canvas: reborrow(&mut canvas),
         };
-        walk.prime(&self.content);
-        self.order.visit(&self.content, passage, &mut scratch, &mut walk);
+        walk.prime(&self.geometry);
+        self.order.visit(&self.geometry, passage, &mut scratch, &mut walk);
         for (item, cluster) in work.waiting.drain(..) {
-            let screen_from_item = passage.screen_from(&self.content.item(item).transform());
-            let bounds = self.content.mesh_of(item).clusters()[cluster as usize].bounds;
+            let screen_from_item = passage.screen_from(&self.geometry.item(item).transform());
+            let bounds = self.geometry.mesh_of(item).clusters()[cluster as usize].bounds;
             let region = Region::of(passage, &screen_from_item, &bounds);
             if region.is_some_and(|region| !C::KEEPS_DEPTHS || cover.sees(&region) != Sight::Hidden) {
-                let faces = Faces::of_cluster(&self.content, item, cluster, &screen_from_item);
+                let faces = Faces::of_cluster(&self.geometry, item, cluster, &screen_from_item);
                 cover.look_through(&faces, passage, &mut memory.stats, seen);
             }
         }
-        cover.finish(&*self.content, passage, seen, reborrow(&mut canvas));
+        cover.finish(&*self.geometry, passage, seen, reborrow(&mut canvas));
         if let Some(canvas) = canvas.filter(|canvas| canvas.wants_cover()) {
             cover.show(passage, canvas);
         }
@@ -168,20 +168,20 @@ struct Walk<'a, C> {
 
 impl<C: Paints> Walk<'_, C> {
     /// Lets the cover see first what the last look saw; what has left the picture since is left out.
-    fn prime(&mut self, content: &Content) {
+    fn prime(&mut self, geometry: &Geometry) {
         let mut first = std::mem::take(&mut self.work.first);
         first.extend(self.primed.iter().filter_map(|&(item, cluster)| {
-            // The content may be another than the last look saw.
-            let placed = content.items().get(item.0 as usize)?;
+            // The geometry may be another than the last look saw.
+            let placed = geometry.items().get(item.0 as usize)?;
             let screen_from_item = self.passage.screen_from(&placed.transform());
-            let bounds = &content.mesh_of(item).clusters().get(cluster as usize)?.bounds;
+            let bounds = &geometry.mesh_of(item).clusters().get(cluster as usize)?.bounds;
             let region = Region::of(self.passage, &screen_from_item, bounds)?;
             Some((region.nearest, item, cluster))
         }));
         first.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
         for (_, item, cluster) in first.drain(..) {
-            let screen_from_item = self.passage.screen_from(&content.item(item).transform());
-            self.take(&Faces::of_cluster(content, item, cluster, &screen_from_item));
+            let screen_from_item = self.passage.screen_from(&geometry.item(item).transform());
+            self.take(&Faces::of_cluster(geometry, item, cluster, &screen_from_item));
         }
         self.work.first = first;
     }
@@ -224,11 +224,11 @@ where
     O::Gives: Gives<C::CullNeeds> + Gives<C::DrawNeeds>,
 {
     fn bounds(&self) -> Aabb {
-        self.content.bounds()
+        self.geometry.bounds()
     }
 
     fn openings(&self) -> &[Opening] {
-        self.content.openings()
+        self.geometry.openings()
     }
 
     fn contract(&self) -> Contract {
@@ -244,23 +244,23 @@ where
     }
 
     fn cast(&self, ray: &Ray) -> Option<Hit> {
-        self.content.cast(ray)
+        self.geometry.cast(ray)
     }
 
     fn surface(&self, item: ItemId, face: u32) -> Surface {
-        self.content.surface(item, face)
+        self.geometry.surface(item, face)
     }
 
     fn walk(&self, passage: &Passage, memory: &mut Memory) -> u64 {
-        count_faces(&self.order, &self.content, passage, memory)
+        count_faces(&self.order, &self.geometry, passage, memory)
     }
 
     fn built(&self) -> Built {
-        self.order.built(&self.content)
+        self.order.built(&self.geometry)
     }
 
     fn bytes(&self) -> u64 {
-        self.content.bytes() + self.order.bytes()
+        self.geometry.bytes() + self.order.bytes()
     }
 }
 
@@ -270,18 +270,18 @@ where
     C: Paints,
     O::Gives: Gives<C::CullNeeds> + Gives<C::DrawNeeds>,
 {
-    fn content(&self) -> &Arc<Content> {
-        &self.content
+    fn geometry(&self) -> &Arc<Geometry> {
+        &self.geometry
     }
 
     fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, Unsuited> {
         let Self {
             method,
-            content,
+            geometry,
             order,
             ..
         } = self;
-        edit_order(*method, order, content, changes, limit, |_| 0).map(|(edited, _)| edited)
+        edit_order(*method, order, geometry, changes, limit, |_| 0).map(|(edited, _)| edited)
     }
 }
 

@@ -8,8 +8,8 @@
 
 use super::culled::InSamples;
 use super::found::{Found, Walk};
-use crate::content::Content;
 use crate::cover::Hides;
+use crate::geometry::Geometry;
 use crate::memory::{Marks, Memory};
 use crate::order::Order;
 use crate::passage::Passage;
@@ -37,7 +37,7 @@ struct Share<O: Order, C> {
 /// Reports what an order's walk finds past a cover that it only asks.
 pub(super) fn find_by_shares<O: Order, C: Hides>(
     order: &O,
-    content: &Content,
+    geometry: &Geometry,
     passage: &Passage,
     cover: &mut C,
     memory: &mut Memory,
@@ -47,18 +47,18 @@ pub(super) fn find_by_shares<O: Order, C: Hides>(
     let mut scratch = memory.take::<O::Scratch>();
     let mut found = memory.take::<Found>();
     let mut shares = memory.take::<Shares<O, C>>();
-    memory.marks.begin(content.items().len());
+    memory.marks.begin(geometry.items().len());
     let mut walk = Walk {
         passage,
-        content,
+        geometry,
         against: &mut InSamples(cover),
         marks: &mut memory.marks,
         stats: &mut memory.stats,
         found: &mut found,
     };
-    let waiting = order.begin(content, passage, LEAST, &mut scratch, &mut walk);
+    let waiting = order.begin(geometry, passage, LEAST, &mut scratch, &mut walk);
     if waiting < LEAST {
-        order.go_on(content, passage, &mut scratch, &mut walk);
+        order.go_on(geometry, passage, &mut scratch, &mut walk);
     } else {
         let Shares(shares) = &mut *shares;
         if shares.len() < most {
@@ -69,7 +69,7 @@ pub(super) fn find_by_shares<O: Order, C: Hides>(
             order.deal(&scratch, [number, most], &mut share.scratch);
         }
         let cover = &*walk.against.0;
-        threads::for_each(shares, |_, share| share.go_on(order, content, passage, cover));
+        threads::for_each(shares, |_, share| share.go_on(order, geometry, passage, cover));
         for share in shares {
             walk.stats.add(&share.stats);
             let marks = &mut *walk.marks;
@@ -84,19 +84,19 @@ pub(super) fn find_by_shares<O: Order, C: Hides>(
 }
 
 impl<O: Order, C: Hides> Share<O, C> {
-    fn go_on(&mut self, order: &O, content: &Content, passage: &Passage, cover: &C) {
+    fn go_on(&mut self, order: &O, geometry: &Geometry, passage: &Passage, cover: &C) {
         self.cover.copy(cover);
-        self.marks.begin(content.items().len());
+        self.marks.begin(geometry.items().len());
         self.stats = Stats::default();
         let mut walk = Walk {
             passage,
-            content,
+            geometry,
             against: &mut InSamples(&mut self.cover),
             marks: &mut self.marks,
             stats: &mut self.stats,
             found: &mut self.found,
         };
-        order.go_on(content, passage, &mut self.scratch, &mut walk);
+        order.go_on(geometry, passage, &mut self.scratch, &mut walk);
     }
 }
 

@@ -8,7 +8,7 @@
 //! Exact: the same items, clusters and openings, sample by sample, however many strips there are; other counts of work.
 
 use crate::aperture::{Rect, Rows};
-use crate::content::{ItemId, Owners};
+use crate::geometry::{ItemId, Owners};
 use crate::memory::Memory;
 use crate::passage::Passage;
 use crate::seen::{Seen, report_owners};

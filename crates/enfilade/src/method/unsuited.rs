@@ -1,12 +1,12 @@
-//! Why a method cannot see a content, and what to do about it.
+//! Why a method cannot see a geometry, and what to do about it.
 
 use super::Method;
-use crate::content::{Content, Owner};
+use crate::geometry::{Geometry, Owner};
 use crate::order::{Dent, Refusal};
 use std::fmt;
 use thiserror::Error;
 
-/// Why a method cannot see a content.
+/// Why a method cannot see a geometry.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Unsuited {
@@ -16,7 +16,7 @@ pub enum Unsuited {
     /// It goes by what was computed ahead, and nothing was.
     #[error(transparent)]
     NotBaked(#[from] NotBaked),
-    /// It sees convex contents alone, and this is none.
+    /// It sees convex geometries alone, and this is none.
     #[error(transparent)]
     NotConvex(#[from] Box<NotConvex>),
     /// It goes by a field of heights, and there is none.
@@ -26,7 +26,7 @@ pub enum Unsuited {
 
 impl Unsuited {
     /// What an order refused, in the words of the method that it is of.
-    pub(super) fn of(method: Method, content: &Content, refusal: Refusal, limit: u64) -> Unsuited {
+    pub(super) fn of(method: Method, geometry: &Geometry, refusal: Refusal, limit: u64) -> Unsuited {
         let instead = Method::HierarchicalZ;
         match refusal {
             // What turns out to be more than estimated is twice the limit, as far as is known.
@@ -34,12 +34,12 @@ impl Unsuited {
             Refusal::NotBaked => NotBaked { method, instead }.into(),
             Refusal::NoTerrain => NoTerrain::new(method, false, instead).into(),
             Refusal::TerrainChanged => NoTerrain::new(method, true, instead).into(),
-            Refusal::NotConvex(dent) => Box::new(NotConvex::new(method, content, &dent, instead)).into(),
+            Refusal::NotConvex(dent) => Box::new(NotConvex::new(method, geometry, &dent, instead)).into(),
         }
     }
 }
 
-/// A method goes by cells that were computed ahead, but a content has none.
+/// A method goes by cells that were computed ahead, but a geometry has none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("not baked: {method} needs a precomputed PVS, and there is none; {instead} needs none")]
 #[non_exhaustive]
@@ -50,16 +50,16 @@ pub struct NotBaked {
     pub instead: Method,
 }
 
-/// A method goes by a field of heights, but a content has none, or its blocks are not what they were.
+/// A method goes by a field of heights, but a geometry has none, or its blocks are not what they were.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("no terrain: {method} needs a height field, {}; {instead} takes any content", self.why())]
+#[error("no terrain: {method} needs a height field, {}; {instead} takes any geometry", self.why())]
 #[non_exhaustive]
 pub struct NoTerrain {
     /// The method that was asked for.
     pub method: Method,
     /// Is there one, but a block of it was moved, removed or given another mesh?
     pub is_changed: bool,
-    /// A method that takes any content.
+    /// A method that takes any geometry.
     pub instead: Method,
 }
 
@@ -81,11 +81,11 @@ impl NoTerrain {
     }
 }
 
-/// A method sees contents in which every face has all others on one side, but in this one a face has some on both.
+/// A method sees geometries in which every face has all others on one side, but in this one a face has some on both.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
     "not convex: {method} needs every face to have all others on one side, but {wall} has {behind} behind it, \
-     {} deep at ({}, {}, {}), and others before it; {instead} takes any content",
+     {} deep at ({}, {}, {}), and others before it; {instead} takes any geometry",
     short(*.by), short(.point[0]), short(.point[1]), short(.point[2])
 )]
 #[non_exhaustive]
@@ -100,7 +100,7 @@ pub struct NotConvex {
     pub point: [f32; 3],
     /// How far that is behind the plane of `wall`, in scene units.
     pub by: f32,
-    /// A method that takes any content.
+    /// A method that takes any geometry.
     pub instead: Method,
 }
 
@@ -126,15 +126,15 @@ pub enum FaceName {
 }
 
 impl FaceName {
-    fn new(content: &Content, owner: Owner) -> FaceName {
+    fn new(geometry: &Geometry, owner: Owner) -> FaceName {
         match owner {
             Owner::Face(item, face) => FaceName::OfItem {
-                item: content.name(item).to_owned(),
+                item: geometry.name(item).to_owned(),
                 number: item.0,
                 face,
             },
             Owner::Opening(opening) => FaceName::Opening {
-                name: content.openings()[usize::from(opening.0)].name.clone(),
+                name: geometry.openings()[usize::from(opening.0)].name.clone(),
                 number: opening.0,
             },
         }
@@ -154,11 +154,11 @@ impl fmt::Display for FaceName {
 }
 
 impl NotConvex {
-    fn new(method: Method, content: &Content, dent: &Dent, instead: Method) -> NotConvex {
+    fn new(method: Method, geometry: &Geometry, dent: &Dent, instead: Method) -> NotConvex {
         NotConvex {
             method,
-            wall: FaceName::new(content, dent.wall),
-            behind: FaceName::new(content, dent.behind),
+            wall: FaceName::new(geometry, dent.wall),
+            behind: FaceName::new(geometry, dent.behind),
             point: dent.point.map(|value| value as f32),
             by: dent.by as f32,
             instead,

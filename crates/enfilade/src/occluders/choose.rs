@@ -11,8 +11,8 @@
 
 use super::measure::{Chooser, Entered, Measure};
 use super::{OccluderSet, Polygon};
-use crate::content::{Content, ItemId};
 use crate::geom::Aabb;
+use crate::geometry::{Geometry, ItemId};
 use crate::passage::Passage;
 use glam::{DAffine3, DVec3};
 use std::cmp::Ordering;
@@ -119,13 +119,13 @@ impl OccluderSet {
     /// The best `budget` occluders that `passage` sees, the best first.
     pub fn choose<'a>(
         &self,
-        content: &Content,
+        geometry: &Geometry,
         passage: &Passage,
         measure: Measure,
         budget: usize,
         choice: &'a mut Choice,
     ) -> &'a [Chosen] {
-        let mut choosing = self.choosing(content, passage, measure, choice);
+        let mut choosing = self.choosing(geometry, passage, measure, choice);
         while choosing.choice.chosen.len() < budget && choosing.next(|_, _| true).is_some() {}
         &choice.chosen
     }
@@ -133,7 +133,7 @@ impl OccluderSet {
     /// Begins to choose, one occluder after the other.
     pub(crate) fn choosing<'a>(
         &'a self,
-        content: &'a Content,
+        geometry: &'a Geometry,
         passage: &'a Passage,
         measure: Measure,
         choice: &'a mut Choice,
@@ -142,7 +142,7 @@ impl OccluderSet {
         choice.entered.clear();
         choice.chosen.clear();
         choice.met = 0;
-        let chooser = Chooser::new(self, content, passage, measure);
+        let chooser = Chooser::new(self, geometry, passage, measure);
         if let Some(root) = self.tree.root() {
             let most = chooser.most(
                 &passage.screen_from_sector,
@@ -160,17 +160,17 @@ impl OccluderSet {
     #[cfg(test)]
     pub(super) fn choose_from_all(
         &self,
-        content: &Content,
+        geometry: &Geometry,
         passage: &Passage,
         measure: Measure,
         budget: usize,
     ) -> Vec<Chosen> {
-        let chooser = Chooser::new(self, content, passage, measure);
+        let chooser = Chooser::new(self, geometry, passage, measure);
         let mut corners = Vec::new();
         let mut all = Vec::new();
-        for (number, item) in content.items().iter().enumerate().filter(|(_, item)| item.hides) {
+        for (number, item) in geometry.items().iter().enumerate().filter(|(_, item)| item.hides) {
             let item_id = ItemId(number as u32);
-            let placed = Entered::of(item_id, content, passage);
+            let placed = Entered::of(item_id, geometry, passage);
             let [first, end] = self.meshes[item.mesh.0 as usize].polygons;
             for place in first..end {
                 let polygon = &self.polygons[place as usize];
@@ -213,7 +213,7 @@ impl Choosing<'_> {
         let Choosing { chooser, choice } = self;
         let Chooser {
             set,
-            content,
+            geometry,
             passage,
             ..
         } = *chooser;
@@ -225,7 +225,7 @@ impl Choosing<'_> {
                     }
                 }
                 What::Item(item) => {
-                    if may_be_seen(&passage.screen_from_sector, &content.item(ItemId(item)).bounds) {
+                    if may_be_seen(&passage.screen_from_sector, &geometry.item(ItemId(item)).bounds) {
                         chooser.enter_item(ItemId(item), choice);
                     }
                 }
@@ -235,7 +235,7 @@ impl Choosing<'_> {
                         screen_from_item,
                         ..
                     } = &choice.entered[entered as usize];
-                    let bounds = set.meshes[content.item(*item).mesh.0 as usize].tree.bounds(node);
+                    let bounds = set.meshes[geometry.item(*item).mesh.0 as usize].tree.bounds(node);
                     if !chooser.bounds_ignore_the_frame() || may_be_seen(screen_from_item, bounds) {
                         chooser.enter_mesh_node(entered, node, choice);
                     }
@@ -249,11 +249,11 @@ impl Choosing<'_> {
                 }
                 What::Measured { item, place } => {
                     let item = ItemId(item);
-                    let screen_from_item = passage.screen_from(&content.item(item).transform());
+                    let screen_from_item = passage.screen_from(&geometry.item(item).transform());
                     if !may_be_seen(&screen_from_item, &set.polygons[place as usize].bounds) {
                         continue;
                     }
-                    let first = set.meshes[content.item(item).mesh.0 as usize].polygons[0];
+                    let first = set.meshes[geometry.item(item).mesh.0 as usize].polygons[0];
                     let chosen = Chosen {
                         item,
                         polygon: place - first,
@@ -292,7 +292,7 @@ impl Chooser<'_> {
             choice.push(most, What::Node(child));
         }
         for &item in set.tree.things(node) {
-            let placed = self.content.item(ItemId(item));
+            let placed = self.geometry.item(ItemId(item));
             let area = set.areas[item as usize];
             let most = self.most(screen, &placed.bounds, area, self.eye, 1.0);
             choice.push(most, What::Item(item));
@@ -300,13 +300,15 @@ impl Chooser<'_> {
     }
 
     fn enter_item(&self, item: ItemId, choice: &mut Choice) {
-        choice.entered.push(Entered::of(item, self.content, self.passage));
+        choice
+            .entered
+            .push(Entered::of(item, self.geometry, self.passage));
         self.enter_mesh_node(choice.entered.len() as u32 - 1, 0, choice);
     }
 
     fn enter_mesh_node(&self, entered: u32, node: u32, choice: &mut Choice) {
         let placed = choice.entered[entered as usize];
-        let mesh = &self.set.meshes[self.content.item(placed.item).mesh.0 as usize];
+        let mesh = &self.set.meshes[self.geometry.item(placed.item).mesh.0 as usize];
         let most = |bounds: &Aabb, area: f64| {
             self.most(
                 &placed.screen_from_item,

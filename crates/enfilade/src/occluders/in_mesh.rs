@@ -5,8 +5,8 @@ use super::outline::{EXACT, Outline};
 use super::pieces::{PieceOf, pieces};
 use super::sheets::Sheet;
 use super::soup::Soup;
-use crate::content::Content;
 use crate::geom::Aabb;
+use crate::geometry::Geometry;
 use crate::mesh::Mesh;
 use glam::DVec3;
 
@@ -26,8 +26,8 @@ pub(super) struct InMesh {
 }
 
 impl InMesh {
-    pub(super) fn of(mesh: &Mesh, content: &Content) -> InMesh {
-        let Some(soup) = Soup::of(mesh, content) else {
+    pub(super) fn of(mesh: &Mesh, geometry: &Geometry) -> InMesh {
+        let Some(soup) = Soup::of(mesh, geometry) else {
             return InMesh::default();
         };
         let [x, y, z] = mesh.bounds().size().map(f64::from);

@@ -7,8 +7,8 @@
 
 use super::screen::clip;
 use super::{OccluderSet, Polygon, cofactor, greatest_stretch};
-use crate::content::{Content, ItemId};
 use crate::geom::Aabb;
+use crate::geometry::{Geometry, ItemId};
 use crate::passage::{Passage, eye_in};
 use crate::region::{Region, Volume};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
@@ -45,8 +45,8 @@ pub(super) struct Entered {
 }
 
 impl Entered {
-    pub(super) fn of(item: ItemId, content: &Content, passage: &Passage) -> Entered {
-        let sector_from_item = content.item(item).transform();
+    pub(super) fn of(item: ItemId, geometry: &Geometry, passage: &Passage) -> Entered {
+        let sector_from_item = geometry.item(item).transform();
         let screen_from_item = passage.screen_from(&sector_from_item);
         let areas = cofactor(&sector_from_item.0.matrix3);
         Entered {
@@ -70,7 +70,7 @@ const NEARER: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
 /// What holds for one choice.
 pub(super) struct Chooser<'a> {
     pub(super) set: &'a OccluderSet,
-    pub(super) content: &'a Content,
+    pub(super) geometry: &'a Geometry,
     pub(super) passage: &'a Passage,
     measure: Measure,
     /// The eye in the space of the sector.
@@ -82,7 +82,7 @@ pub(super) struct Chooser<'a> {
 impl<'a> Chooser<'a> {
     pub(super) fn new(
         set: &'a OccluderSet,
-        content: &'a Content,
+        geometry: &'a Geometry,
         passage: &'a Passage,
         measure: Measure,
     ) -> Chooser<'a> {
@@ -99,7 +99,7 @@ impl<'a> Chooser<'a> {
         let scale = greatest_stretch(passage.eye_from_sector().0.matrix3);
         Chooser {
             set,
-            content,
+            geometry,
             passage,
             measure,
             eye: eye_in(&passage.screen_from_sector),

@@ -1,4 +1,4 @@
-//! Occluders: few large convex polygons that hide what the faces of a content hide.
+//! Occluders: few large convex polygons that hide what the faces of a geometry hide.
 //!
 //! When they are built, faces of one mesh that lie in one plane and hang together become a sheet ([`sheets`]); a sheet
 //! becomes one polygon where its outline is convex ([`outline`]), else several that may overlap ([`pieces`]). A look
@@ -30,8 +30,8 @@ pub use measure::Measure;
 pub use screen::{Occluder, OccluderRoom};
 pub use summary::OccluderSummary;
 
-use crate::content::{Content, Exchanged, ItemId, MeshId, Moved};
 use crate::geom::{Aabb, Line, Octree, Step};
+use crate::geometry::{Exchanged, Geometry, ItemId, MeshId, Moved};
 use crate::mesh::Mesh;
 use crate::threads;
 use glam::{DMat3, DVec3};
@@ -44,7 +44,7 @@ const FEW: usize = 8;
 /// Meshes of no more faces are looked through side by side; of larger ones, each takes much memory, one after the other.
 const LARGEST_SIDE_BY_SIDE: u32 = 1 << 16;
 
-/// The occluders of a content: of each mesh once, in the space of the mesh.
+/// The occluders of a geometry: of each mesh once, in the space of the mesh.
 #[derive(Clone, Debug, Default)]
 pub struct OccluderSet {
     polygons: Vec<Polygon>,
@@ -113,44 +113,44 @@ struct OfMesh {
 
 impl OccluderSet {
     /// About how many bytes [`OccluderSet::build`] works with.
-    pub(crate) fn needs_bytes(content: &Content) -> u64 {
+    pub(crate) fn needs_bytes(geometry: &Geometry) -> u64 {
         /// For a face of the largest mesh, what finding its neighbours takes; the set itself is far smaller.
         const BYTES_PER_FACE: u64 = 256;
-        let faces = content.meshes().iter().map(|mesh| u64::from(mesh.face_count()));
-        faces.max().unwrap_or(0) * BYTES_PER_FACE + content.items().len() as u64 * 16
+        let faces = geometry.meshes().iter().map(|mesh| u64::from(mesh.face_count()));
+        faces.max().unwrap_or(0) * BYTES_PER_FACE + geometry.items().len() as u64 * 16
     }
 
     /// Finds the occluders of all meshes.
-    pub fn build(content: &Content) -> OccluderSet {
+    pub fn build(geometry: &Geometry) -> OccluderSet {
         let is_small = |mesh: &Mesh| mesh.face_count() <= LARGEST_SIDE_BY_SIDE;
         let mut found: Vec<InMesh> = Vec::new();
-        found.resize_with(content.meshes().len(), InMesh::default);
+        found.resize_with(geometry.meshes().len(), InMesh::default);
         threads::for_each(&mut found, |place, found| {
-            let mesh = &content.meshes()[place];
+            let mesh = &geometry.meshes()[place];
             if is_small(mesh) {
-                *found = InMesh::of(mesh, content);
+                *found = InMesh::of(mesh, geometry);
             }
         });
         let mut set = OccluderSet::default();
-        for (mesh, found) in content.meshes().iter().zip(found) {
+        for (mesh, found) in geometry.meshes().iter().zip(found) {
             let found = if is_small(mesh) {
                 found
             } else {
-                InMesh::of(mesh, content)
+                InMesh::of(mesh, geometry)
             };
             let of_mesh = set.add(found);
             set.meshes.push(of_mesh);
         }
         set.polygons.shrink_to_fit();
         set.corners.shrink_to_fit();
-        set.place(content);
+        set.place(geometry);
         set
     }
 
     /// Follows items that were edited; gives the number of nodes touched.
-    pub(crate) fn follow(&mut self, content: &Content, done: &Exchanged) -> u64 {
+    pub(crate) fn follow(&mut self, geometry: &Geometry, done: &Exchanged) -> u64 {
         for &mesh in &done.meshes {
-            let of_mesh = self.add(InMesh::of(&content.meshes()[mesh.0 as usize], content));
+            let of_mesh = self.add(InMesh::of(&geometry.meshes()[mesh.0 as usize], geometry));
             let place = mesh.0 as usize;
             if place >= self.meshes.len() {
                 self.meshes.resize_with(place + 1, OfMesh::default);
@@ -159,20 +159,20 @@ impl OccluderSet {
             self.waste += (gone.polygons[1] - gone.polygons[0]) as usize;
         }
         if 2 * self.waste > self.polygons.len() {
-            *self = OccluderSet::build(content);
+            *self = OccluderSet::build(geometry);
             return self.tree.node_count() as u64;
         }
-        self.areas.resize(content.items().len(), 0.0);
+        self.areas.resize(geometry.items().len(), 0.0);
         for &Moved { item, .. } in &done.moved {
-            self.areas[item.0 as usize] = self.area_of(content, item);
+            self.areas[item.0 as usize] = self.area_of(geometry, item);
         }
         let OccluderSet { tree, areas, .. } = self;
-        let boxes = |item: u32| box_of(content, areas, item);
+        let boxes = |item: u32| box_of(geometry, areas, item);
         let mut touched = Vec::new();
         for Moved { item, was } in &done.moved {
             tree.shift(item.0, was, &boxes, &mut touched);
         }
-        if tree.tidy(content.items().len(), &boxes) {
+        if tree.tidy(geometry.items().len(), &boxes) {
             self.largest = largest_below(&self.tree, |item| self.areas[item as usize]);
         } else {
             self.largest.resize(self.tree.node_count(), 0.0);
@@ -185,21 +185,21 @@ impl OccluderSet {
     }
 
     /// The tree over the items.
-    fn place(&mut self, content: &Content) {
-        let items = 0..content.items().len() as u32;
+    fn place(&mut self, geometry: &Geometry) {
+        let items = 0..geometry.items().len() as u32;
         self.areas = items
             .clone()
-            .map(|item| self.area_of(content, ItemId(item)))
+            .map(|item| self.area_of(geometry, ItemId(item)))
             .collect();
-        let bounds: Vec<Aabb> = items.map(|item| box_of(content, &self.areas, item)).collect();
+        let bounds: Vec<Aabb> = items.map(|item| box_of(geometry, &self.areas, item)).collect();
         self.tree = Octree::build(&bounds, FEW);
         self.largest = largest_below(&self.tree, |item| self.areas[item as usize]);
     }
 
     /// The area of an item's largest occluder, in the space of the sector, or more; 0 where it hides nothing. One that its
     /// place flattens does not, and its areas are nothing.
-    fn area_of(&self, content: &Content, item: ItemId) -> f64 {
-        let placed = content.item(item);
+    fn area_of(&self, geometry: &Geometry, item: ItemId) -> f64 {
+        let placed = geometry.item(item);
         let largest = &self.meshes[placed.mesh.0 as usize].largest;
         match largest.first() {
             Some(largest) if placed.hides && placed.transform().inverse().is_some() => {
@@ -282,9 +282,9 @@ impl OccluderSet {
 }
 
 /// The box of an item that hides something; that of nothing where it does not.
-fn box_of(content: &Content, areas: &[f64], item: u32) -> Aabb {
+fn box_of(geometry: &Geometry, areas: &[f64], item: u32) -> Aabb {
     if areas[item as usize] > 0.0 {
-        content.item(ItemId(item)).bounds
+        geometry.item(ItemId(item)).bounds
     } else {
         Aabb::EMPTY
     }

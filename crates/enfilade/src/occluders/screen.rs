@@ -8,7 +8,7 @@
 
 use super::outline::EXACT;
 use super::{Chosen, OccluderSet, Polygon};
-use crate::content::Content;
+use crate::geometry::Geometry;
 use crate::passage::{BEYOND, Passage, eye_in};
 use glam::{DAffine3, DVec3};
 
@@ -51,14 +51,14 @@ impl OccluderSet {
     /// What `passage` sees of a chosen occluder, made in `room`. `None` where it hides nothing from there.
     pub fn on_screen<'a>(
         &self,
-        content: &Content,
+        geometry: &Geometry,
         passage: &Passage,
         chosen: &Chosen,
         room: &'a mut OccluderRoom,
     ) -> Option<Occluder<'a>> {
         let OccluderRoom { corners, whole } = room;
         let polygon = self.polygon(chosen);
-        let item = content.item(chosen.item).transform();
+        let item = geometry.item(chosen.item).transform();
         let screen_from_item = passage.screen_from(&item);
         let seen = self.seen_from(polygon, eye_in(&screen_from_item))?;
         let plane = seen.plane(polygon, &screen_from_item)?;

@@ -4,7 +4,7 @@
 //! edge; so nothing lies between them, not even a crack.
 //! Cost: O(n log n) for sorting corners and edges.
 
-use crate::content::Content;
+use crate::geometry::Geometry;
 use crate::mesh::Mesh;
 use glam::DVec3;
 
@@ -29,11 +29,11 @@ pub(super) struct Soup {
 
 impl Soup {
     /// The opaque faces of a mesh that are no detail; `None` where it has none.
-    pub(super) fn of(mesh: &Mesh, content: &Content) -> Option<Soup> {
-        let chosen = |cluster: &&crate::mesh::Cluster| content.material(cluster).may_be_chosen();
+    pub(super) fn of(mesh: &Mesh, geometry: &Geometry) -> Option<Soup> {
+        let chosen = |cluster: &&crate::mesh::Cluster| geometry.material(cluster).may_be_chosen();
         let (mut starts, mut corners, mut double_sided) = (vec![0], Vec::new(), Vec::new());
         for cluster in mesh.clusters().iter().filter(chosen) {
-            let both = content.material(cluster).double_sided;
+            let both = geometry.material(cluster).double_sided;
             for face in cluster.faces.clone() {
                 corners.extend_from_slice(mesh.face(face));
                 starts.push(corners.len() as u32);

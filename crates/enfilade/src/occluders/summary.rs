@@ -1,11 +1,11 @@
-//! What the occluders of a content come to, in numbers.
+//! What the occluders of a geometry come to, in numbers.
 
 use super::{OccluderSet, cofactor, greatest_stretch};
-use crate::content::{Alpha, Content, Item};
+use crate::geometry::{Alpha, Geometry, Item};
 use crate::mesh::Mesh;
 use glam::{DMat3, DVec3};
 
-/// What the occluders of a content come to.
+/// What the occluders of a geometry come to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct OccluderSummary {
@@ -25,7 +25,7 @@ pub struct OccluderSummary {
 
 impl OccluderSet {
     /// Adds everything up, over all items.
-    pub fn summary(&self, content: &Content) -> OccluderSummary {
+    pub fn summary(&self, geometry: &Geometry) -> OccluderSummary {
         let mut summary = OccluderSummary {
             polygons: self.polygons.len() as u64,
             triangles: self
@@ -41,7 +41,7 @@ impl OccluderSet {
             .iter()
             .map(|mesh| self.added(mesh.polygons, &DMat3::IDENTITY))
             .collect();
-        for item in content.items().iter().filter(|item| item.hides) {
+        for item in geometry.items().iter().filter(|item| item.hides) {
             let of_mesh = &self.meshes[item.mesh.0 as usize];
             summary.placed += u64::from(of_mesh.polygons[1] - of_mesh.polygons[0]);
             let areas = cofactor(&item.transform().0.matrix3);
@@ -51,7 +51,7 @@ impl OccluderSet {
                 summary.opaque_area += greatest * of_mesh.opaque_area;
             } else {
                 summary.area += self.added(of_mesh.polygons, &areas);
-                summary.opaque_area += opaque_area(content, item, &areas);
+                summary.opaque_area += opaque_area(geometry, item, &areas);
             }
         }
         summary
@@ -79,12 +79,12 @@ fn stretches(map: &DMat3) -> (f64, f64) {
 }
 
 /// The area of the opaque faces of an item, where areas are mapped so.
-fn opaque_area(content: &Content, item: &Item, areas: &DMat3) -> f64 {
-    let mesh: &Mesh = &content.meshes()[item.mesh.0 as usize];
+fn opaque_area(geometry: &Geometry, item: &Item, areas: &DMat3) -> f64 {
+    let mesh: &Mesh = &geometry.meshes()[item.mesh.0 as usize];
     let opaque = mesh
         .clusters()
         .iter()
-        .filter(|cluster| content.material(cluster).alpha == Alpha::Opaque);
+        .filter(|cluster| geometry.material(cluster).alpha == Alpha::Opaque);
     let faces = opaque.flat_map(|cluster| cluster.faces.clone());
     faces
         .map(|face| {

@@ -6,13 +6,13 @@
 //! Source: Fuchs, Kedem, Naylor, On Visible Surface Generation by A Priori Tree Structures, SIGGRAPH 1980; the thesis
 //!     Painter's Algorithm and Binary Space Partitioning, sections 1.2 and 2.3.
 //! Cost: building O(n log n) and more where much is cut; a walk O(pieces in view).
-//! Gives an exact order, far to near or near to far; content must not move.
+//! Gives an exact order, far to near or near to far; geometry must not move.
 
 use super::items::{hand_out_openings_at_eye, hand_out_see_through};
 use super::{FarToNear, NearToFar, Order, Refusal, Visit};
-use crate::content::{Alpha, Content, ItemId, OpeningId, Owner, Owners};
 use crate::faces::{Cut, Faces};
 use crate::geom::{Aabb, BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
+use crate::geometry::{Alpha, Geometry, ItemId, OpeningId, Owner, Owners};
 use crate::passage::Passage;
 use crate::region::{Region, Sight};
 use crate::sector::Built;
@@ -20,7 +20,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-/// A tree of planes over the opaque faces and the openings of a content; walked in the direction `D`, [`FarToNear`] or
+/// A tree of planes over the opaque faces and the openings of a geometry; walked in the direction `D`, [`FarToNear`] or
 /// [`NearToFar`].
 pub struct Bsp<D> {
     sorted: Arc<Sorted>,
@@ -30,7 +30,7 @@ pub struct Bsp<D> {
 /// What both directions share.
 struct Sorted {
     tree: BspTree,
-    /// The face or opening that each polygon of the tree is, by its number in the content.
+    /// The face or opening that each polygon of the tree is, by its number in the geometry.
     numbers: Vec<u32>,
     /// Items with faces that do not hide.
     see_through: Vec<ItemId>,
@@ -63,8 +63,8 @@ const BYTES_PER_FACE: u64 = 400;
 
 impl<D: Direction> Bsp<D> {
     /// Builds the tree with weights and numbers of candidates of one's own.
-    pub fn with_options(content: &Content, options: &BspOptions) -> Bsp<D> {
-        Bsp::over(Arc::new(Sorted::build(content, options)))
+    pub fn with_options(geometry: &Geometry, options: &BspOptions) -> Bsp<D> {
+        Bsp::over(Arc::new(Sorted::build(geometry, options)))
     }
 
     fn over(sorted: Arc<Sorted>) -> Bsp<D> {
@@ -83,21 +83,26 @@ impl<D: Direction> Bsp<D> {
         last: &mut Option<Owner>,
         visit: &mut impl Visit,
     ) {
-        let Walk { content, passage, .. } = *walk;
+        let Walk {
+            geometry, passage, ..
+        } = *walk;
         cuts.clear();
         cuts.extend(self.sorted.tree.cuts(piece).map(|plane| walk.on_screen(plane)));
-        let owner = content.owner(self.sorted.numbers[piece.polygon as usize], *last);
+        let owner = geometry.owner(self.sorted.numbers[piece.polygon as usize], *last);
         *last = Some(owner);
         match owner {
             Owner::Face(item, face) => {
                 let screen_from_item = &walk.screen_from_items[item.0 as usize];
-                visit.faces(&Faces::of_face(content, item, face, screen_from_item, cuts));
+                visit.faces(&Faces::of_face(geometry, item, face, screen_from_item, cuts));
             }
             Owner::Opening(_) if passage.flat => {}
             Owner::Opening(opening) => {
                 // One that touches the eye comes before, or over, everything: the tree may have the eye on its back.
-                if let Some(view) = passage.view_of(content, opening).filter(|view| !view.touches_eye) {
-                    visit.faces(&Faces::of_opening(content, opening, &view).cut(cuts));
+                if let Some(view) = passage
+                    .view_of(geometry, opening)
+                    .filter(|view| !view.touches_eye)
+                {
+                    visit.faces(&Faces::of_opening(geometry, opening, &view).cut(cuts));
                 }
             }
         }
@@ -105,14 +110,14 @@ impl<D: Direction> Bsp<D> {
 }
 
 impl Sorted {
-    fn build(content: &Content, options: &BspOptions) -> Sorted {
+    fn build(geometry: &Geometry, options: &BspOptions) -> Sorted {
         let mut polygons = Polygons::default();
         let (mut numbers, mut see_through) = (Vec::new(), Vec::new());
-        for item in (0..content.items().len() as u32).map(ItemId) {
-            let mesh = content.mesh_of(item);
-            let sector_from_item = content.item(item).transform();
+        for item in (0..geometry.items().len() as u32).map(ItemId) {
+            let mesh = geometry.mesh_of(item);
+            let sector_from_item = geometry.item(item).transform();
             for cluster in mesh.clusters() {
-                if content.material_of(item, cluster).alpha != Alpha::Opaque {
+                if geometry.material_of(item, cluster).alpha != Alpha::Opaque {
                     if see_through.last() != Some(&item) {
                         see_through.push(item);
                     }
@@ -127,16 +132,16 @@ impl Sorted {
                         &mut polygons,
                         corners.map(|corner| sector_from_item.point_f64(corner)),
                     );
-                    numbers.push(content.first_face(item) + face);
+                    numbers.push(geometry.first_face(item) + face);
                 }
             }
         }
-        for (opening, hole) in content.openings().iter().enumerate() {
+        for (opening, hole) in geometry.openings().iter().enumerate() {
             add(
                 &mut polygons,
                 hole.outline.corners().iter().map(|corner| corner.map(f64::from)),
             );
-            numbers.push(content.opening_number(OpeningId(opening as u16)));
+            numbers.push(geometry.opening_number(OpeningId(opening as u16)));
         }
         polygons.starts.push(polygons.corners.len() as u32);
         Sorted {
@@ -155,7 +160,7 @@ fn add(polygons: &mut Polygons, corners: impl Iterator<Item = [f64; 3]>) {
 /// What holds for all of a walk.
 #[derive(Clone, Copy)]
 struct Walk<'a> {
-    content: &'a Content,
+    geometry: &'a Geometry,
     passage: &'a Passage,
     screen_from_items: &'a [DAffine3],
     /// Takes the normals of planes from the space of the sector to that of (X, Y, W).
@@ -177,18 +182,18 @@ impl<D: Direction> Order for Bsp<D> {
     type Gives = D;
     type Scratch = BspScratch;
 
-    fn build(content: &Content, limit_bytes: u64) -> Result<Bsp<D>, Refusal> {
+    fn build(geometry: &Geometry, limit_bytes: u64) -> Result<Bsp<D>, Refusal> {
         let options = BspOptions {
             limit_bytes,
             ..BspOptions::default()
         };
-        let sorted = content.share(|| Sorted::build(content, &options));
+        let sorted = geometry.share(|| Sorted::build(geometry, &options));
         let complete = sorted.tree.is_complete();
         complete.then(|| Bsp::over(sorted)).ok_or(Refusal::TooLarge)
     }
 
-    fn needs_bytes(content: &Content) -> u64 {
-        content.face_count() * BYTES_PER_FACE
+    fn needs_bytes(geometry: &Geometry) -> u64 {
+        geometry.face_count() * BYTES_PER_FACE
     }
 
     fn bytes(&self) -> u64 {
@@ -196,8 +201,9 @@ impl<D: Direction> Order for Bsp<D> {
             + (size_of_val(&*self.sorted.numbers) + size_of_val(&*self.sorted.see_through)) as u64
     }
 
-    fn built(&self, content: &Content) -> Built {
-        let whole = content.face_count() + content.openings().len() as u64 - self.sorted.numbers.len() as u64;
+    fn built(&self, geometry: &Geometry) -> Built {
+        let whole =
+            geometry.face_count() + geometry.openings().len() as u64 - self.sorted.numbers.len() as u64;
         Built {
             faces: self.sorted.tree.pieces() + whole,
             splits: self.sorted.tree.splits(),
@@ -205,7 +211,13 @@ impl<D: Direction> Order for Bsp<D> {
         }
     }
 
-    fn visit(&self, content: &Content, passage: &Passage, scratch: &mut BspScratch, visit: &mut impl Visit) {
+    fn visit(
+        &self,
+        geometry: &Geometry,
+        passage: &Passage,
+        scratch: &mut BspScratch,
+        visit: &mut impl Visit,
+    ) {
         let BspScratch {
             stack,
             screen_from_items,
@@ -213,25 +225,25 @@ impl<D: Direction> Order for Bsp<D> {
         } = scratch;
         screen_from_items.clear();
         screen_from_items.extend(
-            content
+            geometry
                 .items()
                 .iter()
                 .map(|item| passage.screen_from(&item.transform())),
         );
         for &item in &self.sorted.see_through {
-            hand_out_see_through(content, passage, item, visit);
+            hand_out_see_through(geometry, passage, item, visit);
         }
         let walk = Walk {
-            content,
+            geometry,
             passage,
             screen_from_items,
             normals: passage.screen_from_sector.matrix3.inverse().transpose(),
         };
         if D::NEAR_FIRST {
-            hand_out_openings_at_eye(content, passage, visit);
+            hand_out_openings_at_eye(geometry, passage, visit);
         }
         // Openings have no near limit, and any node may hold one.
-        let has_openings = !passage.flat && !content.openings().is_empty();
+        let has_openings = !passage.flat && !geometry.openings().is_empty();
         let region = |bounds: &Aabb| {
             if has_openings {
                 passage.region_around_openings(bounds)
@@ -262,7 +274,7 @@ impl<D: Direction> Order for Bsp<D> {
                 }
             });
         if !D::NEAR_FIRST {
-            hand_out_openings_at_eye(content, passage, visit);
+            hand_out_openings_at_eye(geometry, passage, visit);
         }
     }
 }

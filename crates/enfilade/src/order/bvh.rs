@@ -8,8 +8,8 @@
 
 use super::queue::{Queue, Tree, walk};
 use super::{NodesNearToFar, Order, Refusal, Visit};
-use crate::content::{Content, Moved};
 use crate::geom::{Aabb, Bvh};
+use crate::geometry::{Geometry, Moved};
 use crate::passage::Passage;
 use std::ops::Range;
 
@@ -25,32 +25,32 @@ impl Order for BvhOrder {
     type Gives = NodesNearToFar;
     type Scratch = Queue;
 
-    fn build(content: &Content, _limit_bytes: u64) -> Result<BvhOrder, Refusal> {
-        let bounds: Vec<Aabb> = content.items().iter().map(|item| item.bounds).collect();
+    fn build(geometry: &Geometry, _limit_bytes: u64) -> Result<BvhOrder, Refusal> {
+        let bounds: Vec<Aabb> = geometry.items().iter().map(|item| item.bounds).collect();
         Ok(BvhOrder {
             tree: Bvh::build(&bounds, FEW_ITEMS),
         })
     }
 
-    fn needs_bytes(content: &Content) -> u64 {
-        Bvh::most_bytes(content.items().len(), FEW_ITEMS)
+    fn needs_bytes(geometry: &Geometry) -> u64 {
+        Bvh::most_bytes(geometry.items().len(), FEW_ITEMS)
     }
 
     fn bytes(&self) -> u64 {
         self.tree.bytes()
     }
 
-    fn follow(&mut self, content: &Content, moved: &[Moved], touched: &mut Vec<u32>) -> bool {
-        let boxes = |item: u32| content.items()[item as usize].bounds;
+    fn follow(&mut self, geometry: &Geometry, moved: &[Moved], touched: &mut Vec<u32>) -> bool {
+        let boxes = |item: u32| geometry.items()[item as usize].bounds;
         for Moved { item, was } in moved {
             self.tree.shift(item.0, was, &boxes, touched);
         }
-        self.tree.tidy(content.items().len(), &boxes);
+        self.tree.tidy(geometry.items().len(), &boxes);
         true
     }
 
-    fn visit(&self, content: &Content, passage: &Passage, queue: &mut Queue, visit: &mut impl Visit) {
-        walk(&self.tree, content, passage, queue, visit);
+    fn visit(&self, geometry: &Geometry, passage: &Passage, queue: &mut Queue, visit: &mut impl Visit) {
+        walk(&self.tree, geometry, passage, queue, visit);
     }
 }
 

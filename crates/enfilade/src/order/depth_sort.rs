@@ -1,6 +1,6 @@
 //! Faces sorted far to near by one number each, as seen from where the eye is.
 //!
-//! Nothing is built, so content may change at will; each look sorts anew.
+//! Nothing is built, so geometry may change at will; each look sorts anew.
 //! Source: the painter's algorithm; its two keys, the nearest corner's and the mean distance, from the thesis Painter's
 //!     Algorithm and Binary Space Partitioning, section 1.1.
 //! Cost: O(faces in view) by a radix sort of flat arrays.
@@ -9,8 +9,8 @@
 
 use super::items::{hand_out_opening, hand_out_see_through, may_be_seen};
 use super::{FarToNear, Order, Refusal, Visit};
-use crate::content::{Alpha, Content, ItemId, Moved, OpeningId};
 use crate::faces::Faces;
+use crate::geometry::{Alpha, Geometry, ItemId, Moved, OpeningId};
 use crate::passage::Passage;
 use glam::DAffine3;
 use std::marker::PhantomData;
@@ -66,45 +66,45 @@ impl<K: SortKey> Order for DepthSort<K> {
     type Gives = FarToNear;
     type Scratch = Sorting;
 
-    fn build(_content: &Content, _limit_bytes: u64) -> Result<DepthSort<K>, Refusal> {
+    fn build(_geometry: &Geometry, _limit_bytes: u64) -> Result<DepthSort<K>, Refusal> {
         Ok(DepthSort(PhantomData))
     }
 
-    fn needs_bytes(content: &Content) -> u64 {
-        2 * content.triangle_count() * size_of::<Sorted>() as u64
+    fn needs_bytes(geometry: &Geometry) -> u64 {
+        2 * geometry.triangle_count() * size_of::<Sorted>() as u64
     }
 
     fn bytes(&self) -> u64 {
         0
     }
 
-    fn follow(&mut self, _content: &Content, _moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
+    fn follow(&mut self, _geometry: &Geometry, _moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
         // Each look sorts anew.
         true
     }
 
-    fn visit(&self, content: &Content, passage: &Passage, sorting: &mut Sorting, visit: &mut impl Visit) {
+    fn visit(&self, geometry: &Geometry, passage: &Passage, sorting: &mut Sorting, visit: &mut impl Visit) {
         sorting.items.clear();
         sorting.faces.clear();
-        for item in 0..content.items().len() as u32 {
-            hand_out_see_through(content, passage, ItemId(item), visit);
-            sorting.add::<K>(content, passage, ItemId(item), visit);
+        for item in 0..geometry.items().len() as u32 {
+            hand_out_see_through(geometry, passage, ItemId(item), visit);
+            sorting.add::<K>(geometry, passage, ItemId(item), visit);
         }
         let openings = if passage.flat {
             0
         } else {
-            content.openings().len() as u16
+            geometry.openings().len() as u16
         };
         for opening in 0..openings {
-            sorting.add_opening::<K>(content, passage, OpeningId(opening));
+            sorting.add_opening::<K>(geometry, passage, OpeningId(opening));
         }
         sorting.sort();
         for &Sorted { item, face, .. } in &sorting.faces {
             match sorting.items.get(item as usize) {
                 Some((item, screen_from_item)) => {
-                    visit.faces(&Faces::of_face(content, *item, face, screen_from_item, &[]));
+                    visit.faces(&Faces::of_face(geometry, *item, face, screen_from_item, &[]));
                 }
-                None => hand_out_opening(content, passage, OpeningId(face as u16), visit),
+                None => hand_out_opening(geometry, passage, OpeningId(face as u16), visit),
             }
         }
     }
@@ -114,17 +114,17 @@ impl Sorting {
     /// Adds the opaque faces of an item that may be in view.
     fn add<K: SortKey>(
         &mut self,
-        content: &Content,
+        geometry: &Geometry,
         passage: &Passage,
         item: ItemId,
         visit: &mut impl Visit,
     ) {
-        let screen_from_item = passage.screen_from(&content.item(item).transform());
+        let screen_from_item = passage.screen_from(&geometry.item(item).transform());
         let place = self.items.len() as u32;
-        let mesh = content.mesh_of(item);
+        let mesh = geometry.mesh_of(item);
         let mut added = false;
         for cluster in mesh.clusters() {
-            let hides = content.material_of(item, cluster).alpha == Alpha::Opaque;
+            let hides = geometry.material_of(item, cluster).alpha == Alpha::Opaque;
             if !hides || !may_be_seen(passage, &screen_from_item, &cluster.bounds, visit) {
                 continue;
             }
@@ -149,8 +149,8 @@ impl Sorting {
         }
     }
 
-    fn add_opening<K: SortKey>(&mut self, content: &Content, passage: &Passage, opening: OpeningId) {
-        let Some(view) = passage.view_of(content, opening) else {
+    fn add_opening<K: SortKey>(&mut self, geometry: &Geometry, passage: &Passage, opening: OpeningId) {
+        let Some(view) = passage.view_of(geometry, opening) else {
             return;
         };
         let [x, y, z, w] = along_sight(&view.screen_from_local);

@@ -8,8 +8,8 @@
 
 use super::items::{hand_out, hand_out_openings, hand_out_whole, sight};
 use super::{NodesNearToFar, Order, Refusal, Visit};
-use crate::content::{Content, ItemId, Moved};
 use crate::geom::{Aabb, KdTree};
+use crate::geometry::{Geometry, ItemId, Moved};
 use crate::passage::Passage;
 use crate::region::Sight;
 
@@ -33,52 +33,52 @@ impl Order for KdTreeOrder {
     type Gives = NodesNearToFar;
     type Scratch = Vec<Waiting>;
 
-    fn build(content: &Content, _limit_bytes: u64) -> Result<KdTreeOrder, Refusal> {
-        let bounds: Vec<Aabb> = content.items().iter().map(|item| item.bounds).collect();
+    fn build(geometry: &Geometry, _limit_bytes: u64) -> Result<KdTreeOrder, Refusal> {
+        let bounds: Vec<Aabb> = geometry.items().iter().map(|item| item.bounds).collect();
         Ok(KdTreeOrder {
             tree: KdTree::build(&bounds, FEW_ITEMS),
         })
     }
 
-    fn needs_bytes(content: &Content) -> u64 {
-        KdTree::most_bytes(content.items().len())
+    fn needs_bytes(geometry: &Geometry) -> u64 {
+        KdTree::most_bytes(geometry.items().len())
     }
 
     fn bytes(&self) -> u64 {
         self.tree.bytes()
     }
 
-    fn follow(&mut self, content: &Content, moved: &[Moved], touched: &mut Vec<u32>) -> bool {
-        let boxes = |item: u32| content.items()[item as usize].bounds;
+    fn follow(&mut self, geometry: &Geometry, moved: &[Moved], touched: &mut Vec<u32>) -> bool {
+        let boxes = |item: u32| geometry.items()[item as usize].bounds;
         for Moved { item, was } in moved {
             self.tree.shift(item.0, was, &boxes, touched);
         }
-        self.tree.tidy(content.items().len(), &boxes);
+        self.tree.tidy(geometry.items().len(), &boxes);
         true
     }
 
     fn visit(
         &self,
-        content: &Content,
+        geometry: &Geometry,
         passage: &Passage,
         waiting: &mut Vec<Waiting>,
         visit: &mut impl Visit,
     ) {
-        hand_out_openings(content, passage, visit);
+        hand_out_openings(geometry, passage, visit);
         waiting.clear();
         waiting.extend(self.root());
-        self.go_on(content, passage, waiting, visit);
+        self.go_on(geometry, passage, waiting, visit);
     }
 
     fn begin(
         &self,
-        content: &Content,
+        geometry: &Geometry,
         passage: &Passage,
         least: usize,
         waiting: &mut Vec<Waiting>,
         visit: &mut impl Visit,
     ) -> usize {
-        hand_out_openings(content, passage, visit);
+        hand_out_openings(geometry, passage, visit);
         waiting.clear();
         waiting.extend(self.root());
         let eye = passage.eye();
@@ -111,7 +111,7 @@ impl Order for KdTreeOrder {
 
     fn go_on(
         &self,
-        content: &Content,
+        geometry: &Geometry,
         passage: &Passage,
         waiting: &mut Vec<Waiting>,
         visit: &mut impl Visit,
@@ -127,10 +127,10 @@ impl Order for KdTreeOrder {
             }
             for &item in self.tree.things(next.node) {
                 // What reaches out of the box may be seen elsewhere only.
-                if fully && bounds.union(&content.item(ItemId(item)).bounds) == *bounds {
-                    hand_out_whole(content, passage, ItemId(item), visit);
+                if fully && bounds.union(&geometry.item(ItemId(item)).bounds) == *bounds {
+                    hand_out_whole(geometry, passage, ItemId(item), visit);
                 } else {
-                    hand_out(content, passage, ItemId(item), visit);
+                    hand_out(geometry, passage, ItemId(item), visit);
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! Ground that is no content, near to far: squares of blocks dropped by the least and the greatest of their heights, and
+//! Ground that is no geometry, near to far: squares of blocks dropped by the least and the greatest of their heights, and
 //! triangles made of what is left.
 //!
 //! As [`TerrainRows`](super::TerrainRows), down to squares of 8×8 cells: these are asked about one by one, for what they take to
@@ -9,8 +9,8 @@
 
 use super::Visit;
 use super::terrain_rows::near_to_far;
-use crate::content::{Alpha, ItemId};
 use crate::faces::{Faces, Of};
+use crate::geometry::{Alpha, ItemId};
 use crate::passage::Passage;
 use crate::region::Sight;
 use crate::terrain::{LargeTerrain, Workplace};

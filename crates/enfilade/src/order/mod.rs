@@ -23,9 +23,9 @@ pub use octree::OctreeOrder;
 pub use terrain_rows::TerrainRows;
 pub use unordered::Unordered;
 
-use crate::content::{Content, ItemId, Moved, Owner};
 use crate::faces::Faces;
 use crate::geom::Aabb;
+use crate::geometry::{Geometry, ItemId, Moved, Owner};
 use crate::passage::Passage;
 use crate::region::{Region, Sight};
 use crate::sector::Built;
@@ -52,7 +52,7 @@ impl Gives<NodesNearToFar> for NearToFar {}
 impl Gives<NearToFar> for NearToFar {}
 impl Gives<FarToNear> for FarToNear {}
 
-/// Why an order cannot be built over a content.
+/// Why an order cannot be built over a geometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Refusal {
@@ -90,36 +90,36 @@ pub trait Order: Send + Sync + Sized + 'static {
     /// What a walk needs; kept from one to the next.
     type Scratch: Default + Send + 'static;
 
-    /// Prepares the order of a content.
+    /// Prepares the order of a geometry.
     ///
     /// # Errors
     /// [`Refusal`], which is [`Refusal::TooLarge`] where it turns out that more than `limit_bytes` are needed.
-    fn build(content: &Content, limit_bytes: u64) -> Result<Self, Refusal>;
+    fn build(geometry: &Geometry, limit_bytes: u64) -> Result<Self, Refusal>;
 
     /// At most how many bytes [`Order::build`] will take, by an estimate made without building.
-    fn needs_bytes(content: &Content) -> u64;
+    fn needs_bytes(geometry: &Geometry) -> u64;
 
     /// Memory in bytes.
     fn bytes(&self) -> u64;
 
     /// What was built.
-    fn built(&self, content: &Content) -> Built {
+    fn built(&self, geometry: &Geometry) -> Built {
         Built {
-            faces: content.face_count(),
+            faces: geometry.face_count(),
             ..Built::default()
         }
     }
 
-    /// Follows items of `content` that have moved, come or gone since, touching only what is concerned, and writes down the
+    /// Follows items of `geometry` that have moved, come or gone since, touching only what is concerned, and writes down the
     /// nodes touched. `false` where it cannot, and must be built anew.
-    fn follow(&mut self, _content: &Content, _moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
+    fn follow(&mut self, _geometry: &Geometry, _moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
         false
     }
 
     /// Hands out all faces of the items and openings that may be seen through `passage`.
     fn visit(
         &self,
-        content: &Content,
+        geometry: &Geometry,
         passage: &Passage,
         scratch: &mut Self::Scratch,
         visit: &mut impl Visit,
@@ -129,13 +129,13 @@ pub trait Order: Send + Sync + Sized + 'static {
     /// that is: about `least` and more, or all that there is; 0 where all was handed out, as by orders that cannot do this.
     fn begin(
         &self,
-        content: &Content,
+        geometry: &Geometry,
         passage: &Passage,
         _least: usize,
         scratch: &mut Self::Scratch,
         visit: &mut impl Visit,
     ) -> usize {
-        self.visit(content, passage, scratch, visit);
+        self.visit(geometry, passage, scratch, visit);
         0
     }
 
@@ -146,7 +146,7 @@ pub trait Order: Send + Sync + Sized + 'static {
     /// Goes on with a visit begun, or a share of it.
     fn go_on(
         &self,
-        _content: &Content,
+        _geometry: &Geometry,
         _passage: &Passage,
         _scratch: &mut Self::Scratch,
         _visit: &mut impl Visit,
@@ -182,14 +182,14 @@ pub trait Visit {
     fn faces(&mut self, faces: &Faces);
 
     /// The next batch is a cluster of an item. Who does not need its faces saves looking them up.
-    fn cluster(&mut self, content: &Content, item: ItemId, cluster: u32, screen_from_item: &DAffine3) {
-        self.faces(&Faces::of_cluster(content, item, cluster, screen_from_item));
+    fn cluster(&mut self, geometry: &Geometry, item: ItemId, cluster: u32, screen_from_item: &DAffine3) {
+        self.faces(&Faces::of_cluster(geometry, item, cluster, screen_from_item));
     }
 
     /// The next batches are all clusters of an item.
-    fn whole(&mut self, content: &Content, item: ItemId, screen_from_item: &DAffine3) {
-        for cluster in 0..content.mesh_of(item).clusters().len() as u32 {
-            self.cluster(content, item, cluster, screen_from_item);
+    fn whole(&mut self, geometry: &Geometry, item: ItemId, screen_from_item: &DAffine3) {
+        for cluster in 0..geometry.mesh_of(item).clusters().len() as u32 {
+            self.cluster(geometry, item, cluster, screen_from_item);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Octree over items: near to far, box by box, and whole nodes dropped.
 //!
-//! Walks the tree of the content's own that other questions go through too, by a queue of boxes by nearness.
+//! Walks the tree of the geometry's own that other questions go through too, by a queue of boxes by nearness.
 //! Source: Greene, Kass, Miller, Hierarchical Z-Buffer Visibility, SIGGRAPH 1993, section 3.1; the tree is that of
 //!     Boreskov, Hierarchical s-buffer for scenes of high complexity, its order of children made finer.
 //! Cost: building O(n log n); a walk O(boxes met · log waiting), and what nothing of can be seen ends its subtree.
@@ -8,8 +8,8 @@
 
 use super::queue::{Queue, Tree, walk};
 use super::{NodesNearToFar, Order, Refusal, Visit};
-use crate::content::{Content, Moved};
 use crate::geom::{Aabb, Octree};
+use crate::geometry::{Geometry, Moved};
 use crate::passage::Passage;
 use std::ops::Range;
 
@@ -20,28 +20,28 @@ impl Order for OctreeOrder {
     type Gives = NodesNearToFar;
     type Scratch = Queue;
 
-    fn build(content: &Content, _limit_bytes: u64) -> Result<OctreeOrder, Refusal> {
-        content.item_tree();
+    fn build(geometry: &Geometry, _limit_bytes: u64) -> Result<OctreeOrder, Refusal> {
+        geometry.item_tree();
         Ok(OctreeOrder)
     }
 
-    fn needs_bytes(content: &Content) -> u64 {
+    fn needs_bytes(geometry: &Geometry) -> u64 {
         // An item stands in one node, and a node that holds nothing has two children at least, or a deep only one: seldom.
-        content.items().len() as u64 * 2 * 64
+        geometry.items().len() as u64 * 2 * 64
     }
 
     fn bytes(&self) -> u64 {
-        // The content's.
+        // The geometry's.
         0
     }
 
-    fn follow(&mut self, _content: &Content, _moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
-        // The tree is the content's, and has followed them already.
+    fn follow(&mut self, _geometry: &Geometry, _moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
+        // The tree is the geometry's, and has followed them already.
         true
     }
 
-    fn visit(&self, content: &Content, passage: &Passage, queue: &mut Queue, visit: &mut impl Visit) {
-        walk(content.item_tree(), content, passage, queue, visit);
+    fn visit(&self, geometry: &Geometry, passage: &Passage, queue: &mut Queue, visit: &mut impl Visit) {
+        walk(geometry.item_tree(), geometry, passage, queue, visit);
     }
 }
 

@@ -8,9 +8,9 @@
 
 use super::Visit;
 use super::items::hand_out_openings;
-use crate::content::{Content, ItemId};
 use crate::faces::Faces;
 use crate::geom::Aabb;
+use crate::geometry::{Geometry, ItemId};
 use crate::passage::Passage;
 use crate::region::{BOXES, EightBoxes, Region, Sight};
 use glam::DAffine3;
@@ -18,7 +18,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::ops::Range;
 
-/// A tree over the items of a content, numbered by node; its boxes are in the space of the sector.
+/// A tree over the items of a geometry, numbered by node; its boxes are in the space of the sector.
 pub(super) trait Tree {
     /// The number of the root; `None` where the tree holds nothing.
     fn root(&self) -> Option<u32>;
@@ -93,24 +93,24 @@ impl Eq for Waiting {}
 /// Hands out all faces of the items of `tree`, and the openings, that may be seen through `passage`.
 pub(super) fn walk(
     tree: &impl Tree,
-    content: &Content,
+    geometry: &Geometry,
     passage: &Passage,
     queue: &mut Queue,
     visit: &mut impl Visit,
 ) {
-    begin(tree, content, passage, queue, visit);
-    go_on(tree, content, passage, queue, visit, f32::NEG_INFINITY, |_| true);
+    begin(tree, geometry, passage, queue, visit);
+    go_on(tree, geometry, passage, queue, visit, f32::NEG_INFINITY, |_| true);
 }
 
 /// Hands out the openings, and lets the root of `tree` wait.
 pub(super) fn begin(
     tree: &impl Tree,
-    content: &Content,
+    geometry: &Geometry,
     passage: &Passage,
     queue: &mut Queue,
     visit: &mut impl Visit,
 ) {
-    hand_out_openings(content, passage, visit);
+    hand_out_openings(geometry, passage, visit);
     queue.waiting.clear();
     queue.regions.clear();
     queue.free.clear();
@@ -123,7 +123,7 @@ pub(super) fn begin(
 /// Hands out what waits and is at least so near, of the items that are wanted.
 pub(super) fn go_on(
     tree: &impl Tree,
-    content: &Content,
+    geometry: &Geometry,
     passage: &Passage,
     queue: &mut Queue,
     visit: &mut impl Visit,
@@ -145,20 +145,20 @@ pub(super) fn go_on(
             continue;
         }
         match what {
-            What::Node(node) => enter_node(tree, node, content, passage, queue, &wanted),
+            What::Node(node) => enter_node(tree, node, geometry, passage, queue, &wanted),
             What::Item(item) => {
                 let region = queue.regions[region as usize];
-                enter_item(ItemId(item), &region, content, passage, queue, visit);
+                enter_item(ItemId(item), &region, geometry, passage, queue, visit);
             }
             What::MeshNode { entered, node } => {
                 let (item, _) = queue.entered[entered as usize];
                 if !visit.are_enough(item, node, &queue.regions[region as usize]) {
-                    enter_mesh_node(entered, node, content, passage, queue);
+                    enter_mesh_node(entered, node, geometry, passage, queue);
                 }
             }
             What::Cluster { entered, cluster } => {
                 let (item, screen_from_item) = &queue.entered[entered as usize];
-                visit.faces(&Faces::of_cluster(content, *item, cluster, screen_from_item));
+                visit.faces(&Faces::of_cluster(geometry, *item, cluster, screen_from_item));
             }
         }
     }
@@ -167,7 +167,7 @@ pub(super) fn go_on(
 fn enter_node(
     tree: &impl Tree,
     node: u32,
-    content: &Content,
+    geometry: &Geometry,
     passage: &Passage,
     queue: &mut Queue,
     wanted: impl Fn(u32) -> bool,
@@ -177,12 +177,12 @@ fn enter_node(
         .map(|child| (*tree.bounds(child), What::Node(child)));
     queue.push_all(passage, &passage.screen_from_sector, children);
     for &item in tree.items(node).iter().filter(|&&item| wanted(item)) {
-        let placed = content.item(ItemId(item));
+        let placed = geometry.item(ItemId(item));
         let screen_from_item = passage.screen_from(&placed.transform());
         queue.push(
             passage,
             &screen_from_item,
-            &content.mesh_of(ItemId(item)).bounds(),
+            &geometry.mesh_of(ItemId(item)).bounds(),
             What::Item(item),
         );
     }
@@ -191,31 +191,31 @@ fn enter_node(
 fn enter_item(
     item: ItemId,
     region: &Region,
-    content: &Content,
+    geometry: &Geometry,
     passage: &Passage,
     queue: &mut Queue,
     visit: &mut impl Visit,
 ) {
-    let mesh = content.mesh_of(item);
+    let mesh = geometry.mesh_of(item);
     if !visit.first_time(item) {
         return;
     }
-    let screen_from_item = passage.screen_from(&content.item(item).transform());
+    let screen_from_item = passage.screen_from(&geometry.item(item).transform());
     if mesh.clusters().len() == 1 {
-        visit.faces(&Faces::of_cluster(content, item, 0, &screen_from_item));
+        visit.faces(&Faces::of_cluster(geometry, item, 0, &screen_from_item));
     } else if let Some(root) = mesh
         .tree()
         .root()
         .filter(|&root| !visit.are_enough(item, root, region))
     {
         queue.entered.push((item, screen_from_item));
-        enter_mesh_node(queue.entered.len() as u32 - 1, root, content, passage, queue);
+        enter_mesh_node(queue.entered.len() as u32 - 1, root, geometry, passage, queue);
     }
 }
 
-fn enter_mesh_node(entered: u32, node: u32, content: &Content, passage: &Passage, queue: &mut Queue) {
+fn enter_mesh_node(entered: u32, node: u32, geometry: &Geometry, passage: &Passage, queue: &mut Queue) {
     let (item, screen_from_item) = queue.entered[entered as usize];
-    let mesh = content.mesh_of(item);
+    let mesh = geometry.mesh_of(item);
     let nodes = mesh
         .tree()
         .children(node)
@@ -292,9 +292,9 @@ impl Queue {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::content::{ContentBuilder, Material, MaterialId};
     use crate::faces::Of;
     use crate::geom::Transform;
+    use crate::geometry::{GeometryBuilder, Material, MaterialId};
     use crate::mesh::Mesh;
     use crate::order::{BvhOrder, OctreeOrder, Order};
     use crate::scene::SectorId;
@@ -302,8 +302,8 @@ mod tests {
     use std::collections::BTreeSet;
 
     /// A mesh of several clusters, and copies of it and of single triangles all about.
-    fn content() -> Content {
-        let mut builder = ContentBuilder::new([Material::opaque([1.0; 3])]);
+    fn geometry() -> Geometry {
+        let mut builder = GeometryBuilder::new([Material::opaque([1.0; 3])]);
         let side = 40_u32;
         let positions: Vec<[f32; 3]> = (0..side * side)
             .map(|i| [(i % side) as f32, (i % 7) as f32 * 0.1, (i / side) as f32])
@@ -358,20 +358,20 @@ mod tests {
         }
     }
 
-    fn met<O: Order>(content: &Content, passage: &Passage, farthest: f32) -> Met {
-        let order = O::build(content, u64::MAX).expect("no limit");
-        assert!(order.bytes() <= O::needs_bytes(content));
+    fn met<O: Order>(geometry: &Geometry, passage: &Passage, farthest: f32) -> Met {
+        let order = O::build(geometry, u64::MAX).expect("no limit");
+        assert!(order.bytes() <= O::needs_bytes(geometry));
         let mut met = Met {
             farthest,
             ..Met::default()
         };
-        order.visit(content, passage, &mut O::Scratch::default(), &mut met);
+        order.visit(geometry, passage, &mut O::Scratch::default(), &mut met);
         met
     }
 
     #[test]
     fn trees_of_all_kinds_hand_out_the_same() {
-        let content = content();
+        let geometry = geometry();
         for (i, toward) in [[0.0, 0.0, -9.0], [5.0, 1.0, 3.0], [-3.0, -8.0, 1.0]]
             .into_iter()
             .enumerate()
@@ -379,12 +379,12 @@ mod tests {
             let view = View::new([0.3 * i as f32, 1.0, 2.0], toward, [160, 90]);
             let passage = Passage::at_the_eye(&view, SectorId(0), false);
             for farthest in [0.0, 0.05] {
-                let octree = met::<OctreeOrder>(&content, &passage, farthest);
-                let bvh = met::<BvhOrder>(&content, &passage, farthest);
+                let octree = met::<OctreeOrder>(&geometry, &passage, farthest);
+                let bvh = met::<BvhOrder>(&geometry, &passage, farthest);
                 // The box of a mesh at its place reaches beyond the item's box, so an item whose own box is out may still
                 // be handed out where a node holds others too.
                 let own = |item: u32| {
-                    let bounds = content.item(ItemId(item)).bounds;
+                    let bounds = geometry.item(ItemId(item)).bounds;
                     Region::of(&passage, &passage.screen_from_sector, &bounds)
                 };
                 let is_in = |(item, _): &&(u32, u32)| own(*item).is_some_and(|own| own.nearest >= farthest);

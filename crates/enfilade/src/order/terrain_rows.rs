@@ -13,14 +13,14 @@
 use super::items::{hand_out, hand_out_openings};
 use super::queue::{Queue, begin, go_on};
 use super::{NodesNearToFar, Order, Refusal, Visit};
-use crate::content::{Content, ItemId, Moved};
 use crate::geom::Aabb;
+use crate::geometry::{Geometry, ItemId, Moved};
 use crate::passage::{Passage, eye_in};
 use crate::region::{Region, Sight};
 use crate::terrain::Terrain;
 use glam::DAffine3;
 
-/// Squares of height fields in squares, and before each block what is nearer, by the content's own tree.
+/// Squares of height fields in squares, and before each block what is nearer, by the geometry's own tree.
 pub struct TerrainRows {
     grounds: Vec<Ground>,
 }
@@ -41,29 +41,29 @@ impl Order for TerrainRows {
     type Gives = NodesNearToFar;
     type Scratch = Queue;
 
-    fn build(content: &Content, _limit_bytes: u64) -> Result<TerrainRows, Refusal> {
-        let terrains = content.terrains();
+    fn build(geometry: &Geometry, _limit_bytes: u64) -> Result<TerrainRows, Refusal> {
+        let terrains = geometry.terrains();
         if terrains.is_empty() {
             return Err(Refusal::NoTerrain);
         }
-        if !terrains.iter().all(|terrain| terrain.is_whole(content)) {
+        if !terrains.iter().all(|terrain| terrain.is_whole(geometry)) {
             return Err(Refusal::TerrainChanged);
         }
-        content.item_tree();
+        geometry.item_tree();
         Ok(TerrainRows {
             grounds: terrains
                 .iter()
-                .map(|terrain| Ground::new(terrain, content))
+                .map(|terrain| Ground::new(terrain, geometry))
                 .collect(),
         })
     }
 
-    fn needs_bytes(content: &Content) -> u64 {
-        let blocks = content
+    fn needs_bytes(geometry: &Geometry) -> u64 {
+        let blocks = geometry
             .terrains()
             .iter()
             .map(|terrain| terrain.blocks.len() as u64);
-        blocks.sum::<u64>() * 2 * size_of::<Aabb>() as u64 + content.items().len() as u64 * 2 * 64
+        blocks.sum::<u64>() * 2 * size_of::<Aabb>() as u64 + geometry.items().len() as u64 * 2 * 64
     }
 
     fn bytes(&self) -> u64 {
@@ -71,8 +71,8 @@ impl Order for TerrainRows {
         levels.map(|level| size_of_val(&*level.bounds) as u64).sum()
     }
 
-    fn follow(&mut self, _content: &Content, moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
-        // The tree over all else is the content's, and has followed them already.
+    fn follow(&mut self, _geometry: &Geometry, moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
+        // The tree over all else is the geometry's, and has followed them already.
         let is_ground = |item: u32| {
             let mut grounds = self.grounds.iter();
             grounds.any(|ground| ground.terrain.blocks.contains(&item))
@@ -80,16 +80,16 @@ impl Order for TerrainRows {
         !moved.iter().any(|moved| is_ground(moved.item.0))
     }
 
-    fn visit(&self, content: &Content, passage: &Passage, queue: &mut Queue, visit: &mut impl Visit) {
+    fn visit(&self, geometry: &Geometry, passage: &Passage, queue: &mut Queue, visit: &mut impl Visit) {
         let things = Things {
             grounds: &self.grounds,
-            content,
+            geometry,
             passage,
         };
         if things.are_none() {
-            hand_out_openings(content, passage, visit);
+            hand_out_openings(geometry, passage, visit);
         } else {
-            begin(content.item_tree(), content, passage, queue, visit);
+            begin(geometry.item_tree(), geometry, passage, queue, visit);
         }
         for ground in &self.grounds {
             let screen_from_field = passage.screen_from(&ground.terrain.sector_from_field);
@@ -105,17 +105,17 @@ impl Order for TerrainRows {
     }
 }
 
-/// What is not ground, on its way out of the content's own tree.
+/// What is not ground, on its way out of the geometry's own tree.
 struct Things<'a> {
     grounds: &'a [Ground],
-    content: &'a Content,
+    geometry: &'a Geometry,
     passage: &'a Passage,
 }
 
 impl Things<'_> {
     fn are_none(&self) -> bool {
         let blocks = self.grounds.iter().map(|ground| ground.terrain.blocks.len());
-        blocks.sum::<usize>() == self.content.items().len()
+        blocks.sum::<usize>() == self.geometry.items().len()
     }
 
     /// Hands out those that are at least so near, and were not yet.
@@ -127,8 +127,16 @@ impl Things<'_> {
             let mut grounds = self.grounds.iter();
             grounds.all(|ground| !ground.terrain.blocks.contains(&item))
         };
-        let tree = self.content.item_tree();
-        go_on(tree, self.content, self.passage, queue, visit, nearness, is_thing);
+        let tree = self.geometry.item_tree();
+        go_on(
+            tree,
+            self.geometry,
+            self.passage,
+            queue,
+            visit,
+            nearness,
+            is_thing,
+        );
     }
 }
 
@@ -140,13 +148,13 @@ struct Way<'a> {
 }
 
 impl Ground {
-    fn new(terrain: &Terrain, content: &Content) -> Ground {
+    fn new(terrain: &Terrain, geometry: &Geometry) -> Ground {
         let size = terrain.field.blocks();
         let blocks = terrain.blocks.clone();
         let mut levels = vec![Level {
             size,
             bounds: blocks
-                .map(|item| content.mesh_of(ItemId(item)).bounds())
+                .map(|item| geometry.mesh_of(ItemId(item)).bounds())
                 .collect(),
         }];
         while let Some(last) = levels.last().filter(|level| level.size != [1, 1]) {
@@ -169,14 +177,16 @@ impl Ground {
     ) {
         let Level { size, bounds } = &self.levels[level];
         let place = (row * size[0] + column) as usize;
-        let Things { content, passage, .. } = *way.things;
+        let Things {
+            geometry, passage, ..
+        } = *way.things;
         let Some(region) = Region::of(passage, &way.screen_from_field, &bounds[place]) else {
             return;
         };
         if level == 0 {
             way.things.hand_out(region.nearest, queue, visit);
             let item = ItemId(self.terrain.blocks.start + place as u32);
-            hand_out(content, passage, item, visit);
+            hand_out(geometry, passage, item, visit);
             return;
         }
         if visit.enter(&region) == Sight::Hidden {

@@ -7,8 +7,8 @@
 //! Cost: up to 64 lines, and the occluders along the line between the middles, 64 pairs of corners each.
 //! Never wrong: what neither proves is unknown.
 
-use crate::content::{Alpha, Content, ItemId};
 use crate::geom::{Aabb, Line, Step};
+use crate::geometry::{Alpha, Geometry, ItemId};
 use crate::occluders::{OccluderSet, Wall};
 use glam::DVec3;
 
@@ -24,12 +24,12 @@ pub enum Between {
     Unknown,
 }
 
-impl Content {
+impl Geometry {
     /// Do two boxes see each other? A line between them is stopped where it meets an opaque face, from whichever side,
     /// outside of both: a box stands for all that is in it, so what lies in a box, or touches it, is never in the way. So
     /// boxes that overlap are visible. Openings stop nothing, nor do glass and cut-outs.
     ///
-    /// `occluders` are those of this content ([`OccluderSet::build`]): only they can prove that something is hidden. Boxes
+    /// `occluders` are those of this geometry ([`OccluderSet::build`]): only they can prove that something is hidden. Boxes
     /// that are empty or not finite are unknown.
     pub fn between(&self, from: &Aabb, to: &Aabb, occluders: &OccluderSet) -> Between {
         let sound = |bounds: &Aabb| {
@@ -66,7 +66,7 @@ impl Content {
         let leaves = leaves.map_or(0.0, |[_, leave]| leave) + TOUCHES;
         let enters = enters.map_or(1.0, |[enter, _]| enter) - TOUCHES;
         let mut free = true;
-        let opaque = |material: &crate::content::Material| material.alpha == Alpha::Opaque;
+        let opaque = |material: &crate::geometry::Material| material.alpha == Alpha::Opaque;
         self.along(&line, enters, opaque, |hit| {
             if hit.distance > leaves && hit.distance < enters {
                 free = false;

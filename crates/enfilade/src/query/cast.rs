@@ -8,20 +8,20 @@
 //! A hit lies where the ray is in the box of the face's cluster, also where rounding says otherwise: so to skip boxes never
 //! changes an answer, and the first of all hits is the first hit.
 
-use crate::content::{Content, ItemId, Material};
 use crate::geom::{Line, Step};
+use crate::geometry::{Geometry, ItemId, Material};
 use crate::mesh::Mesh;
 use crate::sector::{Hit, Ray, Surface};
 use glam::DVec3;
 
-impl Content {
+impl Geometry {
     /// The first face along a ray, seen from whichever side; of several at one distance that of the lowest item, and its
     /// lowest face. What a scale of zero flattens is not met. A ray that is not finite, or has no direction, meets nothing.
     pub fn cast(&self, ray: &Ray) -> Option<Hit> {
         self.first_along(&line_of(ray)?, f64::INFINITY, |_| true)
     }
 
-    /// All faces along a ray, as [`Content::cast`] meets them, no farther than `limit` lengths of its direction: the
+    /// All faces along a ray, as [`Geometry::cast`] meets them, no farther than `limit` lengths of its direction: the
     /// nearest first, then by item and face. They replace what `hits` held; nothing is allocated where it has room.
     ///
     /// Each face is there once. A ray through an edge that faces share meets one of them, or both.

@@ -6,14 +6,14 @@
 //! Cost: O(log items + items found) boxes; nothing is allocated.
 //! Told by boxes: an item is found where its box meets what is asked about, though none of its faces may.
 
-use crate::content::{Content, ItemId};
 use crate::geom::{Aabb, Enter, Step};
+use crate::geometry::{Geometry, ItemId};
 use crate::passage::Passage;
 use crate::scene::SectorId;
 use crate::view::View;
 use glam::{DVec3, DVec4};
 
-impl Content {
+impl Geometry {
     /// Visits the items whose boxes meet a box, each once, in no order. Boxes that only touch do meet; a box that is empty
     /// or holds NaN meets nothing.
     pub fn items_in_box(&self, bounds: &Aabb, visit: impl FnMut(ItemId)) {
@@ -39,7 +39,7 @@ impl Content {
         self.items_within(DVec3::from(center.map(f64::from)), f64::from(radius), visit);
     }
 
-    /// As [`Content::items_in_sphere`], in f64.
+    /// As [`Geometry::items_in_sphere`], in f64.
     pub(super) fn items_within(&self, center: DVec3, radius: f64, visit: impl FnMut(ItemId)) {
         if !(center.is_finite() && radius >= 0.0) {
             return;
@@ -58,7 +58,7 @@ impl Content {
         self.items_by(center.into(), meets, item, visit);
     }
 
-    /// Visits the items that may be in the frustum of a view from within this content: before the eye, no nearer than
+    /// Visits the items that may be in the frustum of a view from within this geometry: before the eye, no nearer than
     /// [`View::near`], and between the four sides of the screen. Each once, in no order.
     ///
     /// It may find one too many, near a corner of the frustum, and never one too few: an item is left out where its box, or

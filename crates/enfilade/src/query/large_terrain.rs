@@ -6,14 +6,14 @@
 //! Cost: O(squares met), and reading the blocks among them.
 
 use super::cast::{line_of, meet};
-use crate::content::ItemId;
 use crate::geom::Line;
+use crate::geometry::ItemId;
 use crate::sector::{Hit, Ray};
 use crate::terrain::{LargeTerrain, Workplace};
 use glam::DVec3;
 
 impl LargeTerrain {
-    /// The first face along a ray, as [`Content::cast`](crate::Content::cast) meets them.
+    /// The first face along a ray, as [`Geometry::cast`](crate::Geometry::cast) meets them.
     pub(crate) fn first_along(&self, ray: &Ray) -> Option<Hit> {
         let mut search = Search {
             terrain: self,

@@ -9,8 +9,8 @@
 //! Mirrors cost nothing: no way by a mirror is shorter than the one without it.
 
 use super::place::{Place, corners};
-use crate::content::ItemId;
 use crate::geom::{Aabb, nearest_in};
+use crate::geometry::ItemId;
 use crate::scene::{PortalId, Scene, SectorId};
 use glam::{DAffine3, DMat3, DVec3};
 use std::cmp::Reverse;
@@ -281,7 +281,7 @@ impl Search<'_> {
     /// Takes the items of the sector that a chain leads to, where it is their shortest way as yet.
     fn take_items(&mut self, number: usize) {
         let chain = &self.chains[number];
-        let Some(content) = self.scene.content(chain.sector) else {
+        let Some(geometry) = self.scene.geometry(chain.sector) else {
             return;
         };
         let windows: Vec<Vec<DVec3>> = (self.windows(number).into_iter())
@@ -303,8 +303,8 @@ impl Search<'_> {
         // Unfolded, the way is no shorter than the straight line.
         let reach = self.radius * chain.scale * (1.0 + 1e-9);
         let found = &mut self.found;
-        content.items_within(origin, reach, |item| {
-            let bounds = &content.item(item).bounds;
+        geometry.items_within(origin, reach, |item| {
+            let bounds = &geometry.item(item).bounds;
             let known = found.get(&(chain.sector, item)).map(|known| known.distance);
             let beyond = entry.map_or(0.0, |entry| gap(entry, bounds)) / chain.scale;
             if known.is_some_and(|known| known <= chain.length + beyond) {

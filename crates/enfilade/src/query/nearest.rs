@@ -7,8 +7,8 @@
 //! Exact: distances are those to the items' boxes, in f64; a node is never farther than what is in it.
 
 use super::items::nearest_squared;
-use crate::content::{Content, ItemId};
 use crate::geom::Step;
+use crate::geometry::{Geometry, ItemId};
 use glam::DVec3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -37,7 +37,7 @@ impl PartialOrd for Nearest {
     }
 }
 
-impl Content {
+impl Geometry {
     /// The `count` items whose boxes are nearest to a point, and no farther than `radius`, in scene units: the nearest first,
     /// then by number. They replace what `found` held; nothing is allocated where it has room.
     ///

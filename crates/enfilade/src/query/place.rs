@@ -124,7 +124,7 @@ impl Scene {
     pub(crate) fn ways_out(&self, sector: SectorId) -> impl Iterator<Item = (PortalId, &ConvexPolygon)> {
         let openings = self.sector(sector).openings().iter().zip(0..);
         openings.filter_map(move |(opening, number)| {
-            let portal = self.portal_of(sector, crate::content::OpeningId(number))?;
+            let portal = self.portal_of(sector, crate::geometry::OpeningId(number))?;
             let open = self.portals()[portal.0 as usize].open && !self.is_flat();
             open.then_some((portal, &opening.outline))
         })

@@ -1,7 +1,7 @@
 //! Rays that follow portals.
 
-use crate::content::OpeningId;
 use crate::geom::{Transform, is_in_range, pierced};
+use crate::geometry::OpeningId;
 use crate::scene::{PortalId, Scene, SectorId};
 use crate::sector::{Hit, Ray};
 use glam::DVec3;

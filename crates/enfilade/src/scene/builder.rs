@@ -2,8 +2,8 @@
 
 use super::locate::Boxes;
 use super::{Body, Exit, Light, LightId, Placed, Portal, PortalId, Scene, SceneError, SectorId, Way};
-use crate::content::{Content, Opening, OpeningId};
 use crate::geom::{Transform, is_in_range};
+use crate::geometry::{Geometry, Opening, OpeningId};
 use crate::method::Method;
 use crate::sector::Sector;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ pub struct SceneBuilder {
 }
 
 enum Waiting {
-    Ours(String, Arc<Content>, Method),
+    Ours(String, Arc<Geometry>, Method),
     Own(String, Arc<dyn Sector>),
 }
 
@@ -70,10 +70,10 @@ impl SceneBuilder {
         self.limit_bytes = Some(limit);
     }
 
-    /// Adds content as a sector that `method` sees.
-    pub fn add(&mut self, name: &str, content: impl Into<Arc<Content>>, method: Method) -> SectorId {
+    /// Adds geometry as a sector that `method` sees.
+    pub fn add(&mut self, name: &str, geometry: impl Into<Arc<Geometry>>, method: Method) -> SectorId {
         self.sectors
-            .push(Waiting::Ours(name.to_owned(), content.into(), method));
+            .push(Waiting::Ours(name.to_owned(), geometry.into(), method));
         SectorId(self.sectors.len() as u32 - 1)
     }
 
@@ -111,8 +111,8 @@ impl SceneBuilder {
     /// there is reported by [`SceneBuilder::build`].
     pub fn mirror(&mut self, sector: SectorId, opening: OpeningId) -> &mut Self {
         let outline = match self.sectors.get(sector.0 as usize) {
-            Some(Waiting::Ours(_, content, _)) => {
-                content.openings().get(opening.0 as usize).map(|o| &o.outline)
+            Some(Waiting::Ours(_, geometry, _)) => {
+                geometry.openings().get(opening.0 as usize).map(|o| &o.outline)
             }
             Some(Waiting::Own(_, own)) => own.openings().get(opening.0 as usize).map(|o| &o.outline),
             None => None,
@@ -231,8 +231,8 @@ fn place(waiting: Waiting, limit: u64) -> Result<Placed, SceneError> {
                 builds: 0,
             }
         }
-        Waiting::Ours(name, content, method) => {
-            let built = method.build_ours(content, limit);
+        Waiting::Ours(name, geometry, method) => {
+            let built = method.build_ours(geometry, limit);
             let sector = built.map_err(|why| SceneError::unsuited(&name, why))?;
             Placed {
                 name,

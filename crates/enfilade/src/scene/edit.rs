@@ -4,8 +4,8 @@
 //! others are built anew. A viewer's memory stays right: what it saw last and is no more is not asked for again.
 
 use super::{Body, Scene, SceneError, SectorId};
-use crate::content::{Changes, ItemId, Placing, Unfit};
 use crate::geom::{MAX_COORDINATE, Transform};
+use crate::geometry::{Changes, ItemId, Placing, Unfit};
 use crate::mesh::Mesh;
 use crate::method::{Edited, Unsuited};
 use std::collections::BTreeMap;
@@ -84,7 +84,7 @@ impl Scene {
     ///
     /// Cost: O(log items) for each change where the sector's order can follow in place, which is all but
     /// [`Method::Bsp`](crate::Method::Bsp) and [`Method::BspFront`](crate::Method::BspFront), and
-    /// [`Method::Cell`](crate::Method::Cell) where what changes hides anything: those are built anew at the end. What the scene shares with a copy of it, or a content that somebody else holds too, becomes its own first, once.
+    /// [`Method::Cell`](crate::Method::Cell) where what changes hides anything: those are built anew at the end. What the scene shares with a copy of it, or a geometry that somebody else holds too, becomes its own first, once.
     pub fn edit(&mut self) -> Edit<'_> {
         Edit {
             scene: self,
@@ -117,9 +117,9 @@ impl Edit<'_> {
             hides: true,
         };
         let (scene, changes) = self.of(sector)?;
-        let content = scene.content(sector).ok_or_else(|| not_ours(scene, sector))?;
-        let added = changes.add(content, name, placing);
-        added.map_err(|unfit| told(unfit, name.to_owned(), content.materials().len()))
+        let geometry = scene.geometry(sector).ok_or_else(|| not_ours(scene, sector))?;
+        let added = changes.add(geometry, name, placing);
+        added.map_err(|unfit| told(unfit, name.to_owned(), geometry.materials().len()))
     }
 
     /// Removes an item.
@@ -175,7 +175,7 @@ impl Edit<'_> {
     ///
     /// # Errors
     /// [`SceneError::TooLarge`] where a sector would need too much memory, [`SceneError::NotConvex`] where its method sees
-    /// convex contents alone and it would be one no more; and then the scene is as it was.
+    /// convex geometries alone and it would be one no more; and then the scene is as it was.
     pub fn finish(self) -> Result<Edited, SceneError> {
         let Edit { scene, mut changes } = self;
         changes.retain(|_, changes| !changes.is_empty());
@@ -208,9 +208,9 @@ impl Edit<'_> {
         change: impl FnOnce(Placing) -> Option<Placing>,
     ) -> Result<(), EditError> {
         let (scene, changes) = self.of(sector)?;
-        let content = scene.content(sector).ok_or_else(|| not_ours(scene, sector))?;
+        let geometry = scene.geometry(sector).ok_or_else(|| not_ours(scene, sector))?;
         let changed = changes
-            .change(content, item, change)
+            .change(geometry, item, change)
             .ok_or_else(|| EditError::NoSuchItem {
                 sector: scene.sector_name(sector).to_owned(),
                 item: item.0,
@@ -218,8 +218,8 @@ impl Edit<'_> {
         changed.map_err(|unfit| {
             told(
                 unfit,
-                changes.name(content, item).to_owned(),
-                content.materials().len(),
+                changes.name(geometry, item).to_owned(),
+                geometry.materials().len(),
             )
         })
     }
@@ -244,7 +244,7 @@ impl Scene {
         };
         if Arc::get_mut(sector).is_none() {
             // A copy of the scene goes on with the one that both had.
-            *sector = method.build_ours(Arc::clone(sector.content()), limit)?;
+            *sector = method.build_ours(Arc::clone(sector.geometry()), limit)?;
             placed.builds += 1;
         }
         let Some(own) = Arc::get_mut(sector) else {

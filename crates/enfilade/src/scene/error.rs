@@ -46,11 +46,11 @@ pub enum SceneError {
         "{0} begins anywhere in a sector; it must lead out of an opening, or out of a nested scene's exit"
     )]
     NoOpening(Way),
-    /// Content or a method is given to a sector that is the user's own.
-    #[error("sector `{0}` is one of your own: it has neither content nor method to exchange")]
+    /// Geometry or a method is given to a sector that is the user's own.
+    #[error("sector `{0}` is one of your own: it has neither geometry nor method to exchange")]
     NotOurs(String),
-    /// Content that is to replace another has more or fewer openings.
-    #[error("sector `{sector}` has {had} openings, but the content that is to replace its own has {has}")]
+    /// Geometry that is to replace another has more or fewer openings.
+    #[error("sector `{sector}` has {had} openings, but the geometry that is to replace its own has {has}")]
     Openings {
         /// The sector's name.
         sector: String,
@@ -151,7 +151,7 @@ impl fmt::Display for Way {
 }
 
 impl SceneError {
-    /// Why a sector's method cannot see its content.
+    /// Why a sector's method cannot see its geometry.
     pub(super) fn unsuited(sector: &str, why: Unsuited) -> SceneError {
         let sector = sector.to_owned();
         match why {

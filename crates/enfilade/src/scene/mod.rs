@@ -17,8 +17,8 @@ pub use error::{SceneError, Way};
 pub use light::{Light, LightId, LightShape};
 pub use portal::{Portal, PortalId, SectorId};
 
-use crate::content::{Content, ItemId, OpeningId};
 use crate::geom::{Aabb, Transform};
+use crate::geometry::{Geometry, ItemId, OpeningId};
 use crate::method::{Method, Ours, Unsuited};
 use crate::sector::{Built, Sector};
 use crate::threads;
@@ -57,7 +57,7 @@ struct Placed {
 
 #[derive(Clone)]
 enum Body {
-    /// Content seen by a method of ours; the method can be exchanged.
+    /// Geometry seen by a method of ours; the method can be exchanged.
     Ours { method: Method, sector: Arc<dyn Ours> },
     /// A sector of the user's own.
     Own(Arc<dyn Sector>),
@@ -93,9 +93,9 @@ impl Scene {
     }
 
     /// What a sector is made of; `None` where it is one of the user's own.
-    pub fn content(&self, id: SectorId) -> Option<&Arc<Content>> {
+    pub fn geometry(&self, id: SectorId) -> Option<&Arc<Geometry>> {
         match &self.sectors[id.0 as usize].body {
-            Body::Ours { sector, .. } => Some(sector.content()),
+            Body::Ours { sector, .. } => Some(sector.geometry()),
             Body::Own(_) => None,
         }
     }
@@ -129,7 +129,7 @@ impl Scene {
         self.portals[portal.0 as usize].open = open;
     }
 
-    /// Gives a sector other content, seen by the same method: what moves every frame has a sector of its own, and no
+    /// Gives a sector other geometry, seen by the same method: what moves every frame has a sector of its own, and no
     /// other is touched. Its openings may move but not become more or fewer.
     ///
     /// Cost: that of building the method, which is next to nothing for [`Method::ZBuffer`] and [`Method::SBuffer`].
@@ -137,15 +137,19 @@ impl Scene {
     /// # Errors
     /// [`SceneError::NotOurs`], [`SceneError::Openings`], [`SceneError::TooLarge`], [`SceneError::NotBaked`] or
     /// [`SceneError::NotConvex`], and then it stays as it was.
-    pub fn set_content(&mut self, id: SectorId, content: impl Into<Arc<Content>>) -> Result<(), SceneError> {
-        let content = content.into();
+    pub fn set_geometry(
+        &mut self,
+        id: SectorId,
+        geometry: impl Into<Arc<Geometry>>,
+    ) -> Result<(), SceneError> {
+        let geometry = geometry.into();
         let (before, method) = self.ours(id)?;
-        let [had, has] = [before, &content].map(|content| content.openings().len());
+        let [had, has] = [before, &geometry].map(|geometry| geometry.openings().len());
         if had != has {
             let sector = self.sector_name(id).to_owned();
             return Err(SceneError::Openings { sector, had, has });
         }
-        self.rebuild(id, content, method)?;
+        self.rebuild(id, geometry, method)?;
         let space = self.sectors[id.0 as usize].space();
         self.boxes.change(id, space);
         Ok(())
@@ -157,20 +161,20 @@ impl Scene {
     /// [`SceneError::NotOurs`], [`SceneError::TooLarge`], [`SceneError::NotBaked`], [`SceneError::NotConvex`] or [`SceneError::NoTerrain`], and then it
     /// stays as it was.
     pub fn set_method(&mut self, id: SectorId, method: Method) -> Result<(), SceneError> {
-        let (content, _) = self.ours(id)?;
-        self.rebuild(id, Arc::clone(content), method)
+        let (geometry, _) = self.ours(id)?;
+        self.rebuild(id, Arc::clone(geometry), method)
     }
 
-    fn ours(&self, id: SectorId) -> Result<(&Arc<Content>, Method), SceneError> {
+    fn ours(&self, id: SectorId) -> Result<(&Arc<Geometry>, Method), SceneError> {
         match &self.sectors[id.0 as usize].body {
-            Body::Ours { sector, method } => Ok((sector.content(), *method)),
+            Body::Ours { sector, method } => Ok((sector.geometry(), *method)),
             Body::Own(_) => Err(SceneError::NotOurs(self.sector_name(id).to_owned())),
         }
     }
 
-    fn rebuild(&mut self, id: SectorId, content: Arc<Content>, method: Method) -> Result<(), SceneError> {
+    fn rebuild(&mut self, id: SectorId, geometry: Arc<Geometry>, method: Method) -> Result<(), SceneError> {
         let placed = &mut self.sectors[id.0 as usize];
-        let built = placed.rebuild(content, method, self.limit_bytes);
+        let built = placed.rebuild(geometry, method, self.limit_bytes);
         built.map_err(|why| SceneError::unsuited(&placed.name, why))
     }
 
@@ -197,7 +201,7 @@ impl Scene {
         Ok(())
     }
 
-    /// The same scene with every sector of ours seen by `method`. Contents are shared, not copied.
+    /// The same scene with every sector of ours seen by `method`. Geometries are shared, not copied.
     ///
     /// # Errors
     /// [`Unsuited::TooLarge`] where a sector would need more than `limit_bytes` for what the method builds,
@@ -205,10 +209,10 @@ impl Scene {
     pub fn with_method(&self, method: Method, limit_bytes: u64) -> Result<Scene, Unsuited> {
         let mut scene = self.clone();
         scene.limit_bytes = limit_bytes;
-        // Of sectors of one content the first builds what the others share: side by side each would build its own.
-        let mut contents = HashSet::new();
+        // Of sectors of one geometry the first builds what the others share: side by side each would build its own.
+        let mut geometries = HashSet::new();
         let is_first = |placed: &&mut Placed| match &placed.body {
-            Body::Ours { sector, .. } => contents.insert(Arc::as_ptr(sector.content())),
+            Body::Ours { sector, .. } => geometries.insert(Arc::as_ptr(sector.geometry())),
             Body::Own(_) => false,
         };
         let (first, others): (Vec<_>, Vec<_>) = scene.sectors.iter_mut().partition(is_first);
@@ -216,7 +220,7 @@ impl Scene {
             let mut building: Vec<_> = sectors.into_iter().map(|placed| (placed, Ok(()))).collect();
             threads::for_each(&mut building, |_, (placed, built)| {
                 if let Body::Ours { sector, .. } = &placed.body {
-                    *built = placed.rebuild(Arc::clone(sector.content()), method, limit_bytes);
+                    *built = placed.rebuild(Arc::clone(sector.geometry()), method, limit_bytes);
                 }
             });
             building.into_iter().try_for_each(|(_, built)| built)?;
@@ -226,8 +230,8 @@ impl Scene {
 
     /// Has every sector of ours what a method goes by ([`Method::suits`])?
     pub fn suits(&self, method: Method) -> bool {
-        let mut contents = self.sectors().filter_map(|id| self.content(id));
-        contents.all(|content| method.suits(content))
+        let mut geometries = self.sectors().filter_map(|id| self.geometry(id));
+        geometries.all(|geometry| method.suits(geometry))
     }
 
     /// The same scene with its openings as plain holes: no portal is followed.
@@ -270,15 +274,15 @@ impl Scene {
         self.sectors[id.0 as usize].open_above
     }
 
-    /// The smallest box around a sector's content, in the sector's own space.
+    /// The smallest box around a sector's geometry, in the sector's own space.
     pub fn bounds(&self, id: SectorId) -> Aabb {
         self.sector(id).bounds()
     }
 
     /// Items of all sectors; one that stands in two is counted twice. Of the user's own, as many as they say.
     pub fn item_count(&self) -> usize {
-        let items = |id| match self.content(id) {
-            Some(content) => content.item_count(),
+        let items = |id| match self.geometry(id) {
+            Some(geometry) => geometry.item_count(),
             None => self.sector(id).item_count() as usize,
         };
         self.sectors().map(items).sum()
@@ -292,15 +296,15 @@ impl Scene {
     /// The same of one sector.
     pub fn triangles_of(&self, id: SectorId) -> u64 {
         let own = self.sector(id);
-        match self.content(id) {
-            Some(content) => content.triangle_count(),
+        match self.geometry(id) {
+            Some(geometry) => geometry.triangle_count(),
             None => (0..own.item_count())
                 .map(|item| own.item_triangles(ItemId(item), &[]))
                 .sum(),
         }
     }
 
-    /// Memory in bytes, of contents and of what methods built over them.
+    /// Memory in bytes, of geometries and of what methods built over them.
     pub fn bytes(&self) -> u64 {
         let sectors = self.sectors().map(|id| self.sector(id).bytes()).sum::<u64>();
         let portals = size_of_val(&*self.portals) + size_of_val(&*self.portal_of);
@@ -336,9 +340,9 @@ impl Placed {
         space
     }
 
-    /// Has this content seen by this method, or stays as it was.
-    fn rebuild(&mut self, content: Arc<Content>, method: Method, limit_bytes: u64) -> Result<(), Unsuited> {
-        let sector = method.build_ours(content, limit_bytes)?;
+    /// Has this geometry seen by this method, or stays as it was.
+    fn rebuild(&mut self, geometry: Arc<Geometry>, method: Method, limit_bytes: u64) -> Result<(), Unsuited> {
+        let sector = method.build_ours(geometry, limit_bytes)?;
         self.body = Body::Ours { method, sector };
         self.builds += 1;
         Ok(())

@@ -1,7 +1,7 @@
 //! Where openings lead.
 
-use crate::content::{Opening, OpeningId};
 use crate::geom::{Transform, is_in_range};
+use crate::geometry::{Opening, OpeningId};
 
 /// A sector of a scene, by its place in [`Scene::sectors`](crate::Scene::sectors).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -15,8 +15,8 @@ pub use diagonal::Diagonal;
 pub(crate) use large::Workplace;
 pub use large::{HeightBytes, HeightFormat, Heights, LargeTerrain};
 
-use crate::content::{Content, ContentBuilder, ContentError, ItemId, MaterialId, MeshId};
 use crate::geom::{MAX_COORDINATE, Transform, is_in_range};
+use crate::geometry::{Geometry, GeometryBuilder, GeometryError, ItemId, MaterialId, MeshId};
 use crate::mesh::{Mesh, Part};
 use carried::Carried;
 use glam::DVec3;
@@ -315,7 +315,7 @@ fn check_cell(size: [u32; 2], cell: [f64; 2]) -> Result<(), HeightFieldError> {
     Ok(())
 }
 
-/// A height field in a content.
+/// A height field in a geometry.
 #[derive(Clone, Debug)]
 pub(crate) struct Terrain {
     pub(crate) field: Arc<HeightField>,
@@ -328,28 +328,28 @@ pub(crate) struct Terrain {
 
 impl Terrain {
     /// Are all blocks still there, and as they were?
-    pub(crate) fn is_whole(&self, content: &Content) -> bool {
+    pub(crate) fn is_whole(&self, geometry: &Geometry) -> bool {
         let place = self.sector_from_field.columns();
         self.blocks.clone().zip(self.first_mesh.0..).all(|(block, mesh)| {
-            let item = content.items().get(block as usize);
+            let item = geometry.items().get(block as usize);
             item.is_some_and(|item| item.mesh == MeshId(mesh) && item.sector_from_item == place)
         })
     }
 }
 
-impl ContentBuilder {
+impl GeometryBuilder {
     /// Adds the blocks of a height field as items, row after row, the northern first and each from west to east. They are called
     /// `NAME ROW COLUMN`, by numbers of blocks. Gives their numbers.
     ///
     /// # Errors
-    /// As [`ContentBuilder::build`], where there would be more faces than are numbered.
+    /// As [`GeometryBuilder::build`], where there would be more faces than are numbered.
     pub fn terrain(
         &mut self,
         name: &str,
         field: impl Into<Arc<HeightField>>,
         material: MaterialId,
         sector_from_field: Transform,
-    ) -> Result<Range<ItemId>, ContentError> {
+    ) -> Result<Range<ItemId>, GeometryError> {
         let field = field.into();
         let faces = 2 * field
             .size()
@@ -357,7 +357,7 @@ impl ContentBuilder {
             .iter()
             .product::<u64>();
         if faces > u64::from(u32::MAX) {
-            return Err(ContentError::TooManyFaces(faces));
+            return Err(GeometryError::TooManyFaces(faces));
         }
         let [columns, rows] = field.blocks();
         let mut first = None;

@@ -1,7 +1,7 @@
 //! What fields are refused, and what blocks are made of them.
 
 use super::*;
-use crate::content::{Content, Material};
+use crate::geometry::{Geometry, Material};
 use crate::mesh::Attributes;
 use crate::sector::Ray;
 
@@ -15,8 +15,8 @@ fn field(size: [u32; 2], height: impl Fn(u32, u32) -> f32) -> HeightField {
     HeightField::new(size, [2.0, 3.0], heights).expect("a sound field")
 }
 
-fn content(field: &HeightField) -> Content {
-    let mut builder = ContentBuilder::new([Material::opaque([0.3, 0.5, 0.2])]);
+fn geometry(field: &HeightField) -> Geometry {
+    let mut builder = GeometryBuilder::new([Material::opaque([0.3, 0.5, 0.2])]);
     let blocks = builder
         .terrain("ground", field.clone(), MaterialId(0), Transform::IDENTITY)
         .expect("few faces");
@@ -71,10 +71,10 @@ fn what_has_no_cell_no_length_or_a_hole_is_refused_by_its_place() {
 fn blocks_cover_the_field_once_and_share_their_edges() {
     for size in [[2, 2], [33, 33], [34, 2], [65, 40], [7, 100]] {
         let field = field(size, |column, row| ((column * 7 + row * 3) % 5) as f32);
-        let content = content(&field);
+        let geometry = geometry(&field);
         let cells = u64::from(size[0] - 1) * u64::from(size[1] - 1);
-        assert_eq!(content.triangle_count(), 2 * cells);
-        let bounds = content.bounds();
+        assert_eq!(geometry.triangle_count(), 2 * cells);
+        let bounds = geometry.bounds();
         assert_eq!([bounds.min[0], bounds.min[2]], [0.0, 0.0]);
         let last = field.position(size[0] - 1, size[1] - 1);
         assert_eq!([bounds.max[0], bounds.max[2]], [last[0], last[2]]);
@@ -86,7 +86,7 @@ fn blocks_cover_the_field_once_and_share_their_edges() {
                 origin,
                 direction: [0.0, -1.0, 0.0],
             };
-            let hit = content.cast(&ray).expect("ground below");
+            let hit = geometry.cast(&ray).expect("ground below");
             assert!(!hit.from_behind, "at {origin:?} of {size:?}");
         }
     }
@@ -96,39 +96,39 @@ fn blocks_cover_the_field_once_and_share_their_edges() {
 fn the_diagonal_of_a_cell_goes_from_north_east_to_south_west() {
     // A ridge along it, or else a valley.
     let field = field([2, 2], |column, row| if column == row { 0.0 } else { 1.0 });
-    let content = content(&field);
+    let geometry = geometry(&field);
     let down = Ray {
         origin: [1.0, 9.0, 1.5],
         direction: [0.0, -1.0, 0.0],
     };
-    let hit = content.cast(&down).expect("ground below");
+    let hit = geometry.cast(&down).expect("ground below");
     assert!((hit.distance - 8.0).abs() < 1e-6, "{}", hit.distance);
 }
 
 #[test]
 fn a_field_may_be_cut_along_the_other_diagonal() {
     let field = field([40, 34], |column, row| ((column * 7 + row * 3) % 5) as f32);
-    let cut = |diagonal| content(&field.clone().cut_along(diagonal));
+    let cut = |diagonal| geometry(&field.clone().cut_along(diagonal));
     assert_eq!(
         cut(Diagonal::NorthEast).triangle_count(),
         cut(Diagonal::NorthWest).triangle_count()
     );
-    let middle_of = |content: &Content, [column, row]: [u32; 2]| {
+    let middle_of = |geometry: &Geometry, [column, row]: [u32; 2]| {
         let ray = Ray {
             origin: [2.0 * column as f32 + 1.0, 50.0, 3.0 * row as f32 + 1.5],
             direction: [0.0, -1.0, 0.0],
         };
-        50.0 - content.cast(&ray).expect("ground below").distance
+        50.0 - geometry.cast(&ray).expect("ground below").distance
     };
     for diagonal in [Diagonal::NorthEast, Diagonal::NorthWest] {
-        let content = cut(diagonal);
+        let geometry = cut(diagonal);
         for (column, row) in [(0, 0), (31, 5), (32, 32), (38, 31)] {
             let ends = match diagonal {
                 Diagonal::NorthEast => [(column + 1, row), (column, row + 1)],
                 Diagonal::NorthWest => [(column, row), (column + 1, row + 1)],
             };
             let [one, other] = ends.map(|(column, row)| f64::from(field.position(column, row)[1]));
-            let off = middle_of(&content, [column, row]) - (one + other) / 2.0;
+            let off = middle_of(&geometry, [column, row]) - (one + other) / 2.0;
             assert!(off.abs() < 1e-5, "{off} at {column}, {row} with {diagonal:?}");
         }
     }
@@ -139,7 +139,7 @@ fn columns_and_rows_stand_where_they_are_said_to() {
     let field = HeightField::on_lines([-7.5, 0.1, 0.3], [-1.0, 1e6], [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
     let field = field.expect("they grow");
     assert_eq!((field.size(), field.position(1, 1)), ([3, 2], [0.1, 4.0, 1e6]));
-    assert_eq!(content(&field).bounds().min, [-7.5, 0.0, -1.0]);
+    assert_eq!(geometry(&field).bounds().min, [-7.5, 0.0, -1.0]);
     let refused = |columns: &[f32], rows: &[f32]| {
         let refused = HeightField::on_lines(columns, rows, [0.0; 6]);
         refused.expect_err("they do not grow").to_string()
@@ -165,7 +165,7 @@ fn columns_and_rows_stand_where_they_are_said_to() {
 #[test]
 fn what_places_carry_comes_to_the_corners_of_their_blocks() {
     let field = field([40, 35], |column, row| ((column * 7 + row * 3) % 5) as f32);
-    let smooth = content(&field);
+    let smooth = geometry(&field);
     assert!(smooth.meshes().iter().all(|mesh| !mesh.normals().is_empty()));
     let places: Vec<[f32; 2]> = (0..35)
         .flat_map(|row| (0..40).map(move |column| [column as f32, row as f32]))
@@ -176,8 +176,8 @@ fn what_places_carry_comes_to_the_corners_of_their_blocks() {
             ..Attributes::default()
         })
     };
-    let content = content(&carrying(&places).expect("one for each"));
-    for mesh in content.meshes() {
+    let geometry = geometry(&carrying(&places).expect("one for each"));
+    for mesh in geometry.meshes() {
         // Where no normals are given faces are flat.
         assert!(mesh.normals().is_empty() && mesh.colors().is_empty());
         let pairs = mesh.positions().iter().zip(mesh.texture());
@@ -199,8 +199,8 @@ fn what_places_carry_comes_to_the_corners_of_their_blocks() {
 
 #[test]
 fn blocks_are_called_by_their_row_and_column() {
-    let content = content(&field([70, 40], |_, _| 0.0));
-    let names: Vec<&str> = (0..6).map(|item| content.name(ItemId(item))).collect();
+    let geometry = geometry(&field([70, 40], |_, _| 0.0));
+    let names: Vec<&str> = (0..6).map(|item| geometry.name(ItemId(item))).collect();
     let expected = [
         "ground 0 0",
         "ground 0 1",

@@ -2,7 +2,7 @@
 
 use crate::{HOUSE, SIZE, names};
 use enfilade::{
-    BakedCells, CellId, CellNode, CellSide, CellTree, ContentBuilder, MAX_COORDINATE, Material, MaterialId,
+    BakedCells, CellId, CellNode, CellSide, CellTree, GeometryBuilder, MAX_COORDINATE, Material, MaterialId,
     Mesh, Method, Scene, SceneBuilder, Transform, View,
 };
 
@@ -34,7 +34,7 @@ fn scene(cells: BakedCells, reach: [f32; 2]) -> Scene {
         double_sided: true,
         ..Material::opaque([0.5; 3])
     };
-    let mut content = ContentBuilder::new([material]);
+    let mut geometry = GeometryBuilder::new([material]);
     let mut add = |name: &str, [low, high]: [f32; 2]| {
         let corners = [
             [low, -1.0, -4.0],
@@ -43,16 +43,16 @@ fn scene(cells: BakedCells, reach: [f32; 2]) -> Scene {
             [low, 1.0, -4.0],
         ];
         let mesh = Mesh::triangles(&corners, &[0, 1, 2, 0, 2, 3], MaterialId(0)).expect("a sheet");
-        let mesh = content.mesh(mesh);
-        content.item(name, mesh, Transform::IDENTITY);
+        let mesh = geometry.mesh(mesh);
+        geometry.item(name, mesh, Transform::IDENTITY);
     };
     add("long", reach);
     for at in [10.5_f32, 500.5, 9_000.5] {
         add(&format!("at {at}"), [at - 0.25, at + 0.25]);
     }
-    content.cells(cells);
+    geometry.cells(cells);
     let mut scene = SceneBuilder::new();
-    scene.add("hall", content.build().expect("sound"), Method::Pvs);
+    scene.add("hall", geometry.build().expect("sound"), Method::Pvs);
     scene.build().expect("small")
 }
 
@@ -98,13 +98,13 @@ fn planes_as_far_out_as_there_are_numbers_do_no_harm() {
         let scene = self::scene(chain(2000, f64::from, 0.0), [-reach, reach]);
         assert_eq!(seen(&scene, 500.5), ["0 long", "2 at 500.5"], "{far}");
     }
-    let content_of = |scene: &Scene| {
+    let geometry_of = |scene: &Scene| {
         scene
-            .content(HOUSE)
+            .geometry(HOUSE)
             .expect("ours")
             .cells()
             .expect("baked")
             .cell_count()
     };
-    assert_eq!(content_of(&scene(chain(5, f64::from, 0.0), [0.0, 1.0])), 6);
+    assert_eq!(geometry_of(&scene(chain(5, f64::from, 0.0), [0.0, 1.0])), 6);
 }

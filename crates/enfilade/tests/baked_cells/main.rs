@@ -5,7 +5,7 @@ mod deep;
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    BakedCells, Content, ContentBuilder, ItemId, Limits, Method, Scene, SceneBuilder, SectorId, Transform,
+    BakedCells, Geometry, GeometryBuilder, ItemId, Limits, Method, Scene, SceneBuilder, SectorId, Transform,
     View, Viewer,
 };
 use enfilade_scenes::{BuiltIn, Random, built_in, random_house};
@@ -48,22 +48,22 @@ fn holds(scene: &Scene, reference: &Reference, view: &View, places: u32, place: 
 
 /// The names of what is in the set, in order.
 fn names(scene: &Scene, view: &View) -> Vec<String> {
-    let content = scene.content(HOUSE).expect("ours");
+    let geometry = scene.geometry(HOUSE).expect("ours");
     let mut viewer = Viewer::new();
     let items = viewer.look(scene, view).items().iter();
     items
-        .map(|seen| format!("{} {}", seen.item.0, content.name(seen.item)))
+        .map(|seen| format!("{} {}", seen.item.0, geometry.name(seen.item)))
         .collect()
 }
 
-/// The same content with other cells.
-fn with_cells(content: &Content, cells: Option<Arc<BakedCells>>) -> Content {
-    let mut builder = ContentBuilder::new(content.materials());
-    for (number, item) in content.items().iter().enumerate() {
-        let mesh = builder.mesh(Arc::clone(&content.meshes()[item.mesh.0 as usize]));
-        builder.item(content.name(ItemId(number as u32)), mesh, item.transform());
+/// The same geometry with other cells.
+fn with_cells(geometry: &Geometry, cells: Option<Arc<BakedCells>>) -> Geometry {
+    let mut builder = GeometryBuilder::new(geometry.materials());
+    for (number, item) in geometry.items().iter().enumerate() {
+        let mesh = builder.mesh(Arc::clone(&geometry.meshes()[item.mesh.0 as usize]));
+        builder.item(geometry.name(ItemId(number as u32)), mesh, item.transform());
     }
-    for opening in content.openings() {
+    for opening in geometry.openings() {
         builder.opening(&opening.name, opening.outline.clone());
     }
     cells.into_iter().for_each(|cells| builder.cells(cells));
@@ -83,10 +83,10 @@ fn nothing_is_missed_anywhere_in_a_pixel_in_houses_made_by_chance_and_much_is_le
     for seed in 0..24 {
         let BuiltIn { scene, cameras } = random_house(seed);
         let reference = Reference::new(&scene);
-        let content = scene.content(HOUSE).expect("ours");
-        let cells = content.cells().expect("it is baked");
+        let geometry = scene.geometry(HOUSE).expect("ours");
+        let cells = geometry.cells().expect("it is baked");
         let mut all = by_cells(&scene);
-        all.set_content(HOUSE, with_cells(content, Some(blind(cells))))
+        all.set_geometry(HOUSE, with_cells(geometry, Some(blind(cells))))
             .expect("it fits");
         let scene = by_cells(&scene);
         for camera in &cameras {
@@ -171,28 +171,28 @@ fn a_room_behind_a_door_shows_what_is_seen_through_it_and_not_what_its_eye_would
     let set = viewer.look(&scene, &view);
     let behind = set.passages().iter().position(|passage| passage.sector == HOUSE);
     let behind = behind.expect("the gate leads there");
-    let content = scene.content(HOUSE).expect("ours");
+    let geometry = scene.geometry(HOUSE).expect("ours");
     let items = set
         .items()
         .iter()
         .filter(|seen| seen.passage.0 as usize == behind);
-    let names: Vec<&str> = items.map(|seen| content.name(seen.item)).collect();
+    let names: Vec<&str> = items.map(|seen| geometry.name(seen.item)).collect();
     assert!(names.iter().any(|name| name.starts_with("d ")), "{names:?}");
     assert!(!names.iter().any(|name| name.starts_with("f ")), "{names:?}");
 }
 
 /// Moves, adds and removes what stands free, also into walls and out of the house.
 fn edit_what_stands_free(scene: &mut Scene, count: usize, random: &mut Random) -> u64 {
-    let content = Arc::clone(scene.content(HOUSE).expect("ours"));
+    let geometry = Arc::clone(scene.geometry(HOUSE).expect("ours"));
     let is_free = |item: &ItemId| {
-        let name = content.name(*item);
-        content.holds(*item) && ["box", "ball", "pillar"].iter().any(|free| name.ends_with(free))
+        let name = geometry.name(*item);
+        geometry.holds(*item) && ["box", "ball", "pillar"].iter().any(|free| name.ends_with(free))
     };
-    let free: Vec<ItemId> = (0..content.items().len() as u32)
+    let free: Vec<ItemId> = (0..geometry.items().len() as u32)
         .map(ItemId)
         .filter(is_free)
         .collect();
-    let bounds = content.bounds();
+    let bounds = geometry.bounds();
     let mut edit = scene.edit();
     for _ in 0..count {
         let item = random.pick(&free);
@@ -200,17 +200,17 @@ fn edit_what_stands_free(scene: &mut Scene, count: usize, random: &mut Random) -
             let size = bounds.max[axis] - bounds.min[axis];
             bounds.min[axis] + size * (1.2 * random.unit() - 0.1)
         });
-        let middle = content.item(item).bounds.center().map(|value| -value);
+        let middle = geometry.item(item).bounds.center().map(|value| -value);
         let stretch = [0, 1, 2].map(|_| if random.below(8) == 0 { 8.0 } else { 1.0 });
         let place = Transform::translation(there)
             * Transform::scaling(stretch)
             * Transform::rotation([1.0, 2.0, 3.0], f64::from(random.unit()))
             * Transform::translation(middle)
-            * content.item(item).transform();
-        let mesh = &content.meshes()[content.item(item).mesh.0 as usize];
+            * geometry.item(item).transform();
+        let mesh = &geometry.meshes()[geometry.item(item).mesh.0 as usize];
         let _ = match random.below(6) {
             0 => edit
-                .add(HOUSE, content.name(item), Arc::clone(mesh), place)
+                .add(HOUSE, geometry.name(item), Arc::clone(mesh), place)
                 .map(|_| ()),
             1 if free.len() > 12 => edit.remove(HOUSE, item),
             _ => edit.place(HOUSE, item, place),
@@ -246,14 +246,14 @@ fn what_moves_is_seen_where_it_is_and_the_set_is_that_of_the_scene_built_afresh(
 fn a_thing_that_stands_nowhere_is_always_looked_at_and_one_that_is_gone_never() {
     let BuiltIn { scene, .. } = random_house(1);
     let mut scene = by_cells(&scene);
-    let content = Arc::clone(scene.content(HOUSE).expect("ours"));
-    let ball = (0..content.items().len() as u32).map(ItemId);
+    let geometry = Arc::clone(scene.geometry(HOUSE).expect("ours"));
+    let ball = (0..geometry.items().len() as u32).map(ItemId);
     let ball = ball
         .into_iter()
-        .find(|&item| content.name(item) == "room 0 ball")
+        .find(|&item| geometry.name(item) == "room 0 ball")
         .expect("it has one");
-    let middle = content.item(ball).bounds.center();
-    let above = Transform::translation([0.0, 8.0, 0.0]) * content.item(ball).transform();
+    let middle = geometry.item(ball).bounds.center();
+    let above = Transform::translation([0.0, 8.0, 0.0]) * geometry.item(ball).transform();
     let mut edit = scene.edit();
     edit.place(HOUSE, ball, above).expect("it is there");
     edit.finish().expect("little");
@@ -290,19 +290,19 @@ fn what_has_no_cells_is_told_to_be_not_baked() {
         "not baked: pvs needs a precomputed PVS, and there is none; hierarchical-z needs none"
     );
     let mut builder = SceneBuilder::new();
-    let content = Arc::clone(scene.content(HOUSE).expect("ours"));
-    builder.add("hall", content, Method::Pvs);
+    let geometry = Arc::clone(scene.geometry(HOUSE).expect("ours"));
+    builder.add("hall", geometry, Method::Pvs);
     let why = builder.build().err().expect("it has no cells").to_string();
     assert!(why.starts_with("sector `hall`: not baked: pvs"), "{why}");
     let mut house = by_cells(&random_house(3).scene);
-    let without = with_cells(house.content(HOUSE).expect("ours"), None);
+    let without = with_cells(house.geometry(HOUSE).expect("ours"), None);
     let why = house
-        .set_content(HOUSE, without)
+        .set_geometry(HOUSE, without)
         .expect_err("it has no cells")
         .to_string();
     assert!(why.contains("not baked"), "{why}");
     assert!(
-        house.content(HOUSE).expect("ours").cells().is_some(),
+        house.geometry(HOUSE).expect("ours").cells().is_some(),
         "it stays as it was"
     );
 }
@@ -310,9 +310,9 @@ fn what_has_no_cells_is_told_to_be_not_baked() {
 #[test]
 fn what_takes_more_memory_than_allowed_is_refused() {
     let scene = random_house(4).scene;
-    let content = scene.content(HOUSE).expect("ours");
-    let taken = by_cells(&scene).bytes() - content.bytes();
-    assert!(content.cells().expect("it is baked").bytes() < content.bytes());
+    let geometry = scene.geometry(HOUSE).expect("ours");
+    let taken = by_cells(&scene).bytes() - geometry.bytes();
+    assert!(geometry.cells().expect("it is baked").bytes() < geometry.bytes());
     for limit in [0, 100, taken / 4] {
         let why = scene
             .with_method(Method::Pvs, limit)

@@ -102,9 +102,9 @@ fn a_source_that_fails_leaves_its_item_its_box() {
             }
             assert_eq!(told.len(), 1, "{method}: {told:?}");
             assert!(told[0].1 == odd && told[0].2.contains(why), "{told:?}");
-            let content = scene.content(HALL).expect("ours");
+            let geometry = scene.geometry(HALL).expect("ours");
             assert_eq!(
-                (content.mesh_of(odd).face_count(), content.item(odd).hides),
+                (geometry.mesh_of(odd).face_count(), geometry.item(odd).hides),
                 (24, false)
             );
             assert!(details.level(HALL, ball).flatten().is_some());
@@ -180,7 +180,7 @@ fn errors_that_make_no_sense_lead_to_the_finest_level_and_hide_nothing() {
             .expect("it fits");
         settle(&mut details, &mut scene, &mut viewer, &straight());
         assert_eq!(details.level(HALL, item), Some(Some(63)));
-        assert!(!scene.content(HALL).expect("ours").item(item).hides);
+        assert!(!scene.geometry(HALL).expect("ours").item(item).hides);
     }
 }
 
@@ -207,15 +207,15 @@ fn what_somebody_else_removes_or_changes_is_theirs() {
     assert_eq!(other, items[0]);
     details.refine(&mut scene, &[set]).expect("it fits");
     settle(&mut details, &mut scene, &mut viewer, &straight());
-    let content = scene.content(HALL).expect("ours");
-    let faces = items.map(|item| content.mesh_of(item).face_count());
+    let geometry = scene.geometry(HALL).expect("ours");
+    let faces = items.map(|item| geometry.mesh_of(item).face_count());
     assert!(faces[0] == 2 && faces[1] == 2 && faces[2] > 24, "{faces:?}");
     // What is forgotten keeps what it has.
     details.forget(HALL, items[2]);
     assert_eq!(details.level(HALL, items[2]), None);
     settle(&mut details, &mut scene, &mut viewer, &straight());
     assert_eq!(
-        scene.content(HALL).expect("ours").mesh_of(items[2]).face_count(),
+        scene.geometry(HALL).expect("ours").mesh_of(items[2]).face_count(),
         faces[2]
     );
 }
@@ -224,8 +224,8 @@ fn what_somebody_else_removes_or_changes_is_theirs() {
 fn a_scene_that_would_grow_too_large_stays_as_it_was() {
     let mut builder = enfilade::SceneBuilder::new();
     builder.limit_bytes(60_000);
-    let content = enfilade::ContentBuilder::new(crate::world::materials());
-    builder.add("hall", content.build().expect("nothing"), Method::Bsp);
+    let geometry = enfilade::GeometryBuilder::new(crate::world::materials());
+    builder.add("hall", geometry.build().expect("nothing"), Method::Bsp);
     let mut scene = builder.build().expect("small");
     let mut details = Details::new(DetailOptions::default());
     let ball = details

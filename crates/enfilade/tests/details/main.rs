@@ -6,7 +6,7 @@ mod world;
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    ContentBuilder, Contract, ConvexPolygon, DetailOptions, Details, Limits, Method, Scene, SceneBuilder,
+    Contract, ConvexPolygon, DetailOptions, Details, GeometryBuilder, Limits, Method, Scene, SceneBuilder,
     SectorId, Transform, View, Viewer,
 };
 use std::sync::Arc;
@@ -42,7 +42,7 @@ fn what_is_hidden_builds_nothing_until_it_is_seen() {
 
 /// A hall with a door to a study, and a mirror beside the door; in the study stands nothing yet.
 fn rooms(method: Method) -> (Scene, SectorId) {
-    let [mut hall, mut study] = [world::materials(), world::materials()].map(ContentBuilder::new);
+    let [mut hall, mut study] = [world::materials(), world::materials()].map(GeometryBuilder::new);
     let door = ConvexPolygon::rectangle([-0.5, -1.0, -4.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]).expect("flat");
     let glass = ConvexPolygon::rectangle([1.0, -1.0, -4.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]).expect("flat");
     let [out, mirror] = [hall.opening("out", door.clone()), hall.opening("mirror", glass)];
@@ -122,7 +122,7 @@ fn what_the_eye_or_a_door_stands_in_is_seen_though_no_side_of_its_box_is() {
             .expect("it fits");
         settle(&mut details, &mut scene, &mut viewer, &straight());
         assert_eq!(below.builds(), 1, "{method}");
-        assert!(scene.content(study).expect("ours").holds(wall));
+        assert!(scene.geometry(study).expect("ours").holds(wall));
     }
 }
 
@@ -326,11 +326,11 @@ fn an_adopted_item_is_what_it_was_again_when_it_is_near() {
         .expect("they are there");
     let near = View::new([0.0, 0.0, -3.8], [0.0, 0.0, -5.0], [1920, 1080]);
     settle(&mut details, &mut scene, &mut viewer, &near);
-    let content = scene.content(HALL).expect("ours");
+    let geometry = scene.geometry(HALL).expect("ours");
     assert_eq!(
         items.map(|item| details.level(HALL, item)),
         [Some(Some(Ball::FINEST)); 2]
     );
     // One that did not hide before does not now.
-    assert_eq!(items.map(|item| content.item(item).hides), [true, false]);
+    assert_eq!(items.map(|item| geometry.item(item).hides), [true, false]);
 }

@@ -2,7 +2,7 @@
 
 use crate::world::{Ball, HALL, at, empty, settle};
 use enfilade::{
-    BezierPatch, BezierSurface, Canvas, Content, ContentBuilder, DetailOptions, DetailSource, Details,
+    BezierPatch, BezierSurface, Canvas, DetailOptions, DetailSource, Details, Geometry, GeometryBuilder,
     ItemId, Material, MaterialId, Method, Passage, PassageId, Scene, SceneBuilder, Span, Transform, View,
     Viewer,
 };
@@ -112,8 +112,8 @@ fn waves() -> (Scene, Arc<dyn DetailSource>) {
         double_sided: true,
         ..Material::opaque([0.5; 3])
     };
-    let content: Content = ContentBuilder::new([clay]).build().expect("nothing yet");
-    scene.add("hall", content, Method::ZBuffer);
+    let geometry: Geometry = GeometryBuilder::new([clay]).build().expect("nothing yet");
+    scene.add("hall", geometry, Method::ZBuffer);
     let height = |x: usize, y: usize| [0.0, 0.9, -0.7, 0.3][(3 * x + 5 * y) % 4];
     let patches: Vec<BezierPatch> = (0..9)
         .map(|place| {
@@ -146,6 +146,6 @@ fn a_bezier_surface_hides_nothing_and_is_seen_at_every_level() {
         let view = View::new([0.0, distance, 0.1 * distance], [0.0; 3], [128, 96]);
         let refined = settle(&mut details, &mut scene, &mut viewer, &view);
         assert_eq!((viewer.visible().items().len(), refined.waiting), (1, 0));
-        assert!(!scene.content(HALL).expect("ours").item(ItemId(0)).hides);
+        assert!(!scene.geometry(HALL).expect("ours").item(ItemId(0)).hides);
     }
 }

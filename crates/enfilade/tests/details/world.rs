@@ -1,7 +1,7 @@
 //! A hall to put details into, and balls to be details.
 
 use enfilade::{
-    Aabb, ContentBuilder, DetailSource, Details, Material, MaterialId, Mesh, Method, Refined, Scene,
+    Aabb, DetailSource, Details, GeometryBuilder, Material, MaterialId, Mesh, Method, Refined, Scene,
     SceneBuilder, SectorId, Transform, View, Viewer, VisibleSet,
 };
 use std::error::Error;
@@ -111,10 +111,10 @@ pub(crate) fn wall_at(z: f32) -> Arc<Mesh> {
 
 pub(crate) fn empty(method: Method) -> Scene {
     let mut scene = SceneBuilder::new();
-    let content = ContentBuilder::new(materials())
+    let geometry = GeometryBuilder::new(materials())
         .build()
         .expect("nothing is wrong with nothing");
-    scene.add("hall", content, method);
+    scene.add("hall", geometry, method);
     scene.build().expect("a hall")
 }
 
@@ -155,8 +155,8 @@ pub(crate) fn names(scene: &Scene, set: &VisibleSet) -> Vec<String> {
         .items()
         .iter()
         .map(|item| {
-            let content = scene.content(set.passage(item.passage).sector).expect("ours");
-            content.name(item.item).to_owned()
+            let geometry = scene.geometry(set.passage(item.passage).sector).expect("ours");
+            geometry.name(item.item).to_owned()
         })
         .collect();
     names.sort();

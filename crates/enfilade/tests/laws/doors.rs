@@ -127,7 +127,7 @@ fn a_fountain_that_moves_is_seen_as_it_is_at_every_moment_and_nothing_else_is_bu
         let mut viewer = viewer();
         for (moment, seconds) in [(1, 0.7), (2, 1.9), (3, 3.1)] {
             scene
-                .set_content(fountain, enfilade_scenes::fountain(seconds))
+                .set_geometry(fountain, enfilade_scenes::fountain(seconds))
                 .expect("it fits");
             let view = subject.camera("fountain");
             let truth = Reference::new(&scene).see(&scene, &view, &limits());

@@ -3,27 +3,27 @@
 use crate::subject::{SIZE, Subject, drawn, limits, names, subject, subjects, viewer};
 use enfilade::laws::Reference;
 use enfilade::{
-    Content, ContentBuilder, Contract, ItemId, Material, MaterialId, Mesh, Method, Scene, SceneBuilder,
+    Contract, Geometry, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Scene, SceneBuilder,
     SectorId, Transform, View, Viewer,
 };
 use enfilade_scenes::{Random, random_edits};
 use std::sync::{Arc, LazyLock};
 
-/// The same content, built of nothing: without what was removed.
-fn afresh(content: &Content) -> Content {
-    let mut builder = ContentBuilder::new(content.materials());
-    builder.textures(content.textures());
-    for number in (0..content.items().len() as u32).map(ItemId) {
-        if content.holds(number) {
-            let item = content.item(number);
-            let mesh = builder.mesh(Arc::clone(&content.meshes()[item.mesh.0 as usize]));
-            let built = builder.item(content.name(number), mesh, item.transform());
+/// The same geometry, built of nothing: without what was removed.
+fn afresh(geometry: &Geometry) -> Geometry {
+    let mut builder = GeometryBuilder::new(geometry.materials());
+    builder.textures(geometry.textures());
+    for number in (0..geometry.items().len() as u32).map(ItemId) {
+        if geometry.holds(number) {
+            let item = geometry.item(number);
+            let mesh = builder.mesh(Arc::clone(&geometry.meshes()[item.mesh.0 as usize]));
+            let built = builder.item(geometry.name(number), mesh, item.transform());
             if !item.hides {
                 builder.never_hides(built);
             }
         }
     }
-    for opening in content.openings() {
+    for opening in geometry.openings() {
         builder.opening(&opening.name, opening.outline.clone());
     }
     builder.build().expect("as sound as it was")
@@ -49,8 +49,8 @@ fn laws_hold_under_edits(subject: &Subject, methods: &[Method], rounds: u64, cou
             subject
                 .built
                 .scene
-                .content(id)
-                .map_or(0, |content| content.item_count())
+                .geometry(id)
+                .map_or(0, |geometry| geometry.item_count())
         })
         .collect();
     let (mut edits, mut looked_at) = (0, 0);
@@ -65,8 +65,8 @@ fn laws_hold_under_edits(subject: &Subject, methods: &[Method], rounds: u64, cou
         let edited = &scenes[0].1;
         let mut fresh = edited.clone();
         for id in edited.sectors() {
-            let content = afresh(edited.content(id).expect("ours"));
-            fresh.set_content(id, content).expect("the same openings");
+            let geometry = afresh(edited.geometry(id).expect("ours"));
+            fresh.set_geometry(id, geometry).expect("the same openings");
         }
         let camera = &subject.built.cameras[round as usize % subject.built.cameras.len()];
         let mut view = camera.view(SIZE);
@@ -170,7 +170,7 @@ fn a_wall_and_a_thing() -> Scene {
         double_sided: true,
         ..Material::opaque([0.5; 3])
     };
-    let mut builder = ContentBuilder::new([material]);
+    let mut builder = GeometryBuilder::new([material]);
     let mut add = |name: &str, corners: [[f32; 3]; 4]| {
         let mesh = Mesh::triangles(&corners, &[0, 1, 2, 0, 2, 3], MaterialId(0)).expect("flat");
         let mesh = builder.mesh(mesh);

@@ -4,7 +4,7 @@ use crate::every_method_keeps_its_contract;
 use crate::subject::{LIMIT, Subject, limits, subject};
 use enfilade::laws::Contestants;
 use enfilade::{
-    Aabb, Attributes, ContentBuilder, ConvexPolygon, ItemId, MAX_COORDINATE, Mesh, Part, SceneBuilder,
+    Aabb, Attributes, ConvexPolygon, GeometryBuilder, ItemId, MAX_COORDINATE, Mesh, Part, SceneBuilder,
     SectorId, Transform, View,
 };
 use enfilade_scenes::{BuiltIn, Camera};
@@ -57,15 +57,15 @@ fn moved(built: &BuiltIn, scale: f32, shift: [f32; 3]) -> BuiltIn {
     let conjugate = |map: Transform| there_from_here * map * here_from_there;
     let mut moved = SceneBuilder::new();
     for id in scene.sectors() {
-        let content = scene.content(id).expect("no custom sectors");
-        let mut builder = ContentBuilder::new(content.materials());
-        builder.textures(content.textures());
-        for (number, item) in (0..).zip(content.items()) {
-            let mesh = builder.mesh(scaled(content.mesh_of(ItemId(number)), scale));
+        let geometry = scene.geometry(id).expect("no custom sectors");
+        let mut builder = GeometryBuilder::new(geometry.materials());
+        builder.textures(geometry.textures());
+        for (number, item) in (0..).zip(geometry.items()) {
+            let mesh = builder.mesh(scaled(geometry.mesh_of(ItemId(number)), scale));
             let there_from_item = there_from_here * item.transform() * back_to_size;
-            builder.item(content.name(ItemId(number)), mesh, there_from_item);
+            builder.item(geometry.name(ItemId(number)), mesh, there_from_item);
         }
-        for opening in content.openings() {
+        for opening in geometry.openings() {
             let corners = opening.outline.corners().iter();
             let corners: Vec<[f32; 3]> = corners.map(|&corner| there_from_here.point(corner)).collect();
             builder.opening(&opening.name, ConvexPolygon::new(&corners).expect("still flat"));

@@ -120,8 +120,8 @@ fn an_engine_that_blends_items_is_told_their_order() {
             };
             for [below, above] in over.pairs {
                 let [a, b] = [below, above].map(|(passage, item)| {
-                    let content = scene.content(set.passage(passage).sector).expect("ours");
-                    content.item(item).bounds
+                    let geometry = scene.geometry(set.passage(passage).sector).expect("ours");
+                    geometry.item(item).bounds
                 });
                 // Cut-outs are drawn with what is opaque.
                 let Some([below_at, above_at]) = place(below).zip(place(above)).map(<[usize; 2]>::from)

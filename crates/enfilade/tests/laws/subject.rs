@@ -86,10 +86,10 @@ pub(crate) fn drawn(viewer: &mut Viewer, scene: &Scene, view: &View) -> OwnerPic
 pub(crate) fn names(scene: &Scene, set: &VisibleSet) -> BTreeSet<String> {
     let name = |item: &enfilade::VisibleItem| {
         let sector = set.passage(item.passage).sector;
-        let content = scene
-            .content(sector)
+        let geometry = scene
+            .geometry(sector)
             .expect("built-in scenes have no sectors of the user's own");
-        format!("{}/{}", scene.sector_name(sector), content.name(item.item))
+        format!("{}/{}", scene.sector_name(sector), geometry.name(item.item))
     };
     set.items().iter().map(name).collect()
 }

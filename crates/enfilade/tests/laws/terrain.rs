@@ -2,7 +2,7 @@
 
 use crate::convex::{keeps_its_contract, view};
 use enfilade::{
-    Alpha, Content, ContentBuilder, ConvexPolygon, HeightField, ItemId, Material, MaterialId, Mesh, Method,
+    Alpha, ConvexPolygon, Geometry, GeometryBuilder, HeightField, ItemId, Material, MaterialId, Mesh, Method,
     Scene, SceneBuilder, SceneError, SectorId, Transform, Unsuited, View,
 };
 use enfilade_scenes::Random;
@@ -41,7 +41,7 @@ fn field(random: &mut Random) -> HeightField {
 }
 
 /// A field, and boxes that stand on it, stick in it, or hover; some are of glass.
-fn content(random: &mut Random, field: &HeightField, place: Transform, openings: bool) -> Content {
+fn geometry(random: &mut Random, field: &HeightField, place: Transform, openings: bool) -> Geometry {
     let ground = Material {
         double_sided: random.below(2) == 0,
         ..Material::opaque([0.3, 0.4, 0.2])
@@ -50,7 +50,7 @@ fn content(random: &mut Random, field: &HeightField, place: Transform, openings:
         alpha: Alpha::Blend,
         ..Material::opaque([0.5; 3])
     };
-    let mut builder = ContentBuilder::new([ground, Material::opaque([0.8, 0.2, 0.2]), glass]);
+    let mut builder = GeometryBuilder::new([ground, Material::opaque([0.8, 0.2, 0.2]), glass]);
     let things = random.below(5);
     for number in 0..things {
         // Some have lower numbers than the ground, some higher.
@@ -131,9 +131,9 @@ fn place(random: &mut Random) -> Transform {
     }
 }
 
-fn seen_by(content: Content, mirror: bool) -> Scene {
+fn seen_by(geometry: Geometry, mirror: bool) -> Scene {
     let mut scene = SceneBuilder::new();
-    let ground = scene.add("ground", content, Method::FloatingHorizon);
+    let ground = scene.add("ground", geometry, Method::FloatingHorizon);
     if mirror {
         scene.mirror(ground, enfilade::OpeningId(0));
     }
@@ -149,7 +149,7 @@ proptest! {
         let field = field(random);
         let place = place(random);
         let mirror = random.below(3) == 0;
-        let scene = seen_by(content(random, &field, place, mirror), mirror);
+        let scene = seen_by(geometry(random, &field, place, mirror), mirror);
         keeps_its_contract(&scene, &views(random, &field, &place), &format!("seed {seed}"));
     }
 }
@@ -162,7 +162,7 @@ fn a_valley_is_seen_and_most_of_what_is_beyond_is_not_even_asked_for() {
         .flat_map(|row| (0..size[0]).map(move |_| if (290..310_u32).contains(&row) { 0.0 } else { 30.0 }))
         .collect();
     let field = HeightField::new(size, [1.0, 1.0], heights).expect("a sound field");
-    let mut builder = ContentBuilder::new([Material::opaque([0.3; 3])]);
+    let mut builder = GeometryBuilder::new([Material::opaque([0.3; 3])]);
     builder
         .terrain("ground", field, MaterialId(0), Transform::IDENTITY)
         .expect("few faces");
@@ -183,7 +183,7 @@ fn a_valley_is_seen_and_most_of_what_is_beyond_is_not_even_asked_for() {
 #[test]
 fn what_has_no_ground_and_ground_that_was_moved_are_refused() {
     let random = &mut Random::new(7);
-    let bare = ContentBuilder::new([]).build().expect("nothing");
+    let bare = GeometryBuilder::new([]).build().expect("nothing");
     assert!(!Method::FloatingHorizon.suits(&bare));
     let refused = Method::FloatingHorizon.build(Arc::new(bare), u64::MAX);
     let Err(Unsuited::NoTerrain(why)) = refused.map(|_| ()) else {
@@ -192,7 +192,7 @@ fn what_has_no_ground_and_ground_that_was_moved_are_refused() {
     assert!(why.to_string().contains("and there is none"), "{why}");
 
     let ground = field(random);
-    let mut builder = ContentBuilder::new([Material::opaque([0.3; 3])]);
+    let mut builder = GeometryBuilder::new([Material::opaque([0.3; 3])]);
     let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let mesh = builder.mesh(Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)).expect("a triangle"));
     let thing = builder.item("thing", mesh, Transform::IDENTITY);

@@ -4,7 +4,7 @@ mod mirrors;
 
 use allocation_counter::measure;
 use enfilade::{
-    Alpha, Canvas, ContentBuilder, ConvexPolygon, Material, MaterialId, Mesh, Method, Passage, PassageId,
+    Alpha, Canvas, ConvexPolygon, GeometryBuilder, Material, MaterialId, Mesh, Method, Passage, PassageId,
     Scene, SceneBuilder, Span, Transform, View, Viewer,
 };
 use enfilade_scenes::built_in;
@@ -76,7 +76,7 @@ fn mirrors_behind_glass() -> Scene {
         double_sided: true,
         ..Material::opaque([0.6; 3])
     };
-    let mut room = ContentBuilder::new([glass]);
+    let mut room = GeometryBuilder::new([glass]);
     let corners = [
         [-9.0, -9.0, -1.0],
         [9.0, -9.0, -1.0],

@@ -1,14 +1,14 @@
 //! Rooms of many mirrors.
 
 use enfilade::{
-    ContentBuilder, ConvexPolygon, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, Transform,
+    ConvexPolygon, GeometryBuilder, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, Transform,
 };
 
 /// A wall of a hundred mirrors before the eye, and things that are seen in them.
 pub(crate) fn hundred_mirrors() -> Scene {
     let mut stone = Material::opaque([0.6; 3]);
     stone.double_sided = true;
-    let mut room = ContentBuilder::new([stone]);
+    let mut room = GeometryBuilder::new([stone]);
     let corners = [[-0.3, 0.0, 0.0], [0.3, 0.0, 0.0], [0.0, 0.6, 0.0]];
     let leaf = room.mesh(Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)).expect("a triangle"));
     for (x, y, z) in grid().map(|(x, y)| (x, y, 2.0 + 0.3 * (x + y))) {

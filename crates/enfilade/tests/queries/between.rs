@@ -1,7 +1,7 @@
 //! Whether two boxes see each other, held against lines by chance.
 
-use crate::{about, contents, length};
-use enfilade::{Aabb, Alpha, Between, Content, Hit, OccluderSet, Ray};
+use crate::{about, geometries, length};
+use enfilade::{Aabb, Alpha, Between, Geometry, Hit, OccluderSet, Ray};
 use enfilade_scenes::Random;
 
 /// Where a line is in a box, as parts of its length; `None` where it is not.
@@ -23,15 +23,15 @@ fn within(bounds: &Aabb, [from, to]: [[f32; 3]; 2]) -> Option<[f64; 2]> {
 }
 
 /// Where opaque faces stop a line outside of both boxes, as parts of its length.
-fn stops(content: &Content, [from, to]: [&Aabb; 2], line: [[f32; 3]; 2], hits: &mut Vec<Hit>) -> Vec<f64> {
+fn stops(geometry: &Geometry, [from, to]: [&Aabb; 2], line: [[f32; 3]; 2], hits: &mut Vec<Hit>) -> Vec<f64> {
     let ray = Ray {
         origin: line[0],
         direction: [0, 1, 2].map(|axis| line[1][axis] - line[0][axis]),
     };
-    content.cast_all(&ray, 1.0, hits);
+    geometry.cast_all(&ray, 1.0, hits);
     let leaves = within(from, line).map_or(0.0, |[_, leave]| leave);
     let enters = within(to, line).map_or(1.0, |[enter, _]| enter);
-    let opaque = |hit: &&Hit| content.surface(hit.item, hit.face).alpha == Alpha::Opaque;
+    let opaque = |hit: &&Hit| geometry.surface(hit.item, hit.face).alpha == Alpha::Opaque;
     let distances = hits.iter().filter(opaque).map(|hit| hit.distance);
     distances.filter(|&at| leaves < at && at < enters).collect()
 }
@@ -55,16 +55,16 @@ fn boxes_that_are_visible_have_a_free_line_and_hidden_ones_none_in_many() {
     const LINES: usize = 100;
     let [mut visible, mut hidden, mut unknown] = [0; 3];
     let mut hits = Vec::new();
-    for (name, content) in contents().chain(crate::city()) {
-        let occluders = OccluderSet::build(&content);
+    for (name, geometry) in geometries().chain(crate::city()) {
+        let occluders = OccluderSet::build(&geometry);
         let mut chance = Random::new(8);
-        let whole = content.bounds();
+        let whole = geometry.bounds();
         // Far from the origin, f32 directions of test lines lose too much to tell faces that boxes touch.
         let slack = if name == "far-away" { 1e-3 } else { 1e-5 };
         for question in 0..PAIRS {
             let mut one = || {
                 if question % 2 == 0 {
-                    return content.items()[chance.below(content.items().len())].bounds;
+                    return geometry.items()[chance.below(geometry.items().len())].bounds;
                 }
                 let middle = about(&mut chance, &whole);
                 let half: [f32; 3] = [(); 3].map(|()| length(&mut chance, 0.2 * whole.longest_side()));
@@ -74,10 +74,10 @@ fn boxes_that_are_visible_have_a_free_line_and_hidden_ones_none_in_many() {
                 }
             };
             let [from, to] = [one(), one()];
-            match content.between(&from, &to, &occluders) {
+            match geometry.between(&from, &to, &occluders) {
                 Between::Visible(line) => {
                     assert!(from.contains(line[0]) && to.contains(line[1]));
-                    let stops = stops(&content, [&from, &to], line, &mut hits);
+                    let stops = stops(&geometry, [&from, &to], line, &mut hits);
                     let leaves = within(&from, line).map_or(0.0, |[_, leave]| leave) + slack;
                     let enters = within(&to, line).map_or(1.0, |[enter, _]| enter) - slack;
                     let stop = stops.iter().find(|&&at| leaves < at && at < enters);
@@ -87,7 +87,7 @@ fn boxes_that_are_visible_have_a_free_line_and_hidden_ones_none_in_many() {
                 Between::Hidden => {
                     for _ in 0..LINES {
                         let line = [point_in(&from, &mut chance), point_in(&to, &mut chance)];
-                        let stops = stops(&content, [&from, &to], line, &mut hits);
+                        let stops = stops(&geometry, [&from, &to], line, &mut hits);
                         assert!(!stops.is_empty(), "@{name}: {from:?} to {to:?} by {line:?}");
                     }
                     hidden += 1;
@@ -104,15 +104,15 @@ fn boxes_that_are_visible_have_a_free_line_and_hidden_ones_none_in_many() {
 
 #[test]
 fn boxes_that_overlap_are_visible_and_those_that_are_none_unknown() {
-    let (_, content) = contents().next().expect("a palace");
-    let occluders = OccluderSet::build(&content);
-    let whole = content.bounds();
-    let seen = content.between(&whole, &whole, &occluders);
+    let (_, geometry) = geometries().next().expect("a palace");
+    let occluders = OccluderSet::build(&geometry);
+    let whole = geometry.bounds();
+    let seen = geometry.between(&whole, &whole, &occluders);
     assert!(matches!(seen, Between::Visible([from, to]) if from == to && whole.contains(from)));
     let mut endless = whole;
     endless.max[0] = f32::INFINITY;
     for bounds in [Aabb::EMPTY, endless] {
-        assert_eq!(content.between(&whole, &bounds, &occluders), Between::Unknown);
-        assert_eq!(content.between(&bounds, &whole, &occluders), Between::Unknown);
+        assert_eq!(geometry.between(&whole, &bounds, &occluders), Between::Unknown);
+        assert_eq!(geometry.between(&bounds, &whole, &occluders), Between::Unknown);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{CUBE_SIDES, affine, triangles};
 use enfilade::{
-    Aabb, Capsule, Content, ContentBuilder, ConvexPolygon, Material, MaterialId, Mesh, Method, OpeningId,
+    Aabb, Capsule, ConvexPolygon, Geometry, GeometryBuilder, Material, MaterialId, Mesh, Method, OpeningId,
     Place, PortalId, Scene, SceneBuilder, SectorId, Transform,
 };
 use enfilade_scenes::{Random, built_in};
@@ -18,8 +18,8 @@ fn block() -> Mesh {
 }
 
 /// Blocks, each by its least corner, its sides and a turn about y.
-fn blocks(blocks: &[([f32; 3], [f32; 3], f64)]) -> Content {
-    let mut builder = ContentBuilder::new([Material::opaque([0.5; 3])]);
+fn blocks(blocks: &[([f32; 3], [f32; 3], f64)]) -> Geometry {
+    let mut builder = GeometryBuilder::new([Material::opaque([0.5; 3])]);
     let mesh = builder.mesh(block());
     for &(at, sides, turn) in blocks {
         let turned = Transform::translation(at) * Transform::rotation([0.0, 1.0, 0.0], turn);
@@ -31,7 +31,7 @@ fn blocks(blocks: &[([f32; 3], [f32; 3], f64)]) -> Content {
 /// A closed room, 10 × 4 × 10, with things in it: pillars, a ramp's worth of corners, a shelf that one must bend under, a
 /// wedge between two walls that is narrower and narrower.
 fn room() -> Scene {
-    let content = blocks(&[
+    let geometry = blocks(&[
         ([0.0; 3], [10.0, 4.0, 10.0], 0.0),
         ([3.0, 0.0, 3.0], [1.0, 4.0, 1.0], 0.3),
         ([6.0, 0.0, 3.0], [0.1, 4.0, 3.0], 1.1),
@@ -41,19 +41,19 @@ fn room() -> Scene {
         ([8.7, 0.0, 0.4], [0.001, 3.0, 2.0], 0.9),
     ]);
     let mut scene = SceneBuilder::new();
-    scene.add("room", content, Method::ZBuffer);
+    scene.add("room", geometry, Method::ZBuffer);
     scene.build().expect("a room")
 }
 
-/// The faces of a content as they stand.
-fn faces(content: &Content) -> Vec<[DVec3; 3]> {
-    let items = (0..content.items().len() as u32).map(enfilade::ItemId);
+/// The faces of a geometry as they stand.
+fn faces(geometry: &Geometry) -> Vec<[DVec3; 3]> {
+    let items = (0..geometry.items().len() as u32).map(enfilade::ItemId);
     items
         .flat_map(|item| {
-            let placed = affine(&content.item(item).transform());
+            let placed = affine(&geometry.item(item).transform());
             let place =
                 move |(_, corners): (u32, [DVec3; 3])| corners.map(|corner| placed.transform_point3(corner));
-            triangles(content.mesh_of(item)).map(place)
+            triangles(geometry.mesh_of(item)).map(place)
         })
         .collect()
 }
@@ -101,7 +101,7 @@ fn walk(scene: &Scene, from: Place, capsule: Capsule, steps: usize, longest: f32
     let mut place = from;
     let mut course = chance.point(1.0);
     let (mut touched, mut length) = (0, 0.0);
-    let all = faces(scene.content(from.sector).expect("ours"));
+    let all = faces(scene.geometry(from.sector).expect("ours"));
     for step in 0..steps {
         if step % 7 == 0 {
             course = chance.point(1.0).map(|value| value * longest);
@@ -311,7 +311,7 @@ fn what_is_no_step_or_no_capsule_goes_nowhere() {
 fn two_rooms(here: [f32; 3], there: [f32; 3]) -> Scene {
     let door = ConvexPolygon::rectangle([-1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.5, 0.0]).expect("a door");
     let room = |thing: [f32; 3], outline: ConvexPolygon| {
-        let mut builder = ContentBuilder::new([Material::opaque([0.5; 3])]);
+        let mut builder = GeometryBuilder::new([Material::opaque([0.5; 3])]);
         let mesh = builder.mesh(block());
         let mut add = |at: [f32; 3], sides: [f32; 3]| {
             builder.item(

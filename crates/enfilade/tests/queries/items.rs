@@ -1,12 +1,12 @@
 //! Items in boxes, spheres and frusta, and the nearest ones.
 
-use crate::{QUESTIONS, about, affine, contents, length};
-use enfilade::{Aabb, Content, ItemId, Nearest, View, Viewer};
+use crate::{QUESTIONS, about, affine, geometries, length};
+use enfilade::{Aabb, Geometry, ItemId, Nearest, View, Viewer};
 use enfilade_scenes::{Random, built_in};
 use glam::DVec3;
 
-fn all(content: &Content) -> impl Iterator<Item = ItemId> {
-    (0..content.items().len() as u32).map(ItemId)
+fn all(geometry: &Geometry) -> impl Iterator<Item = ItemId> {
+    (0..geometry.items().len() as u32).map(ItemId)
 }
 
 /// The items that a question finds, by number: none of them twice.
@@ -30,9 +30,9 @@ fn distance(bounds: &Aabb, point: [f32; 3]) -> f64 {
 #[test]
 fn the_items_in_a_box_are_those_whose_boxes_meet_it() {
     let mut some = 0;
-    for (name, content) in contents() {
+    for (name, geometry) in geometries() {
         let mut chance = Random::new(1);
-        let whole = content.bounds();
+        let whole = geometry.bounds();
         for question in 0..QUESTIONS {
             let middle = about(&mut chance, &whole);
             let half: [f32; 3] = [(); 3].map(|()| length(&mut chance, whole.longest_side()));
@@ -42,16 +42,16 @@ fn the_items_in_a_box_are_those_whose_boxes_meet_it() {
             };
             if question % 5 == 0 {
                 // Touching an item's box from outside.
-                let touched = content.items()[chance.below(content.items().len())].bounds;
+                let touched = geometry.items()[chance.below(geometry.items().len())].bounds;
                 if !touched.is_empty() {
                     bounds.min[0] = touched.max[0];
                     bounds.max[0] = touched.max[0] + half[0];
                 }
             }
-            let expected: Vec<ItemId> = all(&content)
-                .filter(|&item| content.item(item).bounds.meets(&bounds))
+            let expected: Vec<ItemId> = all(&geometry)
+                .filter(|&item| geometry.item(item).bounds.meets(&bounds))
                 .collect();
-            let items = found(|visit| content.items_in_box(&bounds, visit));
+            let items = found(|visit| geometry.items_in_box(&bounds, visit));
             assert_eq!(items, expected, "@{name}, {bounds:?}");
             some += usize::from(!items.is_empty());
         }
@@ -62,26 +62,26 @@ fn the_items_in_a_box_are_those_whose_boxes_meet_it() {
 #[test]
 fn the_items_in_a_sphere_are_those_whose_boxes_are_within_its_radius() {
     let mut some = 0;
-    for (name, content) in contents() {
+    for (name, geometry) in geometries() {
         let mut chance = Random::new(2);
-        let whole = content.bounds();
+        let whole = geometry.bounds();
         for _ in 0..QUESTIONS {
             let center = about(&mut chance, &whole);
             let radius = length(&mut chance, whole.longest_side());
             let square = f64::from(radius) * f64::from(radius);
             let within = |&item: &ItemId| {
-                let off = distance(&content.item(item).bounds, center);
+                let off = distance(&geometry.item(item).bounds, center);
                 off < f64::INFINITY && off * off <= square
             };
             // Where the square root decides, either is right.
             let close = |&item: &ItemId| {
-                (distance(&content.item(item).bounds, center) - f64::from(radius)).abs()
+                (distance(&geometry.item(item).bounds, center) - f64::from(radius)).abs()
                     <= 1e-12 * f64::from(radius)
             };
-            let expected: Vec<ItemId> = all(&content).filter(within).collect();
-            let items = found(|visit| content.items_in_sphere(center, radius, visit));
+            let expected: Vec<ItemId> = all(&geometry).filter(within).collect();
+            let items = found(|visit| geometry.items_in_sphere(center, radius, visit));
             let differs = |item: &&ItemId| items.contains(item) != expected.contains(item);
-            let wrong: Vec<_> = all(&content).collect();
+            let wrong: Vec<_> = all(&geometry).collect();
             let wrong = if items == expected {
                 Vec::new()
             } else {
@@ -96,21 +96,21 @@ fn the_items_in_a_sphere_are_those_whose_boxes_are_within_its_radius() {
 
 #[test]
 fn the_nearest_items_are_the_first_of_all_by_distance() {
-    for (name, content) in contents() {
+    for (name, geometry) in geometries() {
         let mut chance = Random::new(3);
-        let whole = content.bounds();
+        let whole = geometry.bounds();
         let mut nearest = Vec::new();
         for _ in 0..QUESTIONS {
             let point = about(&mut chance, &whole);
             let count = [1, 3, 10, usize::MAX][chance.below(4)];
             let radius = [length(&mut chance, whole.longest_side()), f32::INFINITY][chance.below(2)];
-            let mut expected: Vec<(f64, ItemId)> = all(&content)
-                .map(|item| (distance(&content.item(item).bounds, point), item))
+            let mut expected: Vec<(f64, ItemId)> = all(&geometry)
+                .map(|item| (distance(&geometry.item(item).bounds, point), item))
                 .filter(|&(distance, _)| distance < f64::INFINITY && distance <= f64::from(radius))
                 .collect();
             expected.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
             expected.truncate(count);
-            content.nearest_items(point, count, radius, &mut nearest);
+            geometry.nearest_items(point, count, radius, &mut nearest);
             let found: Vec<_> = nearest.iter().map(|near| (near.distance, near.item)).collect();
             assert_eq!(found, expected, "@{name}, {count} within {radius} of {point:?}");
         }
@@ -157,14 +157,14 @@ fn in_frustum(view: &View, corners: &[DVec3; 8]) -> Option<bool> {
 #[test]
 fn the_items_in_a_frustum_are_those_not_wholly_behind_one_of_its_planes() {
     let [mut some, mut close] = [0; 2];
-    for (name, content) in contents() {
+    for (name, geometry) in geometries() {
         let mut chance = Random::new(4);
-        let whole = content.bounds();
+        let whole = geometry.bounds();
         // Each item's box, and that of its mesh at its place.
-        let boxes: Vec<Option<[[DVec3; 8]; 2]>> = all(&content)
+        let boxes: Vec<Option<[[DVec3; 8]; 2]>> = all(&geometry)
             .map(|item| {
-                let [own, held] = [content.item(item).bounds, content.mesh_of(item).bounds()];
-                let placed = affine(&content.item(item).transform());
+                let [own, held] = [geometry.item(item).bounds, geometry.mesh_of(item).bounds()];
+                let placed = affine(&geometry.item(item).transform());
                 let point = |corner: [f32; 3]| DVec3::from(corner.map(f64::from));
                 let corner = |corner| placed.transform_point3(point(corner));
                 (!held.is_empty()).then(|| [own.corners().map(point), held.corners().map(corner)])
@@ -177,8 +177,8 @@ fn the_items_in_a_frustum_are_those_not_wholly_behind_one_of_its_planes() {
                 [64 + chance.below(64) as u32, 64],
             );
             view.fov_y = 0.1 + 2.5 * chance.unit();
-            let items = found(|visit| content.items_in_frustum(&view, visit));
-            for (item, corners) in all(&content).zip(&boxes) {
+            let items = found(|visit| geometry.items_in_frustum(&view, visit));
+            for (item, corners) in all(&geometry).zip(&boxes) {
                 let Some(corners) = corners else {
                     assert!(!items.contains(&item));
                     continue;
@@ -216,8 +216,8 @@ fn a_visible_set_counts_what_is_in_its_frustum_by_the_same_rule() {
             let [passage] = set.passages() else {
                 panic!("openings are holes");
             };
-            let content = scene.content(passage.sector).expect("ours");
-            let items = found(|visit| content.items_in_frustum(&view, visit));
+            let geometry = scene.geometry(passage.sector).expect("ours");
+            let items = found(|visit| geometry.items_in_frustum(&view, visit));
             assert_eq!(set.in_frustum(&scene).0, items.len(), "@{name}");
             assert!(set.items().iter().all(|seen| items.contains(&seen.item)));
         }
@@ -226,9 +226,9 @@ fn a_visible_set_counts_what_is_in_its_frustum_by_the_same_rule() {
 
 #[test]
 fn questions_that_make_no_sense_find_nothing() {
-    let content = contents().next().expect("a palace").1;
+    let geometry = geometries().next().expect("a palace").1;
     const NAN: f32 = f32::NAN;
-    let whole = content.bounds();
+    let whole = geometry.bounds();
     let nothing = |items: Vec<ItemId>| assert_eq!(items, []);
     let inside_out = Aabb {
         min: whole.max,
@@ -237,10 +237,10 @@ fn questions_that_make_no_sense_find_nothing() {
     let mut not_a_box = whole;
     not_a_box.min[1] = NAN;
     for bounds in [Aabb::EMPTY, inside_out, not_a_box] {
-        nothing(found(|visit| content.items_in_box(&bounds, visit)));
+        nothing(found(|visit| geometry.items_in_box(&bounds, visit)));
     }
     let mut nearest: Vec<Nearest> = Vec::new();
-    content.nearest_items([0.0; 3], 3, f32::INFINITY, &mut nearest);
+    geometry.nearest_items([0.0; 3], 3, f32::INFINITY, &mut nearest);
     assert_eq!(nearest.len(), 3);
     for (center, radius) in [
         ([NAN; 3], 1.0),
@@ -248,12 +248,12 @@ fn questions_that_make_no_sense_find_nothing() {
         ([0.0; 3], -1.0),
         ([f32::INFINITY; 3], 1.0),
     ] {
-        nothing(found(|visit| content.items_in_sphere(center, radius, visit)));
-        content.nearest_items(center, 3, radius, &mut nearest);
+        nothing(found(|visit| geometry.items_in_sphere(center, radius, visit)));
+        geometry.nearest_items(center, 3, radius, &mut nearest);
         assert_eq!(nearest, []);
     }
-    content.nearest_items([0.0; 3], 0, 9.0, &mut nearest);
+    geometry.nearest_items([0.0; 3], 0, 9.0, &mut nearest);
     assert_eq!(nearest, []);
     let view = View::new([NAN; 3], [0.0; 3], [8, 8]);
-    nothing(found(|visit| content.items_in_frustum(&view, visit)));
+    nothing(found(|visit| geometry.items_in_frustum(&view, visit)));
 }

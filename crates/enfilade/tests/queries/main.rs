@@ -10,7 +10,7 @@ mod rays;
 mod survey;
 
 use chance::{about, length};
-use enfilade::{Aabb, Content, ContentBuilder, Material, MaterialId, Mesh, Transform};
+use enfilade::{Aabb, Geometry, GeometryBuilder, Material, MaterialId, Mesh, Transform};
 use enfilade_scenes::{Random, built_in};
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
@@ -39,25 +39,25 @@ const CUBE_SIDES: [[u32; 4]; 6] = [
     [4, 5, 7, 6],
 ];
 
-/// The content with the most items of each scene, by name.
-fn contents() -> impl Iterator<Item = (&'static str, Arc<Content>)> {
+/// The geometry with the most items of each scene, by name.
+fn geometries() -> impl Iterator<Item = (&'static str, Arc<Geometry>)> {
     SCENES.into_iter().map(|name| {
         let scene = built_in(name).expect("it is built in").scene;
-        let contents = scene.sectors().filter_map(|id| scene.content(id));
-        let largest = contents.max_by_key(|content| content.items().len());
+        let geometries = scene.sectors().filter_map(|id| scene.geometry(id));
+        let largest = geometries.max_by_key(|geometry| geometry.items().len());
         (name, Arc::clone(largest.expect("it has rooms")))
     })
 }
 
 /// Blocks of several sizes, one in each square of streets: walls to be hidden by.
-fn city() -> Option<(&'static str, Arc<Content>)> {
+fn city() -> Option<(&'static str, Arc<Geometry>)> {
     let unit = Aabb {
         min: [0.0; 3],
         max: [1.0; 3],
     };
     let faces = CUBE_SIDES.map(|[a, b, c, d]| [a, b, c, a, c, d]);
     let block = Mesh::triangles(&unit.corners(), faces.as_flattened(), MaterialId(0)).expect("a cube");
-    let mut builder = ContentBuilder::new([Material::opaque([0.5; 3])]);
+    let mut builder = GeometryBuilder::new([Material::opaque([0.5; 3])]);
     let block = builder.mesh(block);
     let mut chance = Random::new(11);
     for place in 0..400_u16 {

@@ -2,7 +2,7 @@
 
 use enfilade::laws::chains;
 use enfilade::{
-    Content, ContentBuilder, ConvexPolygon, ItemId, Material, MaterialId, Mesh, Method, Nearby, Place,
+    ConvexPolygon, Geometry, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Nearby, Place,
     PortalId, Scene, SceneBuilder, SectorId, Transform,
 };
 use enfilade_scenes::{Random, built_in, random_scene};
@@ -40,7 +40,7 @@ fn samples(outline: &ConvexPolygon) -> Vec<DVec3> {
 fn sampled(scene: &Scene, place: Place) -> BTreeMap<(SectorId, ItemId), f64> {
     let mut all = BTreeMap::new();
     for (chain, to) in chains(scene, place.sector, MOST_CROSSED) {
-        let Some(content) = scene.content(to) else {
+        let Some(geometry) = scene.geometry(to) else {
             continue;
         };
         // Points in the current space, and the path lengths to them.
@@ -62,8 +62,8 @@ fn sampled(scene: &Scene, place: Place) -> BTreeMap<(SectorId, ItemId), f64> {
             reached = samples(&opening.outline).into_iter().map(beyond).collect();
             scale *= portal.there_from_here.scale();
         }
-        for item in (0..content.items().len() as u32).map(ItemId) {
-            let bounds = content.item(item).bounds;
+        for item in (0..geometry.items().len() as u32).map(ItemId) {
+            let bounds = geometry.item(item).bounds;
             let [min, max] = [bounds.min, bounds.max].map(point);
             let lengths = (reached.iter())
                 .map(|(from, length)| length + from.max(min).min(max).distance(*from) / scale);
@@ -178,7 +178,7 @@ fn mirrors_and_teleports_do_not_multiply_the_ways_to_an_item() {
 
 /// A room with a stone in it and two openings, each of which leads back into the room, a little aside and larger.
 fn loops(scale: f32) -> Scene {
-    let mut room = ContentBuilder::new([Material::opaque([0.5; 3])]);
+    let mut room = GeometryBuilder::new([Material::opaque([0.5; 3])]);
     let stone = [[0.0, 0.0, -6.0], [0.5, 0.0, -6.0], [0.0, 0.5, -6.0]];
     let stone = room.mesh(Mesh::triangles(&stone, &[0, 1, 2], MaterialId(0)).expect("a triangle"));
     room.item("stone", stone, Transform::IDENTITY);
@@ -187,8 +187,8 @@ fn loops(scale: f32) -> Scene {
         room.opening("out", outline.expect("a rectangle"))
     });
     let mut scene = SceneBuilder::new();
-    let content: Content = room.build().expect("sound");
-    let room = scene.add("room", content, Method::HierarchicalZ);
+    let geometry: Geometry = room.build().expect("sound");
+    let room = scene.add("room", geometry, Method::HierarchicalZ);
     for (opening, aside) in openings.into_iter().zip([[0.3, 0.0, 5.0], [-0.4, 0.2, 4.5]]) {
         let there = Transform::translation(aside) * Transform::scaling([scale; 3]);
         scene.portal((room, opening), room, there);

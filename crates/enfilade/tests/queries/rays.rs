@@ -1,7 +1,7 @@
 //! Rays: the first hit and all hits.
 
-use crate::{QUESTIONS, about, affine, contents, triangles};
-use enfilade::{Content, Hit, ItemId, Ray};
+use crate::{QUESTIONS, about, affine, geometries, triangles};
+use enfilade::{Geometry, Hit, ItemId, Ray};
 use enfilade_scenes::Random;
 use glam::{DAffine3, DVec3};
 
@@ -19,14 +19,14 @@ struct All {
 }
 
 impl All {
-    fn of(content: &Content) -> All {
-        let items = || (0..content.items().len() as u32).map(ItemId);
+    fn of(geometry: &Geometry) -> All {
+        let items = || (0..geometry.items().len() as u32).map(ItemId);
         let back = |item: ItemId| {
-            let placed = affine(&content.item(item).transform());
+            let placed = affine(&geometry.item(item).transform());
             (placed.matrix3.determinant() != 0.0).then(|| placed.inverse())
         };
         let of_item = |item: ItemId| {
-            triangles(content.mesh_of(item)).map(move |(face, corners)| Face { item, face, corners })
+            triangles(geometry.mesh_of(item)).map(move |(face, corners)| Face { item, face, corners })
         };
         All {
             faces: items()
@@ -78,8 +78,8 @@ impl All {
     }
 }
 
-fn ray(chance: &mut Random, content: &Content) -> Ray {
-    let whole = content.bounds();
+fn ray(chance: &mut Random, geometry: &Geometry) -> Ray {
+    let whole = geometry.bounds();
     let mut direction = chance.point(1.0);
     match chance.below(6) {
         0 => direction[chance.below(3)] = 0.0,
@@ -99,10 +99,10 @@ fn ray(chance: &mut Random, content: &Content) -> Ray {
 #[test]
 fn a_ray_meets_first_what_is_nearest_of_all_faces() {
     let [mut met, mut missed] = [0; 2];
-    for (name, content) in contents() {
-        let all = All::of(&content);
-        let far = f64::from(content.bounds().longest_side())
-            + content
+    for (name, geometry) in geometries() {
+        let all = All::of(&geometry);
+        let far = f64::from(geometry.bounds().longest_side())
+            + geometry
                 .bounds()
                 .max
                 .map(|v| f64::from(v.abs()))
@@ -112,12 +112,12 @@ fn a_ray_meets_first_what_is_nearest_of_all_faces() {
         // Everything is gone through for each: the larger the scene, the fewer.
         let questions = QUESTIONS.min(40_000_000 / all.faces.len());
         for _ in 0..questions {
-            let ray = ray(&mut chance, &content);
+            let ray = ray(&mut chance, &geometry);
             let length = DVec3::from(ray.direction.map(f64::from)).length();
             let slack = 1e-7 * far / length;
             let hits = all.hits(&ray);
             let sure = hits.iter().find(|hit| hit.1 > 1e-6 && hit.0 > slack);
-            match content.cast(&ray) {
+            match geometry.cast(&ray) {
                 Some(hit) => {
                     let known = hits
                         .iter()
@@ -149,21 +149,21 @@ fn a_ray_meets_first_what_is_nearest_of_all_faces() {
 #[test]
 fn all_hits_of_a_ray_begin_with_the_first_and_are_in_order() {
     let mut many = 0;
-    for (name, content) in contents() {
+    for (name, geometry) in geometries() {
         let mut chance = Random::new(6);
         let mut hits: Vec<Hit> = Vec::new();
         let mut shorter: Vec<Hit> = Vec::new();
         for _ in 0..QUESTIONS {
-            let ray = ray(&mut chance, &content);
-            content.cast_all(&ray, f64::INFINITY, &mut hits);
-            assert_eq!(hits.first().copied(), content.cast(&ray), "@{name}: {ray:?}");
+            let ray = ray(&mut chance, &geometry);
+            geometry.cast_all(&ray, f64::INFINITY, &mut hits);
+            assert_eq!(hits.first().copied(), geometry.cast(&ray), "@{name}: {ray:?}");
             let place = |hit: &Hit| (hit.distance, hit.item, hit.face);
             assert!(
                 hits.windows(2).all(|pair| place(&pair[0]) < place(&pair[1])),
                 "@{name}: {ray:?}"
             );
             if let Some(middle) = hits.get(hits.len() / 2) {
-                content.cast_all(&ray, middle.distance, &mut shorter);
+                geometry.cast_all(&ray, middle.distance, &mut shorter);
                 let within = hits.iter().take_while(|hit| hit.distance <= middle.distance);
                 assert!(shorter.iter().eq(within), "@{name}: {ray:?}");
             }
@@ -176,10 +176,10 @@ fn all_hits_of_a_ray_begin_with_the_first_and_are_in_order() {
 #[test]
 fn all_hits_are_all_that_any_face_meets() {
     let mut sum = 0;
-    for (name, content) in contents() {
-        let all = All::of(&content);
-        let far = f64::from(content.bounds().longest_side())
-            + content
+    for (name, geometry) in geometries() {
+        let all = All::of(&geometry);
+        let far = f64::from(geometry.bounds().longest_side())
+            + geometry
                 .bounds()
                 .max
                 .map(|v| f64::from(v.abs()))
@@ -188,9 +188,9 @@ fn all_hits_are_all_that_any_face_meets() {
         let mut chance = Random::new(7);
         let mut found = Vec::new();
         for _ in 0..QUESTIONS.min(10_000_000 / all.faces.len()) {
-            let ray = ray(&mut chance, &content);
+            let ray = ray(&mut chance, &geometry);
             let slack = 1e-7 * far / DVec3::from(ray.direction.map(f64::from)).length();
-            content.cast_all(&ray, f64::INFINITY, &mut found);
+            geometry.cast_all(&ray, f64::INFINITY, &mut found);
             let hits = all.hits(&ray);
             for hit in hits.iter().filter(|hit| hit.1 > 1e-6 && hit.0 > slack) {
                 assert!(
@@ -214,8 +214,8 @@ fn all_hits_are_all_that_any_face_meets() {
 
 #[test]
 fn rays_that_go_nowhere_meet_nothing() {
-    let content = contents().next().expect("a palace").1;
-    let at = content.bounds().center();
+    let geometry = geometries().next().expect("a palace").1;
+    let at = geometry.bounds().center();
     let mut hits = Vec::new();
     for (origin, direction) in [
         (at, [0.0; 3]),
@@ -224,8 +224,8 @@ fn rays_that_go_nowhere_meet_nothing() {
         ([f32::NAN; 3], [1.0, 0.0, 0.0]),
     ] {
         let ray = Ray { origin, direction };
-        assert_eq!(content.cast(&ray), None);
-        content.cast_all(&ray, f64::INFINITY, &mut hits);
+        assert_eq!(geometry.cast(&ray), None);
+        geometry.cast_all(&ray, f64::INFINITY, &mut hits);
         assert_eq!(hits, []);
     }
     let down = Ray {
@@ -233,7 +233,7 @@ fn rays_that_go_nowhere_meet_nothing() {
         direction: [0.0, -1.0, 0.0],
     };
     for (limit, some) in [(f64::NAN, false), (-1.0, false), (f64::INFINITY, true)] {
-        content.cast_all(&down, limit, &mut hits);
+        geometry.cast_all(&down, limit, &mut hits);
         assert_eq!(!hits.is_empty(), some);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::CUBE_SIDES;
 use enfilade::{
-    ContentBuilder, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, Standpoint, Survey, Transform,
+    GeometryBuilder, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, Standpoint, Survey, Transform,
     View, Viewer, survey, survey_hard,
 };
 use enfilade_scenes::{NAMES, built_in};
@@ -34,7 +34,7 @@ fn room(min: [f32; 3], max: [f32; 3]) -> Block {
 fn scene(blocks: &[Block], scale: f32, inverted: bool) -> Scene {
     let mut material = Material::opaque([1.0; 3]);
     material.double_sided = true;
-    let mut builder = ContentBuilder::new([material]);
+    let mut builder = GeometryBuilder::new([material]);
     for block in blocks {
         let corner = |at: usize| {
             [0, 1, 2].map(|axis| {
@@ -155,7 +155,7 @@ fn where_the_ground_goes_on_below_a_hall_a_survey_stays_outside() {
             [c, b, a, d, c, a]
         });
     }
-    let mut builder = ContentBuilder::new([Material::opaque([1.0; 3])]);
+    let mut builder = GeometryBuilder::new([Material::opaque([1.0; 3])]);
     let mesh = builder.mesh(Mesh::triangles(&corners, &faces, MaterialId(0)).expect("twelve triangles"));
     builder.item("hall", mesh, Transform::IDENTITY);
     let mut scene = SceneBuilder::new();

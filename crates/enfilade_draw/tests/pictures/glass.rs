@@ -1,7 +1,7 @@
 //! Glass upon glass: its colours are those of light that goes through all of it.
 
 use crate::stage::{SIZE, drawn, view};
-use enfilade::{Alpha, ContentBuilder, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, Transform};
+use enfilade::{Alpha, GeometryBuilder, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, Transform};
 use enfilade_draw::Settings;
 
 const PANES: usize = 12;
@@ -25,7 +25,7 @@ fn panes(count: usize) -> (Scene, Vec<Material>) {
     };
     let mut materials = vec![wall];
     materials.extend((0..count).map(pane));
-    let mut content = ContentBuilder::new(materials.clone());
+    let mut geometry = GeometryBuilder::new(materials.clone());
     let square = [
         [-3.0, -3.0, 0.0],
         [3.0, -3.0, 0.0],
@@ -34,13 +34,13 @@ fn panes(count: usize) -> (Scene, Vec<Material>) {
     ];
     for number in 0..materials.len() {
         let mesh = Mesh::triangles(&square, &[0, 1, 2, 0, 2, 3], MaterialId(number as u32));
-        let mesh = content.mesh(mesh.expect("a square"));
+        let mesh = geometry.mesh(mesh.expect("a square"));
         // The nearest is added first.
         let depth = if number == 0 { -4.0 } else { -0.2 * number as f32 };
-        content.item("pane", mesh, Transform::translation([0.0, 0.0, depth]));
+        geometry.item("pane", mesh, Transform::translation([0.0, 0.0, depth]));
     }
     let mut scene = SceneBuilder::new();
-    scene.add("hall", content.build().expect("panes"), Method::ZBuffer);
+    scene.add("hall", geometry.build().expect("panes"), Method::ZBuffer);
     (scene.build().expect("a hall"), materials)
 }
 

@@ -2,7 +2,7 @@
 
 use crate::stage::{SIZE, direction, view};
 use enfilade::{
-    Attributes, ContentBuilder, Light, LightShape, Material, MaterialId, Mesh, Method, Part, Scene,
+    Attributes, GeometryBuilder, Light, LightShape, Material, MaterialId, Mesh, Method, Part, Scene,
     SceneBuilder, Transform, View, Viewer,
 };
 use enfilade_draw::{Exposure, Settings, Stage};
@@ -10,7 +10,7 @@ use glam::DVec3;
 
 /// A wall across the view at z = −3, whose corners have these normals.
 fn wall(normals: &[[f32; 3]], material: Material, lights: &[Light]) -> Scene {
-    let mut content = ContentBuilder::new([material]);
+    let mut geometry = GeometryBuilder::new([material]);
     let mesh = Mesh::new(&[Part {
         positions: &[
             [-6.0, -4.0, -3.0],
@@ -26,10 +26,10 @@ fn wall(normals: &[[f32; 3]], material: Material, lights: &[Light]) -> Scene {
             ..Attributes::default()
         },
     }]);
-    let mesh = content.mesh(mesh.expect("a wall"));
-    content.item("wall", mesh, Transform::IDENTITY);
+    let mesh = geometry.mesh(mesh.expect("a wall"));
+    geometry.item("wall", mesh, Transform::IDENTITY);
     let mut scene = SceneBuilder::new();
-    scene.add("yard", content.build().expect("a yard"), Method::ZBuffer);
+    scene.add("yard", geometry.build().expect("a yard"), Method::ZBuffer);
     for &light in lights {
         scene.light(light);
     }

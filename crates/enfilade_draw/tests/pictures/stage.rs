@@ -1,8 +1,8 @@
 //! Small worlds with textures, and what a ray sees of them.
 
 use enfilade::{
-    Attributes, ContentBuilder, Material, MaterialId, Mesh, Method, Part, Ray, Scene, SceneBuilder, SectorId,
-    Texture, TextureId, Transform, View, Viewer, Wrap,
+    Attributes, GeometryBuilder, Material, MaterialId, Mesh, Method, Part, Ray, Scene, SceneBuilder,
+    SectorId, Texture, TextureId, Transform, View, Viewer, Wrap,
 };
 use enfilade_draw::{Picture, Settings, Stage};
 use glam::{DMat3, DVec3};
@@ -47,10 +47,10 @@ pub(crate) fn sheet(material: MaterialId) -> Mesh {
 
 /// Sheets that stand about, turned, stretched and mirrored; beyond a mirror they are seen again.
 pub(crate) fn gallery(textures: Vec<Texture>, materials: &[Material]) -> Scene {
-    let mut content = ContentBuilder::new(materials.to_vec());
-    content.textures(textures.into_iter().map(Arc::new).collect::<Vec<_>>());
+    let mut geometry = GeometryBuilder::new(materials.to_vec());
+    geometry.textures(textures.into_iter().map(Arc::new).collect::<Vec<_>>());
     let kinds: Vec<_> = (0..materials.len() as u32)
-        .map(|material| content.mesh(sheet(MaterialId(material))))
+        .map(|material| geometry.mesh(sheet(MaterialId(material))))
         .collect();
     let places = [
         Transform::translation([-1.5, -0.5, -2.0]) * Transform::rotation([0.0, 1.0, 0.0], 0.6),
@@ -60,13 +60,13 @@ pub(crate) fn gallery(textures: Vec<Texture>, materials: &[Material]) -> Scene {
         Transform::translation([-1.0, -0.9, 0.6]) * Transform::rotation([1.0, 0.0, 0.0], -1.5),
     ];
     for (number, place) in places.into_iter().enumerate().filter(|_| !kinds.is_empty()) {
-        content.item(&format!("sheet {number}"), kinds[number % kinds.len()], place);
+        geometry.item(&format!("sheet {number}"), kinds[number % kinds.len()], place);
     }
     let glass = enfilade::ConvexPolygon::rectangle([-2.0, -1.0, -3.6], [4.0, 0.0, 0.4], [0.0, 2.0, 0.0])
         .expect("a mirror");
-    let mirror = content.opening("mirror", glass);
+    let mirror = geometry.opening("mirror", glass);
     let mut scene = SceneBuilder::new();
-    let hall = scene.add("hall", content.build().expect("a hall"), Method::ZBuffer);
+    let hall = scene.add("hall", geometry.build().expect("a hall"), Method::ZBuffer);
     scene.mirror(hall, mirror);
     scene.build().expect("a gallery")
 }
@@ -129,10 +129,10 @@ pub(crate) fn meet(scene: &Scene, view: &View, at: [f64; 2]) -> Option<Met> {
     };
     let eye = DVec3::from(view.eye.map(f64::from));
     let point = moved(eye + direction * cast.distance);
-    let content = scene.content(cast.sector)?;
-    let mesh = content.mesh_of(hit.item);
+    let geometry = scene.geometry(cast.sector)?;
+    let mesh = geometry.mesh_of(hit.item);
     let corners = mesh.face(hit.face);
-    let item = content.item(hit.item).transform();
+    let item = geometry.item(hit.item).transform();
     let place = |i: usize| {
         let [x, y, z] = mesh.positions()[corners[i] as usize].map(f64::from);
         let columns = item.columns().map(|c| DVec3::from(c.map(f64::from)));

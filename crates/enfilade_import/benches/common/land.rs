@@ -4,7 +4,7 @@
 //! furniture, ceilings and inner doors only inside, ground and foundations only outside.
 
 use enfilade::{
-    ContentBuilder, ConvexPolygon, HeightField, Material, MaterialId, Method, Scene, SceneBuilder, SectorId,
+    ConvexPolygon, GeometryBuilder, HeightField, Material, MaterialId, Method, Scene, SceneBuilder, SectorId,
     Transform, View,
 };
 use enfilade_import::{ReadOptions, read};
@@ -42,7 +42,7 @@ pub(crate) fn house_in_a_valley(folder: &Path, methods: [Method; 2], size: [u32;
         ..ReadOptions::default()
     };
     let import = read(&folder.join("ifc_duplex.glb"), &flat).unwrap_or_else(|error| panic!("{error}"));
-    let house = &import.rooms[0].content;
+    let house = &import.rooms[0].geometry;
     let (field, foot) = valley(folder);
     let world_from_house = Transform::translation(foot.map(|part| part as f32));
     let ground = MaterialId(house.materials().len() as u32);
@@ -53,18 +53,18 @@ pub(crate) fn house_in_a_valley(folder: &Path, methods: [Method; 2], size: [u32;
         .chain([Material::opaque([0.32, 0.36, 0.17])])
         .collect();
     let materials: Arc<[Material]> = materials.into();
-    let [mut outside, mut inside] = [(); 2].map(|()| ContentBuilder::new(Arc::clone(&materials)));
+    let [mut outside, mut inside] = [(); 2].map(|()| GeometryBuilder::new(Arc::clone(&materials)));
     outside
         .terrain("ground", field, ground, Transform::IDENTITY)
         .expect("few faces");
-    for (content, elsewhere) in [(&mut outside, &ONLY_INSIDE[..]), (&mut inside, &ONLY_OUTSIDE[..])] {
+    for (geometry, elsewhere) in [(&mut outside, &ONLY_INSIDE[..]), (&mut inside, &ONLY_OUTSIDE[..])] {
         for (number, item) in (0..).zip(house.items()) {
             let name = house.name(enfilade::ItemId(number));
             if elsewhere.iter().any(|beginning| name.starts_with(beginning)) {
                 continue;
             }
-            let mesh = content.mesh(Arc::clone(&house.meshes()[item.mesh.0 as usize]));
-            content.item(name, mesh, world_from_house * item.transform());
+            let mesh = geometry.mesh(Arc::clone(&house.meshes()[item.mesh.0 as usize]));
+            geometry.item(name, mesh, world_from_house * item.transform());
         }
     }
     let openings = openings(folder);
@@ -87,8 +87,8 @@ pub(crate) fn house_in_a_valley(folder: &Path, methods: [Method; 2], size: [u32;
         views.push(View::new(off(-1.5), off(3.0), size));
     }
     let mut scene = SceneBuilder::new();
-    let outside = scene.add("outside", outside.build().expect("a content"), methods[0]);
-    let inside = scene.add("inside", inside.build().expect("a content"), methods[1]);
+    let outside = scene.add("outside", outside.build().expect("a geometry"), methods[0]);
+    let inside = scene.add("inside", inside.build().expect("a geometry"), methods[1]);
     assert_eq!([outside, inside], [OUTSIDE, INSIDE]);
     for (from, to) in doors {
         scene.door((outside, from), (inside, to));

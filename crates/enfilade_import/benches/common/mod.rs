@@ -10,7 +10,7 @@
 pub(crate) mod land;
 
 use enfilade::{
-    Aabb, Canvas, Content, Item, Method, Owner, Passage, PassageId, Scene, Span, View, Viewer, survey,
+    Aabb, Canvas, Geometry, Item, Method, Owner, Passage, PassageId, Scene, Span, View, Viewer, survey,
 };
 use enfilade_import::{ReadOptions, read};
 use glam::{DAffine3, DMat3, DVec3};
@@ -84,9 +84,9 @@ pub(crate) fn open(folder: &Path, file: &str) -> Place {
 
 impl Place {
     /// What its one sector is made of.
-    pub(crate) fn content(&self) -> &Arc<Content> {
+    pub(crate) fn geometry(&self) -> &Arc<Geometry> {
         let only = self.scene.sectors().next().expect("one sector");
-        self.scene.content(only).expect("a sector of ours")
+        self.scene.geometry(only).expect("a sector of ours")
     }
 
     /// The scene as a method sees it; `None` where that would be too large.

@@ -6,7 +6,7 @@
 //! Shares no code with the engine's; where two faces are equally near the first stays, and glass is seen.
 
 use crate::common::{Lens, SIZE, dye};
-use enfilade::{Alpha, Content, ItemId, Owner};
+use enfilade::{Alpha, Geometry, ItemId, Owner};
 use glam::DVec3;
 
 /// The classic z-buffer: a nearness at each sample, and nothing else.
@@ -27,31 +27,36 @@ impl Classic {
     }
 
     /// Draws all faces that hide, then glass and cut-outs before what is there.
-    pub(crate) fn draw(&mut self, content: &Content, lens: &Lens, shade: &mut impl FnMut(usize, usize, u32)) {
+    pub(crate) fn draw(
+        &mut self,
+        geometry: &Geometry,
+        lens: &Lens,
+        shade: &mut impl FnMut(usize, usize, u32),
+    ) {
         self.nearness.fill(0.0);
         self.writes = 0;
         for hides in [true, false] {
-            for item in (0..content.items().len() as u32).map(ItemId) {
-                self.item(content, item, lens, hides, shade);
+            for item in (0..geometry.items().len() as u32).map(ItemId) {
+                self.item(geometry, item, lens, hides, shade);
             }
         }
     }
 
     fn item(
         &mut self,
-        content: &Content,
+        geometry: &Geometry,
         id: ItemId,
         lens: &Lens,
         hides: bool,
         shade: &mut impl FnMut(usize, usize, u32),
     ) {
-        let (item, mesh) = (content.item(id), content.mesh_of(id));
+        let (item, mesh) = (geometry.item(id), geometry.mesh_of(id));
         let screen_from_item = lens.screen_from(item);
         if !lens.may_show(&screen_from_item, &mesh.bounds()) {
             return;
         }
         for cluster in mesh.clusters() {
-            let material = content.material(cluster);
+            let material = geometry.material(cluster);
             assert!(material.double_sided, "faces are not left out by their side here");
             if (material.alpha == Alpha::Opaque) != hides
                 || !lens.may_show(&screen_from_item, &cluster.bounds)

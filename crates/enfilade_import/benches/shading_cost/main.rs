@@ -157,7 +157,9 @@ fn count(place: &Place, expected: u64) -> Vec<Counts> {
         viewers[1].draw(&depth, view, &mut shader);
         let (stats, mut seen_through) = (*viewers[1].stats(), 0);
         let once = shader.shaded;
-        classic.draw(place.content(), &Lens::of(view), &mut |_, _, _| seen_through += 1);
+        classic.draw(place.geometry(), &Lens::of(view), &mut |_, _, _| {
+            seen_through += 1
+        });
         seen_through -= classic.writes;
         let visible = classic
             .nearness
@@ -185,7 +187,7 @@ fn time(place: &Place) -> [Vec<f64>; 4] {
     let [span, depth] =
         [Method::SBuffer, Method::ZBuffer].map(|method| place.seen_by(method).expect("small"));
     let lenses: Vec<Lens> = place.views.iter().map(Lens::of).collect();
-    let (views, content, lenses) = (&place.views, place.content(), &lenses);
+    let (views, geometry, lenses) = (&place.views, place.geometry(), &lenses);
     let mut contenders: Vec<Box<dyn FnMut(usize)>> = Vec::new();
     for scene in [&span, &depth] {
         let (mut viewer, mut shader) = (Viewer::new(), Shader::new());
@@ -195,11 +197,11 @@ fn time(place: &Place) -> [Vec<f64>; 4] {
     }
     let (mut classic, mut shader) = (Classic::new(), Shader::new());
     contenders.push(Box::new(move |view| {
-        classic.draw(content, &lenses[view], &mut |x, y, dye| shader.shade(x, y, dye));
+        classic.draw(geometry, &lenses[view], &mut |x, y, dye| shader.shade(x, y, dye));
     }));
     let (mut classic, mut writes) = (Classic::new(), 0_u64);
     contenders.push(Box::new(move |view| {
-        classic.draw(content, &lenses[view], &mut |_, _, _| writes += 1);
+        classic.draw(geometry, &lenses[view], &mut |_, _, _| writes += 1);
         black_box(writes);
     }));
     let (mut viewer, depth) = (Viewer::new(), &depth);

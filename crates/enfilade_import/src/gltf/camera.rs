@@ -118,7 +118,7 @@ fn orthographic(
     // Depths along the line of sight, from the camera: of what there is before it.
     let all = rooms
         .iter()
-        .fold(Aabb::EMPTY, |all, room| all.union(&room.content.bounds()));
+        .fold(Aabb::EMPTY, |all, room| all.union(&room.geometry.bounds()));
     let depths = all
         .corners()
         .map(|corner| (eye - DVec3::from(corner.map(f64::from))).dot(back));

@@ -86,7 +86,7 @@ fn light(source: &Source, world: &Transform) -> Option<Light> {
 
 /// The room with the largest box.
 fn largest(rooms: &[Room]) -> SectorId {
-    let volume = |number: &u32| rooms[*number as usize].content.bounds().volume();
+    let volume = |number: &u32| rooms[*number as usize].geometry.bounds().volume();
     let numbers = 0..rooms.len() as u32;
     SectorId(
         numbers

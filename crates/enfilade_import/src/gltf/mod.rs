@@ -43,7 +43,7 @@ use accessor::Row;
 use buffers::Buffers;
 use container::Container;
 use document::Document;
-use enfilade::{ContentError, Material, Mesh, Texture};
+use enfilade::{GeometryError, Material, Mesh, Texture};
 use instances::{InstancePlan, Instances};
 use materials::Surface;
 use mesh::MeshPlan;
@@ -145,7 +145,7 @@ fn import_with(
     let lights = lights::read(&document, &plan, &rooms, &mut warnings)?;
     let triangles = rooms
         .iter()
-        .map(|room| room.content.triangle_count())
+        .map(|room| room.geometry.triangle_count())
         .sum::<u64>();
     warnings.state(WarningKind::EmptyScene, triangles == 0);
     Ok(Import {
@@ -249,11 +249,11 @@ fn warn_of_surfaces(surfaces: &[Surface], used: &BTreeSet<u32>, warnings: &mut W
     }
 }
 
-/// Says which node is meant where the content knows only the item.
+/// Says which node is meant where the geometry knows only the item.
 fn name_the_node(why: BrokenRule, document: &Document, placed: &[Placed], names: &Names) -> BrokenRule {
     let (name, rule): (_, fn(String) -> BrokenRule) = match &why {
-        BrokenRule::Content(ContentError::NotFinite(name)) => (name, BrokenRule::NodeNotFinite),
-        BrokenRule::Content(ContentError::TooFar(name)) => (name, BrokenRule::NodeTooFar),
+        BrokenRule::Geometry(GeometryError::NotFinite(name)) => (name, BrokenRule::NodeNotFinite),
+        BrokenRule::Geometry(GeometryError::TooFar(name)) => (name, BrokenRule::NodeTooFar),
         _ => return why,
     };
     let is_meant = |placed: &&Placed| names.name(placed.node, &document.nodes[placed.node as usize]) == *name;

@@ -9,7 +9,7 @@ use crate::faults::{Faults, Subject};
 use crate::rooms::{self, Frame, Marked, Shell, Teleport};
 use crate::warning::{WarningKind, Warnings};
 use crate::{AuthoringError, BrokenRule, Room, SourceNodes};
-use enfilade::{ContentBuilder, MeshId, Method, Portal, SectorId};
+use enfilade::{GeometryBuilder, MeshId, Method, Portal, SectorId};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
@@ -259,7 +259,7 @@ impl<'d> Plan<'d> {
                 let material = things.meshes.get(mesh).clusters()[0].material;
                 let blocks = builder
                     .terrain(&name, Arc::clone(field), material, placed.world)
-                    .map_err(BrokenRule::Content)?;
+                    .map_err(BrokenRule::Geometry)?;
                 nodes.add(blocks.start, placed.node, id);
                 continue;
             }
@@ -394,8 +394,8 @@ impl<'d> Plan<'d> {
 
 impl Things {
     /// Starts a room.
-    fn builder(&self) -> ContentBuilder {
-        let mut builder = ContentBuilder::new(Arc::clone(&self.materials));
+    fn builder(&self) -> GeometryBuilder {
+        let mut builder = GeometryBuilder::new(Arc::clone(&self.materials));
         builder.textures(Arc::clone(&self.textures));
         builder
     }

@@ -123,11 +123,11 @@ pub fn details_of(
     let mut known: HashMap<usize, Arc<dyn DetailSource>> = HashMap::new();
     let mut large = Vec::new();
     for sector in scene.sectors() {
-        let Some(content) = scene.content(sector) else {
+        let Some(geometry) = scene.geometry(sector) else {
             continue;
         };
-        for number in (0..content.items().len() as u32).map(enfilade::ItemId) {
-            let mesh = &content.meshes()[content.item(number).mesh.0 as usize];
+        for number in (0..geometry.items().len() as u32).map(enfilade::ItemId) {
+            let mesh = &geometry.meshes()[geometry.item(number).mesh.0 as usize];
             if mesh.face_count() > 0 && mesh.triangle_count() >= least_triangles {
                 let address = Arc::as_ptr(mesh).addr();
                 let source = known

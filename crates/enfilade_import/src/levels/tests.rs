@@ -2,7 +2,7 @@
 
 use super::*;
 use enfilade::{
-    Attributes, ContentBuilder, Material, Method, SceneBuilder, SectorId, Transform, View, Viewer,
+    Attributes, GeometryBuilder, Material, Method, SceneBuilder, SectorId, Transform, View, Viewer,
 };
 use std::path::Path;
 
@@ -147,13 +147,13 @@ fn what_is_measured_is_what_is_there() {
 
 #[test]
 fn large_items_of_a_scene_get_levels_and_copies_share_them() {
-    let mut content = ContentBuilder::new([Material::opaque([0.3; 3]), Material::opaque([0.6; 3])]);
-    let (large, small) = (content.mesh(hills(64)), content.mesh(hills(4)));
+    let mut geometry = GeometryBuilder::new([Material::opaque([0.3; 3]), Material::opaque([0.6; 3])]);
+    let (large, small) = (geometry.mesh(hills(64)), geometry.mesh(hills(4)));
     for (name, mesh, x) in [("near", large, 0.0), ("far", large, 1.5), ("small", small, -1.5)] {
-        content.item(name, mesh, Transform::translation([x, 0.0, 0.0]));
+        geometry.item(name, mesh, Transform::translation([x, 0.0, 0.0]));
     }
     let mut scene = SceneBuilder::new();
-    let sector = scene.add("hills", content.build().expect("sound"), Method::HierarchicalZ);
+    let sector = scene.add("hills", geometry.build().expect("sound"), Method::HierarchicalZ);
     let mut scene = scene.build().expect("one sector");
     let full = scene.triangle_count();
     let mut details = details_of(&mut scene, 1000, DetailOptions::default()).expect("they fit");
@@ -185,8 +185,8 @@ fn what_real_scenes_hold_keeps_its_errors() {
         let scene = import.scene(Method::ZBuffer, u64::MAX).expect("it fits");
         let mut meshes: Vec<Arc<Mesh>> = scene
             .sectors()
-            .filter_map(|sector: SectorId| scene.content(sector))
-            .flat_map(|content| content.meshes().iter().cloned())
+            .filter_map(|sector: SectorId| scene.geometry(sector))
+            .flat_map(|geometry| geometry.meshes().iter().cloned())
             .filter(|mesh| mesh.face_count() < 20_000)
             .collect();
         meshes.sort_by_key(|mesh| std::cmp::Reverse(mesh.face_count()));

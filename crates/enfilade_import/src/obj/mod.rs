@@ -26,7 +26,7 @@ pub use error::ObjError;
 use crate::budget::Budget;
 use crate::warning::{WarningKind, Warnings};
 use crate::{BrokenRule, Import, ReadOptions, Room, SourceNodes, gltf};
-use enfilade::{ContentBuilder, Transform};
+use enfilade::{GeometryBuilder, Transform};
 use groups::{Group, Groups};
 use materials::Materials;
 use mesh::{Built, Size, Source};
@@ -103,8 +103,8 @@ fn read(
         placings: &materials.placings,
     };
 
-    let mut content = ContentBuilder::new(materials.materials);
-    content.textures(materials.textures);
+    let mut geometry = GeometryBuilder::new(materials.materials);
+    geometry.textures(materials.textures);
     let crowds = crowds(&found.groups, &source);
     let carried = bytes_carried(&tables, found.any_smooth());
     let mut kept = 0;
@@ -124,19 +124,19 @@ fn read(
                     format!("line {}", source.line(piece, face))
                 });
             }
-            let mesh = content.mesh(mesh);
-            content.item(&group.name, mesh, Transform::IDENTITY);
+            let mesh = geometry.mesh(mesh);
+            geometry.item(&group.name, mesh, Transform::IDENTITY);
             if !options.flat && gltf::is_called_like_an_opening_or_a_room(&group.name) {
                 warnings.name(WarningKind::NoRoomsInObj, || group.name.clone());
             }
         }
     }
-    let content = Arc::new(content.build().map_err(BrokenRule::Content)?);
-    warnings.state(WarningKind::EmptyScene, content.triangle_count() == 0);
+    let geometry = Arc::new(geometry.build().map_err(BrokenRule::Geometry)?);
+    warnings.state(WarningKind::EmptyScene, geometry.triangle_count() == 0);
     Ok(Import {
         rooms: vec![Room {
             name: name.to_owned(),
-            content,
+            geometry,
             nodes: SourceNodes::default(),
             method: None,
             open_above: false,

@@ -8,7 +8,7 @@ use enfilade::SectorId;
 pub(crate) fn room_around(rooms: &[Room], point: [f32; 3]) -> Option<SectorId> {
     let numbered = (0_u32..).zip(rooms);
     numbered
-        .map(|(number, room)| (SectorId(number), space(&room.content, room.open_above)))
+        .map(|(number, room)| (SectorId(number), space(&room.geometry, room.open_above)))
         .filter(|(_, bounds)| bounds.contains(point))
         .min_by(|(a, one), (b, other)| by_size(one, other).then(a.cmp(b)))
         .map(|(room, _)| room)
@@ -17,7 +17,7 @@ pub(crate) fn room_around(rooms: &[Room], point: [f32; 3]) -> Option<SectorId> {
 /// The room whose box is nearest to a point.
 pub(crate) fn room_nearest(rooms: &[Room], point: [f32; 3]) -> Option<SectorId> {
     let away = |number: &u32| -> f64 {
-        let bounds = rooms[*number as usize].content.bounds();
+        let bounds = rooms[*number as usize].geometry.bounds();
         let beyond = |axis: usize| (bounds.min[axis] - point[axis]).max(point[axis] - bounds.max[axis]);
         (0..3).map(|axis| f64::from(beyond(axis).max(0.0)).powi(2)).sum()
     };

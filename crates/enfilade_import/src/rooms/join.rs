@@ -8,7 +8,7 @@ use super::{Marked, Shell, Teleport, Way};
 use crate::faults::{Faults, Subject};
 use crate::warning::Warnings;
 use crate::{AuthoringError, BrokenRule, Room};
-use enfilade::{Content, ConvexPolygon, OpeningId, Portal, Ray, SectorId, Transform};
+use enfilade::{ConvexPolygon, Geometry, OpeningId, Portal, Ray, SectorId, Transform};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -36,9 +36,9 @@ pub(crate) fn join(
     if shells.len() == 1 && marked.is_empty() {
         return finish(shells, &marked, Found::default());
     }
-    let bare: Vec<Content> = shells
+    let bare: Vec<Geometry> = shells
         .iter()
-        .map(|shell| shell.builder.clone().build().map_err(BrokenRule::Content))
+        .map(|shell| shell.builder.clone().build().map_err(BrokenRule::Geometry))
         .collect::<Result<_, _>>()?;
     let spoken: Vec<&str> = shells.iter().map(|shell| &*shell.spoken).collect();
     for (first, second, point) in overlaps(&bare) {
@@ -76,7 +76,7 @@ struct Found {
     bad: Vec<(usize, AuthoringError)>,
 }
 
-fn find(rooms: &[Content], spoken: &[&str], marked: &[Marked]) -> Found {
+fn find(rooms: &[Geometry], spoken: &[&str], marked: &[Marked]) -> Found {
     let outlines: Vec<Result<ConvexPolygon, AuthoringError>> = marked
         .par_iter()
         .map(|marked| outline(&marked.mesh, &marked.world, &marked.spoken))
@@ -138,7 +138,7 @@ fn finish(
     for (number, shell) in shells.into_iter().enumerate() {
         rooms.push(Room {
             name: shell.name,
-            content: Arc::new(shell.builder.build().map_err(BrokenRule::Content)?),
+            geometry: Arc::new(shell.builder.build().map_err(BrokenRule::Geometry)?),
             nodes: shell.nodes,
             method: shell.method,
             open_above: found.open_above.get(number).copied().unwrap_or_default(),
@@ -321,7 +321,7 @@ impl Around<'_> {
 
 /// How free the sight is before one side of an opening: for each ray straight ahead 2 where it ends at the front of a
 /// face some way off, 1 where it does not end, 0 at a wall hard by or from within one.
-fn free_rays(room: &Content, outline: &ConvexPolygon, side: f64) -> usize {
+fn free_rays(room: &Geometry, outline: &ConvexPolygon, side: f64) -> usize {
     let corners: Vec<DVec3> = points(outline);
     let size = area(&corners).sqrt();
     let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;

@@ -16,7 +16,7 @@ pub(crate) use frame::Frame;
 pub(crate) use join::join;
 
 use crate::SourceNodes;
-use enfilade::{ContentBuilder, Mesh, Method, Transform};
+use enfilade::{GeometryBuilder, Mesh, Method, Transform};
 use std::sync::Arc;
 
 /// A room before it has openings.
@@ -24,7 +24,7 @@ pub(crate) struct Shell {
     pub(crate) name: String,
     /// What messages call it.
     pub(crate) spoken: String,
-    pub(crate) builder: ContentBuilder,
+    pub(crate) builder: GeometryBuilder,
     pub(crate) method: Option<Method>,
     pub(crate) nodes: SourceNodes,
 }

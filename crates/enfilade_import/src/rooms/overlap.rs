@@ -5,7 +5,7 @@
 //! now the one first and now the other. That much is sure; less is not called an error.
 
 use super::sides::spread;
-use enfilade::{Aabb, Content, Hit, Ray};
+use enfilade::{Aabb, Geometry, Hit, Ray};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -22,7 +22,7 @@ const MOST_PAIRS: usize = 20;
 const AT_ONCE: usize = 256;
 
 /// Pairs of rooms that overlap, each with a point inside both.
-pub(super) fn overlaps(rooms: &[Content]) -> Vec<(usize, usize, [f32; 3])> {
+pub(super) fn overlaps(rooms: &[Geometry]) -> Vec<(usize, usize, [f32; 3])> {
     let mut by_x: Vec<usize> = (0..rooms.len())
         .filter(|&room| !rooms[room].bounds().is_empty())
         .collect();
@@ -50,7 +50,7 @@ pub(super) fn overlaps(rooms: &[Content]) -> Vec<(usize, usize, [f32; 3])> {
     found
 }
 
-fn in_both(a: &Content, b: &Content) -> Option<[f32; 3]> {
+fn in_both(a: &Geometry, b: &Geometry) -> Option<[f32; 3]> {
     let shared = shared(&a.bounds(), &b.bounds())?;
     // The smaller is more likely to leave the point out, and then the larger need not be asked.
     let smaller_first = if a.bounds().volume() <= b.bounds().volume() {
@@ -76,14 +76,14 @@ fn shared(a: &Aabb, b: &Aabb) -> Option<Aabb> {
         .then(|| Aabb::of([min, max]))
 }
 
-fn lies_in_both(rooms: [&Content; 2], point: DVec3) -> bool {
+fn lies_in_both(rooms: [&Geometry; 2], point: DVec3) -> bool {
     let mut first = [0; 2];
     for i in 0..DIRECTIONS {
         let ray = Ray {
             origin: point.as_vec3().into(),
             direction: spread(i, DIRECTIONS).as_vec3().into(),
         };
-        let front = |room: &Content| room.cast(&ray).filter(|hit: &Hit| !hit.from_behind);
+        let front = |room: &Geometry| room.cast(&ray).filter(|hit: &Hit| !hit.from_behind);
         let Some(one) = front(rooms[0]) else { return false };
         let Some(other) = front(rooms[1]) else {
             return false;

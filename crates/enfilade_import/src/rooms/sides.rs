@@ -6,7 +6,7 @@
 //! that it begins in or above: that is whose sky it ends in.
 
 use super::sky::{by_size, space};
-use enfilade::{Aabb, Content, ConvexPolygon, Hit, Ray};
+use enfilade::{Aabb, ConvexPolygon, Geometry, Hit, Ray};
 use glam::DVec3;
 
 /// What part of the votes makes a room one that stands there.
@@ -20,7 +20,7 @@ const CONES: [f64; 2] = [0.55, 1.4];
 /// Rooms before they have openings, and which of them have no top.
 #[derive(Clone, Copy)]
 pub(super) struct Rooms<'a> {
-    pub(super) all: &'a [Content],
+    pub(super) all: &'a [Geometry],
     pub(super) open_above: &'a [bool],
 }
 

@@ -5,7 +5,7 @@
 //! Whether a room has a top is found by vertical rays on a grid: a column is open where the highest face is the ground. No portal
 //! may be above it, for what is above a portal belongs to the room on its other side.
 
-use enfilade::{Aabb, Content, ConvexPolygon, Ray};
+use enfilade::{Aabb, ConvexPolygon, Geometry, Ray};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::cmp::Ordering;
@@ -18,8 +18,8 @@ const OPEN: f64 = 0.3;
 const THICK: [f64; 2] = [1.0 / 8.0, 1.0 / 32.0];
 
 /// Which rooms have no top. `lids` are the outlines of all portals and mirrors.
-pub(super) fn open_above(rooms: &[Content], lids: &[ConvexPolygon]) -> Vec<bool> {
-    let is_open = |room: &Content| {
+pub(super) fn open_above(rooms: &[Geometry], lids: &[ConvexPolygon]) -> Vec<bool> {
+    let is_open = |room: &Geometry| {
         let bounds = room.bounds();
         !bounds.is_empty() && {
             let near: Vec<&ConvexPolygon> = lids.iter().filter(|lid| is_over(lid, &bounds)).collect();
@@ -30,7 +30,7 @@ pub(super) fn open_above(rooms: &[Content], lids: &[ConvexPolygon]) -> Vec<bool>
 }
 
 /// The space of a room: its box, which has no top where the room has none.
-pub(crate) fn space(room: &Content, open_above: bool) -> Aabb {
+pub(crate) fn space(room: &Geometry, open_above: bool) -> Aabb {
     let mut space = room.bounds();
     if open_above && !space.is_empty() {
         space.max[1] = f32::INFINITY;
@@ -56,7 +56,7 @@ fn is_over(lid: &ConvexPolygon, bounds: &Aabb) -> bool {
         .all(|axis| held.min[axis] <= bounds.max[axis] && bounds.min[axis] <= held.max[axis])
 }
 
-fn has_no_top(room: &Content, bounds: &Aabb, lids: &[&ConvexPolygon]) -> bool {
+fn has_no_top(room: &Geometry, bounds: &Aabb, lids: &[&ConvexPolygon]) -> bool {
     let [width, height, depth] = sides(bounds);
     let thick = (THICK[0] * height).max(THICK[1] * width.min(depth));
     let outside = 0.1 * width.max(height).max(depth);

@@ -32,7 +32,7 @@ pub use grid::{GridError, GridPlace};
 use crate::budget::Budget;
 use crate::{BrokenRule, Import, ReadOptions, Room, SourceNodes, read_regular_file};
 use enfilade::{
-    Content, ContentBuilder, Diagonal, HeightBytes, HeightField, HeightFieldError, HeightFormat, Heights,
+    Diagonal, Geometry, GeometryBuilder, HeightBytes, HeightField, HeightFieldError, HeightFormat, Heights,
     LargeTerrain, Material, MaterialId, Method, Transform,
 };
 use serde::Deserialize;
@@ -136,7 +136,7 @@ pub(crate) fn import(
             read_regular_file(&path, None, &|| "its heights".to_owned(), &mut budget).map_err(in_file)?;
         Room {
             name,
-            content: Arc::new(description.meshes(&raw, format)?),
+            geometry: Arc::new(description.meshes(&raw, format)?),
             nodes: SourceNodes::default(),
             method,
             open_above: false,
@@ -147,10 +147,10 @@ pub(crate) fn import(
         let mapped = usize::try_from(needs).map_err(|_| std::io::ErrorKind::OutOfMemory.into());
         let mapped = mapped.and_then(|bytes| map::map(&path, bytes));
         let mapped = mapped.map_err(|why| in_file(BrokenRule::Unreadable(why)))?;
-        let nothing = ContentBuilder::new([] as [Material; 0]).build();
+        let nothing = GeometryBuilder::new([] as [Material; 0]).build();
         Room {
             name,
-            content: Arc::new(nothing.map_err(BrokenRule::Content)?),
+            geometry: Arc::new(nothing.map_err(BrokenRule::Geometry)?),
             nodes: SourceNodes::default(),
             method,
             open_above: false,
@@ -230,7 +230,7 @@ impl Description {
     }
 
     /// Blocks as meshes.
-    fn meshes(&self, raw: &[u8], format: HeightFormat) -> Result<Content, BrokenRule> {
+    fn meshes(&self, raw: &[u8], format: HeightFormat) -> Result<Geometry, BrokenRule> {
         let stored = self.stored(raw, format, self.no_data)?;
         let mut heights = vec![0.0; self.width as usize * self.height as usize];
         for (row, heights) in (0..).zip(heights.chunks_exact_mut(self.width.max(1) as usize)) {
@@ -243,12 +243,12 @@ impl Description {
             double_sided: true,
             ..Material::opaque(GROUND)
         };
-        let mut content = ContentBuilder::new([ground]);
+        let mut geometry = GeometryBuilder::new([ground]);
         let field = field.cut_along(self.diagonal.into());
-        content
+        geometry
             .terrain("block", field, MaterialId(0), Transform::IDENTITY)
-            .map_err(BrokenRule::Content)?;
-        content.build().map_err(BrokenRule::Content)
+            .map_err(BrokenRule::Geometry)?;
+        geometry.build().map_err(BrokenRule::Geometry)
     }
 
     /// Heights that stay in their file.

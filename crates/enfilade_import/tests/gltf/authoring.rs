@@ -316,7 +316,7 @@ fn bad_portals_can_be_skipped_and_are_plain_holes_then() {
         ways(&import),
         ["Good-portal: A-room -> B-room", "Good-portal: B-room -> A-room"]
     );
-    let items: usize = import.rooms.iter().map(|room| room.content.items().len()).sum();
+    let items: usize = import.rooms.iter().map(|room| room.geometry.items().len()).sum();
     assert_eq!(items, 2, "no portal is drawn");
     let skipped = import.warnings.iter();
     let skipped = skipped.filter(|warning| warning.kind == WarningKind::SkippedPortal);
@@ -364,7 +364,7 @@ fn a_file_read_as_flat_ignores_what_is_wrong_with_rooms_and_portals() {
     };
     let import = reads_with(&file, flat);
     assert_eq!((import.rooms.len(), import.portals.len()), (1, 0));
-    assert_eq!(import.rooms[0].content.items().len(), 3);
+    assert_eq!(import.rooms[0].geometry.items().len(), 3);
     let texts = warnings(&import);
     assert_eq!(texts.len(), 1, "{texts:?}");
     assert!(

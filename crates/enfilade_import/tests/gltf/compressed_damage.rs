@@ -177,7 +177,7 @@ fn damaged_streams_are_read_or_refused() {
     file.json["meshes"] = json!([{ "primitives": [
         { "attributes": attributes, "indices": 2 }, { "attributes": attributes, "indices": 3 }
     ] }]);
-    assert_eq!(reads(&file).rooms[0].content.triangle_count(), 2 * 2 * 23 * 23);
+    assert_eq!(reads(&file).rooms[0].geometry.triangle_count(), 2 * 2 * 23 * 23);
 
     let limits = ReadOptions {
         limit_bytes: 1 << 26,

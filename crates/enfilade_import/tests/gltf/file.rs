@@ -173,7 +173,7 @@ pub(crate) fn carried<const N: usize>(
     import: &Import,
     list: impl Fn(&enfilade::Mesh) -> &[[f32; N]],
 ) -> Vec<[f32; N]> {
-    let mesh = &import.rooms[0].content.meshes()[0];
+    let mesh = &import.rooms[0].geometry.meshes()[0];
     if list(mesh).is_empty() {
         return Vec::new();
     }
@@ -186,8 +186,8 @@ pub(crate) fn carried<const N: usize>(
 
 /// The first material that is drawn.
 pub(crate) fn material(import: &Import) -> enfilade::Material {
-    let content = &import.rooms[0].content;
-    *content.material(&content.meshes()[0].clusters()[0])
+    let geometry = &import.rooms[0].geometry;
+    *geometry.material(&geometry.meshes()[0].clusters()[0])
 }
 
 /// A `.glb` of any JSON text.
@@ -229,12 +229,12 @@ pub(crate) fn reads(file: &File) -> Import {
 
 /// Every triangle, item by item, as `Leaf 0,0,0 1,0,0 0,1,0`: corners in world space, the least first, then round.
 pub(crate) fn triangles(import: &Import) -> Vec<String> {
-    let content = &import.rooms[0].content;
+    let geometry = &import.rooms[0].geometry;
     let mut lines = Vec::new();
-    for number in 0..content.items().len() as u32 {
+    for number in 0..geometry.items().len() as u32 {
         let item = ItemId(number);
-        let mesh = content.mesh_of(item);
-        let place = content.item(item).transform();
+        let mesh = geometry.mesh_of(item);
+        let place = geometry.item(item).transform();
         for face in 0..mesh.face_count() {
             let corner = |&index: &u32| place.point(mesh.positions()[index as usize]).map(rounded);
             let mut corners: Vec<[f32; 3]> = mesh.face(face).iter().map(corner).collect();
@@ -242,7 +242,7 @@ pub(crate) fn triangles(import: &Import) -> Vec<String> {
                 (0..corners.len()).min_by(|&a, &b| corners[a].partial_cmp(&corners[b]).expect("finite"));
             corners.rotate_left(least.expect("three corners"));
             let corners: Vec<String> = corners.iter().map(|[x, y, z]| format!("{x},{y},{z}")).collect();
-            lines.push(format!("{} {}", content.name(item), corners.join(" ")));
+            lines.push(format!("{} {}", geometry.name(item), corners.join(" ")));
         }
     }
     lines.sort();

@@ -56,7 +56,7 @@ fn every_sound_fixture_is_read_and_only_what_is_left_out_is_warned_of() {
         };
         let import = sound(&name);
         assert_eq!(warnings(&import), expected, "{name}");
-        assert!(import.rooms[0].content.triangle_count() > 0, "{name}");
+        assert!(import.rooms[0].geometry.triangle_count() > 0, "{name}");
         assert!(
             import.cameras.iter().any(|camera| camera.name == "Camera"),
             "{name}"
@@ -70,20 +70,20 @@ fn compressed_fixtures_are_the_same_mesh_as_their_plain_copies() {
     if !is_read("meshopt.glb") {
         return;
     }
-    let triangles = |file| sound(file).rooms[0].content.triangle_count();
+    let triangles = |file| sound(file).rooms[0].geometry.triangle_count();
     let of_ball_and_box = triangles("meshopt.glb");
     assert_eq!(triangles("meshopt_filters.glb"), of_ball_and_box);
     // Decoded or not, what is in the fallback is the same.
     let import = sound("meshopt_fallback.glb");
-    let content = &import.rooms[0].content;
-    assert!(content.meshes().iter().all(|mesh| !mesh.normals().is_empty()));
+    let geometry = &import.rooms[0].geometry;
+    assert!(geometry.meshes().iter().all(|mesh| !mesh.normals().is_empty()));
 }
 
 #[test]
 fn six_boxes_stored_in_six_ways_are_of_one_size() {
     let import = sound("quantized.glb");
-    let content = &import.rooms[0].content;
-    let sizes: Vec<[f32; 3]> = content.items().iter().map(|item| item.bounds.size()).collect();
+    let geometry = &import.rooms[0].geometry;
+    let sizes: Vec<[f32; 3]> = geometry.items().iter().map(|item| item.bounds.size()).collect();
     assert_eq!(sizes.len(), 6);
     for size in &sizes {
         let off = (0..3)
@@ -96,7 +96,7 @@ fn six_boxes_stored_in_six_ways_are_of_one_size() {
 #[test]
 fn instances_lights_and_cameras_are_those_that_their_maker_put_there() {
     let import = sound("instancing.glb");
-    assert!(import.rooms[0].content.items().len() > 12);
+    assert!(import.rooms[0].geometry.items().len() > 12);
     let lights = sound("lights.glb").lights;
     let kinds: Vec<&str> = lights
         .iter()
@@ -119,7 +119,7 @@ fn instances_lights_and_cameras_are_those_that_their_maker_put_there() {
         .collect();
     assert_eq!((cameras.len(), flat), (3, vec!["orthographic"]));
     let cut = sound("cutout.glb");
-    let cutoffs = cut.rooms[0].content.materials().iter();
+    let cutoffs = cut.rooms[0].geometry.materials().iter();
     let cutoffs: Vec<f32> = cutoffs
         .filter(|m| m.alpha == Alpha::Mask)
         .map(|m| m.cutoff)

@@ -15,7 +15,7 @@ const PATIENCE: Duration = Duration::from_secs(20);
 fn is_grey(import: &Import, why: &str) {
     let texture = material(import).texture.expect("a texture").0 as usize;
     assert_eq!(
-        import.rooms[0].content.textures()[texture].texels(),
+        import.rooms[0].geometry.textures()[texture].texels(),
         [[128, 128, 128, 255]]
     );
     let said = warnings(import);
@@ -140,7 +140,7 @@ fn images_that_are_too_much_together_are_grey_from_the_first_that_does_not_fit()
         ..ReadOptions::default()
     };
     let import = read_bytes(&file.glb(), None, &options).unwrap_or_else(|error| panic!("{error}"));
-    let textures = import.rooms[0].content.textures();
+    let textures = import.rooms[0].geometry.textures();
     let grey = textures.iter().filter(|texture| texture.size() == [1, 1]).count();
     assert!((1..20).contains(&grey), "{grey} are grey");
     let bytes: u64 = textures.iter().map(|texture| texture.bytes()).sum();
@@ -167,7 +167,7 @@ fn an_image_looked_up_in_a_hundred_ways_is_not_kept_a_hundred_times_without_aski
         ..ReadOptions::default()
     };
     let import = read_bytes(&file.glb(), None, &options).unwrap_or_else(|error| panic!("{error}"));
-    let textures = import.rooms[0].content.textures();
+    let textures = import.rooms[0].geometry.textures();
     assert_eq!(textures.len(), 10);
     let grey = textures.iter().filter(|texture| texture.size() == [1, 1]).count();
     assert!((1..8).contains(&grey), "{grey} are grey");

@@ -131,7 +131,7 @@ fn ten_thousand_textures_of_ten_thousand_materials_are_settled_fast() {
     file.json["meshes"][0]["primitives"] = (0..MANY).map(of_part).collect();
     let start = Instant::now();
     let import = reads(&file);
-    assert_eq!(import.rooms[0].content.textures().len(), MANY);
+    assert_eq!(import.rooms[0].geometry.textures().len(), MANY);
     assert!(start.elapsed() < PATIENCE, "{:?}", start.elapsed());
 }
 

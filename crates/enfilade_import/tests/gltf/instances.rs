@@ -37,7 +37,7 @@ fn each_instance_is_an_item_with_a_place_a_turn_and_a_size_of_its_own() {
         ]
     );
     // They are copies of one mesh.
-    assert_eq!(import.rooms[0].content.meshes().len(), 1);
+    assert_eq!(import.rooms[0].geometry.meshes().len(), 1);
 }
 
 #[test]
@@ -64,8 +64,8 @@ fn names_of_instances_are_nobody_elses() {
     file.node(json!({ "name": "Twin", "mesh": 0 }));
     file.json["nodes"][3]["extensions"] = file.json["nodes"][0]["extensions"].clone();
     let import = reads(&file);
-    let content = &import.rooms[0].content;
-    let names: Vec<&str> = (0..6).map(|item| content.name(enfilade::ItemId(item))).collect();
+    let geometry = &import.rooms[0].geometry;
+    let names: Vec<&str> = (0..6).map(|item| geometry.name(enfilade::ItemId(item))).collect();
     assert_eq!(
         names,
         [

@@ -166,15 +166,15 @@ fn textures_lights_and_instances_go_over() {
     assert_eq!(lights, [(0, 3.0), (1, 5.0)]);
     assert_eq!(import.lights[1].position, [10.2, 0.2, 0.0]);
     for room in &import.rooms {
-        assert_eq!(room.content.items().len(), 2);
-        assert_eq!(room.content.textures().len(), 2);
+        assert_eq!(room.geometry.items().len(), 2);
+        assert_eq!(room.geometry.textures().len(), 2);
         assert!(
-            room.content
+            room.geometry
                 .textures()
                 .iter()
                 .all(|texture| texture.size() == [2, 2])
         );
-        let bounds = room.content.bounds();
+        let bounds = room.geometry.bounds();
         assert_eq!(bounds.max[1] - bounds.min[1], 3.0);
     }
     let required = &document(&made.glb)["extensionsRequired"];
@@ -194,7 +194,7 @@ fn images_that_cannot_be_had_are_grey_in_the_world_and_named() {
     };
     assert!(missing.starts_with("a: image 0 is the file `"), "{missing}");
     assert!(made.import.warnings.is_empty());
-    let texture = &made.import.rooms[0].content.textures()[0];
+    let texture = &made.import.rooms[0].geometry.textures()[0];
     assert_eq!(
         (texture.texels(), &*texture.name),
         (&[[128, 128, 128, 255]][..], "Wall")
@@ -225,6 +225,6 @@ fn what_is_compressed_is_plain_in_the_world() {
     assert!(world["extensionsUsed"].is_null() && !world.to_string().contains("meshopt"));
     assert_eq!(world["buffers"].as_array().expect("a list").len(), 1);
     for (number, room) in made.import.rooms.iter().enumerate() {
-        assert_eq!(room.content.bounds().max, [1.0 + 10.0 * number as f32, 1.0, 0.0]);
+        assert_eq!(room.geometry.bounds().max, [1.0 + 10.0 * number as f32, 1.0, 0.0]);
     }
 }

@@ -13,9 +13,9 @@ fn forest(nodes: Value) -> File {
 }
 
 fn names(import: &Import) -> Vec<&str> {
-    let content = &import.rooms[0].content;
-    (0..content.items().len() as u32)
-        .map(|item| content.name(ItemId(item)))
+    let geometry = &import.rooms[0].geometry;
+    (0..geometry.items().len() as u32)
+        .map(|item| geometry.name(ItemId(item)))
         .collect()
 }
 
@@ -85,7 +85,7 @@ fn a_mirrored_node_keeps_its_faces_and_says_that_it_mirrors() {
         { "name": "Right", "mesh": 0, "scale": [-1, 1, 1] }
     ])));
     let mirrors: Vec<bool> = import.rooms[0]
-        .content
+        .geometry
         .items()
         .iter()
         .map(|item| item.transform().mirrors())
@@ -277,10 +277,10 @@ fn items_know_their_nodes_and_what_other_programs_call_these() {
         .rooms
         .iter()
         .flat_map(|room| {
-            let items = (0..room.content.items().len() as u32).map(ItemId);
+            let items = (0..room.geometry.items().len() as u32).map(ItemId);
             items.map(|item| {
                 let (node, id) = (room.nodes.node(item), room.nodes.id(item));
-                format!("{} {node:?} {}", room.content.name(item), id.unwrap_or("-"))
+                format!("{} {node:?} {}", room.geometry.name(item), id.unwrap_or("-"))
             })
         })
         .collect();

@@ -73,7 +73,7 @@ fn a_file_without_rooms_or_scenes_says_it_of_its_scene() {
         }
         let (_, import) = pinned("leaf.gltf", &file, &[Method::Svbsp]);
         assert_eq!(methods(&import), [Some(Method::Svbsp)]);
-        assert_eq!(import.rooms[0].content.items().len(), 1);
+        assert_eq!(import.rooms[0].geometry.items().len(), 1);
     }
 }
 

@@ -1,6 +1,6 @@
 //! Questions to real scenes, each held against going through everything.
 
-use enfilade::{Aabb, Content, Hit, ItemId, Method, Ray, survey};
+use enfilade::{Aabb, Geometry, Hit, ItemId, Method, Ray, survey};
 use enfilade_import::{ReadOptions, read};
 use enfilade_scenes::Random;
 use glam::{DAffine3, DMat3, DVec3};
@@ -12,8 +12,8 @@ const QUESTIONS: usize = 10_000;
 /// Of these every triangle is gone through for each.
 const RAYS: usize = 300;
 
-fn all(content: &Content) -> impl Iterator<Item = ItemId> {
-    (0..content.items().len() as u32).map(ItemId)
+fn all(geometry: &Geometry) -> impl Iterator<Item = ItemId> {
+    (0..geometry.items().len() as u32).map(ItemId)
 }
 
 fn distance(bounds: &Aabb, point: [f32; 3]) -> f64 {
@@ -24,8 +24,8 @@ fn distance(bounds: &Aabb, point: [f32; 3]) -> f64 {
     (0..3).map(|axis| off(axis) * off(axis)).sum::<f64>().sqrt()
 }
 
-fn boxes_and_nearest(file: &str, content: &Content) {
-    let (whole, mut chance) = (content.bounds(), Random::new(1));
+fn boxes_and_nearest(file: &str, geometry: &Geometry) {
+    let (whole, mut chance) = (geometry.bounds(), Random::new(1));
     let mut nearest = Vec::new();
     for _ in 0..QUESTIONS {
         let middle = chance.point_in(&whole);
@@ -35,15 +35,15 @@ fn boxes_and_nearest(file: &str, content: &Content) {
             max: middle.map(|side| side + half),
         };
         let mut found = Vec::new();
-        content.items_in_box(&bounds, |item| found.push(item));
+        geometry.items_in_box(&bounds, |item| found.push(item));
         found.sort_unstable();
-        let expected = all(content).filter(|&item| content.item(item).bounds.meets(&bounds));
+        let expected = all(geometry).filter(|&item| geometry.item(item).bounds.meets(&bounds));
         assert!(expected.eq(found), "{file}, {bounds:?}");
 
-        content.nearest_items(middle, 8, f32::INFINITY, &mut nearest);
-        let mut expected: Vec<(f64, ItemId)> = all(content)
-            .filter(|&item| !content.item(item).bounds.is_empty())
-            .map(|item| (distance(&content.item(item).bounds, middle), item))
+        geometry.nearest_items(middle, 8, f32::INFINITY, &mut nearest);
+        let mut expected: Vec<(f64, ItemId)> = all(geometry)
+            .filter(|&item| !geometry.item(item).bounds.is_empty())
+            .map(|item| (distance(&geometry.item(item).bounds, middle), item))
             .collect();
         expected.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         expected.truncate(8);
@@ -53,10 +53,10 @@ fn boxes_and_nearest(file: &str, content: &Content) {
 }
 
 /// Every triangle where it stands, with its item.
-fn triangles(content: &Content) -> Vec<(ItemId, [DVec3; 3])> {
+fn triangles(geometry: &Geometry) -> Vec<(ItemId, [DVec3; 3])> {
     let mut triangles = Vec::new();
-    for item in all(content) {
-        let columns = content.item(item).sector_from_item;
+    for item in all(geometry) {
+        let columns = geometry.item(item).sector_from_item;
         let [x, y, z, at] = columns.map(|column| DVec3::from(column.map(f64::from)));
         let placed = DAffine3 {
             matrix3: DMat3::from_cols(x, y, z),
@@ -65,7 +65,7 @@ fn triangles(content: &Content) -> Vec<(ItemId, [DVec3; 3])> {
         if placed.matrix3.determinant() == 0.0 {
             continue;
         }
-        let mesh = content.mesh_of(item);
+        let mesh = geometry.mesh_of(item);
         for face in 0..mesh.face_count() {
             let corners = mesh.face(face);
             let corner = |i: usize| {
@@ -103,9 +103,9 @@ fn first(triangles: &[(ItemId, [DVec3; 3])], ray: &Ray) -> [f64; 2] {
     nearest
 }
 
-fn rays(file: &str, content: &Content, eyes: &[[f32; 3]]) {
-    let triangles = triangles(content);
-    let far = f64::from(content.bounds().longest_side());
+fn rays(file: &str, geometry: &Geometry, eyes: &[[f32; 3]]) {
+    let triangles = triangles(geometry);
+    let far = f64::from(geometry.bounds().longest_side());
     let mut chance = Random::new(2);
     let (mut met, mut hits) = (0, Vec::<Hit>::new());
     for question in 0..QUESTIONS {
@@ -113,8 +113,8 @@ fn rays(file: &str, content: &Content, eyes: &[[f32; 3]]) {
             origin: eyes[question % eyes.len()],
             direction: [(); 3].map(|()| 2.0 * chance.unit() - 1.0),
         };
-        let hit = content.cast(&ray);
-        content.cast_all(&ray, f64::INFINITY, &mut hits);
+        let hit = geometry.cast(&ray);
+        geometry.cast_all(&ray, f64::INFINITY, &mut hits);
         assert_eq!(hits.first().copied(), hit, "{file}, {ray:?}");
         if question % (QUESTIONS / RAYS) != 0 {
             continue;
@@ -149,9 +149,9 @@ fn questions_to_real_scenes_find_what_going_through_everything_finds() {
             .scene(Method::ZBuffer, Method::DEFAULT_LIMIT)
             .expect("one sector");
         let sector = scene.sectors().next().expect("one sector");
-        let content = Arc::clone(scene.content(sector).expect("ours"));
-        boxes_and_nearest(file, &content);
+        let geometry = Arc::clone(scene.geometry(sector).expect("ours"));
+        boxes_and_nearest(file, &geometry);
         let eyes: Vec<[f32; 3]> = survey(&scene, 50).places.iter().map(|at| at.eye).collect();
-        rays(file, &content, &eyes);
+        rays(file, &geometry, &eyes);
     }
 }

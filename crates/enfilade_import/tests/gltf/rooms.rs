@@ -65,7 +65,7 @@ pub(crate) fn door(name: &str, enfilade: Value) -> Value {
 pub(crate) fn ways(import: &Import) -> Vec<String> {
     let room = |id: SectorId| &import.rooms[id.0 as usize];
     let way = |portal: &Portal| {
-        let opening = &room(portal.from).content.openings()[usize::from(portal.opening.0)];
+        let opening = &room(portal.from).geometry.openings()[usize::from(portal.opening.0)];
         format!(
             "{}: {} -> {}",
             opening.name,
@@ -77,9 +77,9 @@ pub(crate) fn ways(import: &Import) -> Vec<String> {
 }
 
 fn items(import: &Import, room: usize) -> Vec<&str> {
-    let content = &import.rooms[room].content;
-    (0..content.items().len() as u32)
-        .map(|item| content.name(ItemId(item)))
+    let geometry = &import.rooms[room].geometry;
+    (0..geometry.items().len() as u32)
+        .map(|item| geometry.name(ItemId(item)))
         .collect()
 }
 
@@ -149,7 +149,7 @@ fn a_portal_joins_the_two_rooms_at_its_sides() {
         assert_eq!(items(&import, 0), ["A-walls"]);
         assert!(warnings(&import).is_empty());
         // One looks out of a room from the front of its opening.
-        let normal = |room: usize| import.rooms[room].content.openings()[0].outline.normal()[0];
+        let normal = |room: usize| import.rooms[room].geometry.openings()[0].outline.normal()[0];
         assert_eq!([normal(0), normal(1)].map(f32::round), [-1.0, 1.0]);
     }
 }
@@ -167,7 +167,9 @@ fn a_one_way_portal_leads_out_of_the_room_it_belongs_to_or_into_the_one_it_names
         file.json["nodes"][4]["translation"] = json!([if owner == 0 { 1 } else { -1 }, 0, 0]);
         let import = reads(&file);
         assert_eq!(ways(&import), [expected], "{truth} {to} {owner}");
-        let facing = import.rooms[import.portals[0].from.0 as usize].content.openings()[0]
+        let facing = import.rooms[import.portals[0].from.0 as usize]
+            .geometry
+            .openings()[0]
             .outline
             .normal()[0];
         let out_of_a = import.portals[0].from == SectorId(0);
@@ -209,7 +211,7 @@ fn a_teleport_goes_in_along_minus_z_and_out_along_the_exits() {
     for scale in [[1.0, 1.0, 1.0], [0.5, 2.0, 1.0], [1.0, -1.0, 1.0]] {
         let import = reads(&teleport(scale));
         assert_eq!(ways(&import), ["Door-portal: A-room -> B-room"], "{scale:?}");
-        let opening = &import.rooms[0].content.openings()[0];
+        let opening = &import.rooms[0].geometry.openings()[0];
         assert_eq!(opening.outline.normal()[0].round(), -1.0, "{scale:?}");
         if scale[1] > 0.0 {
             let out = import.portals[0].there_from_here.point([0.9, 0.0, 0.25]);
@@ -232,7 +234,7 @@ fn a_mirror_shows_its_room_from_the_side_that_is_free() {
         let import = reads(&two_rooms(&[mirror]));
         assert_eq!(ways(&import), ["Pier-mirror: A-room -> A-room"]);
         assert_eq!(
-            import.rooms[0].content.openings()[0].outline.normal()[0].round(),
+            import.rooms[0].geometry.openings()[0].outline.normal()[0].round(),
             1.0
         );
         let seen = import.portals[0].there_from_here.point([-0.99, 0.0, 0.0]);
@@ -254,7 +256,7 @@ fn a_file_read_as_flat_is_one_room_without_openings() {
     let import = read_bytes(&file.glb(), None, &flat).expect("it is sound");
     assert_eq!(import.rooms.len(), 1);
     assert_eq!(items(&import, 0), ["A-walls", "B-walls", "Pier-mirror"]);
-    assert!(import.portals.is_empty() && import.rooms[0].content.openings().is_empty());
+    assert!(import.portals.is_empty() && import.rooms[0].geometry.openings().is_empty());
 }
 
 #[test]

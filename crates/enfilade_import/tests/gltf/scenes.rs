@@ -41,13 +41,13 @@ fn real_scenes_have_as_many_items_and_triangles_as_their_makers_say() {
             ..ReadOptions::default()
         };
         let import = read(&path, &flat).unwrap_or_else(|error| panic!("{error}"));
-        let content = &import.rooms[0].content;
-        let names: HashSet<&str> = (0..content.items().len() as u32)
-            .map(|item| content.name(enfilade::ItemId(item)))
+        let geometry = &import.rooms[0].geometry;
+        let names: HashSet<&str> = (0..geometry.items().len() as u32)
+            .map(|item| geometry.name(enfilade::ItemId(item)))
             .collect();
         assert_eq!(
             names.len(),
-            content.items().len(),
+            geometry.items().len(),
             "{}: names are unique",
             path.display()
         );
@@ -57,7 +57,7 @@ fn real_scenes_have_as_many_items_and_triangles_as_their_makers_say() {
             .unwrap_or_default();
         if let Some((_, items, triangles)) = KNOWN.iter().find(|(name, ..)| *name == file) {
             assert_eq!(
-                (content.items().len(), content.triangle_count()),
+                (geometry.items().len(), geometry.triangle_count()),
                 (*items, *triangles),
                 "{file}"
             );

@@ -126,12 +126,12 @@ fn primitives_of_a_mesh_are_parts_of_one_item() {
         triangles(&import),
         ["Rug 0,0,0 1,0,0 0,1,0", "Rug 0,1,0 1,0,0 1,1,0"]
     );
-    let content = &import.rooms[0].content;
-    assert_eq!(content.items().len(), 1);
-    let colors: Vec<_> = content.meshes()[0]
+    let geometry = &import.rooms[0].geometry;
+    assert_eq!(geometry.items().len(), 1);
+    let colors: Vec<_> = geometry.meshes()[0]
         .clusters()
         .iter()
-        .map(|cluster| content.material(cluster).base_color)
+        .map(|cluster| geometry.material(cluster).base_color)
         .collect();
     assert_eq!(colors, [[0.5, 0.25, 0.0, 1.0], [1.0; 4]]);
 }
@@ -143,10 +143,13 @@ fn nodes_that_share_a_mesh_share_it_in_memory() {
         file.node(json!({ "name": format!("Leaf{x}"), "mesh": 0, "translation": [x, 0, 0] }));
     }
     let import = reads(&file);
-    let content = &import.rooms[0].content;
-    assert_eq!((content.items().len(), content.meshes().len()), (100, 1));
+    let geometry = &import.rooms[0].geometry;
+    assert_eq!((geometry.items().len(), geometry.meshes().len()), (100, 1));
     assert_eq!(
-        (content.triangle_count(), Arc::strong_count(&content.meshes()[0])),
+        (
+            geometry.triangle_count(),
+            Arc::strong_count(&geometry.meshes()[0])
+        ),
         (100, 1)
     );
 }
@@ -155,7 +158,7 @@ fn nodes_that_share_a_mesh_share_it_in_memory() {
 fn meshes_that_no_item_uses_are_not_looked_at() {
     let mut file = File::leaf();
     file.mesh(json!([{ "attributes": { "POSITION": 1234 } }]));
-    assert_eq!(reads(&file).rooms[0].content.meshes().len(), 1);
+    assert_eq!(reads(&file).rooms[0].geometry.meshes().len(), 1);
 }
 
 #[test]
@@ -203,9 +206,9 @@ fn materials_say_what_hides_and_from_which_side() {
         file.push("materials", source.clone());
         file.json["meshes"][0]["primitives"][0]["material"] = json!(0);
         let import = reads(&file);
-        let content = &import.rooms[0].content;
+        let geometry = &import.rooms[0].geometry;
         assert_eq!(
-            *content.material(&content.meshes()[0].clusters()[0]),
+            *geometry.material(&geometry.meshes()[0].clusters()[0]),
             expected,
             "{source}"
         );
@@ -227,18 +230,18 @@ fn materials_may_be_marked_as_detail() {
         file.push("materials", json!({ "extras": extras }));
         file.json["meshes"][0]["primitives"][0]["material"] = json!(0);
         let import = reads(&file);
-        let content = &import.rooms[0].content;
-        assert_eq!(content.materials()[0].detail, expected, "{extras}");
+        let geometry = &import.rooms[0].geometry;
+        assert_eq!(geometry.materials()[0].detail, expected, "{extras}");
     }
 }
 
 #[test]
 fn a_primitive_without_a_material_is_white_and_one_sided() {
     let import = reads(&File::leaf());
-    let content = &import.rooms[0].content;
-    let cluster = &content.meshes()[0].clusters()[0];
+    let geometry = &import.rooms[0].geometry;
+    let cluster = &geometry.meshes()[0].clusters()[0];
     assert_eq!(
-        (cluster.material, content.material(cluster)),
+        (cluster.material, geometry.material(cluster)),
         (MaterialId(0), &Material::opaque([1.0; 3]))
     );
 }

@@ -119,7 +119,7 @@ fn what_only_one_part_of_a_mesh_carries_stays_with_it() {
     let primitives = file.json["meshes"][0]["primitives"].as_array_mut();
     primitives.expect("a list").push(plain);
     let import = reads(&file);
-    let mesh = &import.rooms[0].content.meshes()[0];
+    let mesh = &import.rooms[0].geometry.meshes()[0];
     for (position, color) in mesh.positions().iter().zip(mesh.colors()) {
         let expected = if position[2] == 5.0 {
             [1.0; 4]

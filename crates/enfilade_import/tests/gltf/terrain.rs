@@ -21,11 +21,11 @@ fn plain(file: &File) -> File {
 
 /// Every triangle to the bit, with all that its corners carry: from the corner with the least bits round.
 fn triangles(import: &Import) -> Vec<Vec<Vec<u32>>> {
-    let content = &import.rooms[0].content;
+    let geometry = &import.rooms[0].geometry;
     let mut all = Vec::new();
-    for item in (0..content.items().len() as u32).map(ItemId) {
-        let mesh: &Mesh = content.mesh_of(item);
-        let columns = content.item(item).sector_from_item;
+    for item in (0..geometry.items().len() as u32).map(ItemId) {
+        let mesh: &Mesh = geometry.mesh_of(item);
+        let columns = geometry.item(item).sector_from_item;
         for face in 0..mesh.face_count() {
             let bits = |&corner: &u32| {
                 let corner = corner as usize;
@@ -65,9 +65,9 @@ fn horizon(import: &Import) -> Scene {
 }
 
 fn names(import: &Import) -> Vec<&str> {
-    let content = &import.rooms[0].content;
-    (0..content.items().len() as u32)
-        .map(|item| content.name(ItemId(item)))
+    let geometry = &import.rooms[0].geometry;
+    (0..geometry.items().len() as u32)
+        .map(|item| geometry.name(ItemId(item)))
         .collect()
 }
 
@@ -97,7 +97,7 @@ fn the_diagonal_is_the_one_that_its_author_drew() {
             direction: [0.0, -1.0, 0.0],
         };
         9.0 - reads(&file).rooms[0]
-            .content
+            .geometry
             .cast(&ray)
             .expect("ground below")
             .distance
@@ -128,9 +128,9 @@ fn a_grid_that_was_turned_before_it_was_exported_is_one_within_rounding() {
     }
     let import = reads(&grid.file());
     horizon(&import);
-    let content = &import.rooms[0].content;
-    assert_eq!(content.triangle_count(), 2 * 8 * 6);
-    let mesh = content.mesh_of(ItemId(0));
+    let geometry = &import.rooms[0].geometry;
+    assert_eq!(geometry.triangle_count(), 2 * 8 * 6);
+    let mesh = geometry.mesh_of(ItemId(0));
     for position in &grid.positions {
         let off = |other: &[f32; 3]| {
             (0..3)
@@ -192,7 +192,7 @@ fn a_grid_may_be_of_single_triangles_or_strips_or_several_primitives() {
     let mut strip = Grid { corners: row, ..grid }.file();
     strip.json["meshes"][0]["primitives"][0]["mode"] = json!(5);
     let import = reads(&strip);
-    assert_eq!(import.rooms[0].content.triangle_count(), 2 * 5 * 4);
+    assert_eq!(import.rooms[0].geometry.triangle_count(), 2 * 5 * 4);
     horizon(&import);
 }
 
@@ -263,7 +263,7 @@ fn a_hill_that_is_flat_shaded_stays_so() {
     let file = painted(&grid, normal);
     let [with, without] = [&file, &plain(&file)].map(reads);
     let corner_of_one_face = [0.0, 0.0, 0.0];
-    let mesh = with.rooms[0].content.mesh_of(ItemId(0));
+    let mesh = with.rooms[0].geometry.mesh_of(ItemId(0));
     let own = |place: &[f32; 3], normal: &[f32; 3]| {
         *normal == [0.0; 3] || *place == corner_of_one_face || place[2] == 4.0
     };
@@ -299,7 +299,7 @@ fn terrain_stands_in_its_room_beside_other_things() {
     assert_eq!(names(&import), ["ground 0 0", "hill-terrain.001 0 0", "hut"]);
     // What extras say goes before the name.
     assert_eq!(
-        (import.rooms.len(), import.rooms[2].content.name(ItemId(0))),
+        (import.rooms.len(), import.rooms[2].geometry.name(ItemId(0))),
         (3, "yard-terrain")
     );
     assert_eq!(warnings(&import), [""; 0]);
@@ -311,7 +311,7 @@ fn terrain_stands_in_its_room_beside_other_things() {
     let suits: Vec<bool> = import
         .rooms
         .iter()
-        .map(|room| Method::FloatingHorizon.suits(&room.content))
+        .map(|room| Method::FloatingHorizon.suits(&room.geometry))
         .collect();
     assert_eq!(suits, [true, false, false]);
 }

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use std::fs;
 
 fn textures(import: &Import) -> Vec<&Texture> {
-    let textures = import.rooms[0].content.textures();
+    let textures = import.rooms[0].geometry.textures();
     textures.iter().map(|texture| &**texture).collect()
 }
 
@@ -49,7 +49,7 @@ fn who_wants_no_textures_gets_none_and_loses_nothing_else() {
     assert_eq!(warnings(&import), [""; 0]);
     assert_eq!(material(&import).texture, None);
     assert!(textures(&import).is_empty() && carried(&import, |mesh| mesh.texture()).is_empty());
-    assert_eq!(import.rooms[0].content.triangle_count(), 1);
+    assert_eq!(import.rooms[0].geometry.triangle_count(), 1);
 }
 
 #[test]
@@ -205,7 +205,7 @@ fn what_a_file_says_twice_is_kept_once() {
     let wraps: Vec<Wrap> = found.iter().map(|texture| texture.wrap[0]).collect();
     assert_eq!(wraps, [Wrap::Repeat, Wrap::Clamp]);
     assert_eq!(found[0].texels(), found[1].texels());
-    let materials = import.rooms[0].content.materials().iter();
+    let materials = import.rooms[0].geometry.materials().iter();
     let named: Vec<_> = materials.map(|material| material.texture).collect();
     let [same, other] = [Some(TextureId(0)), Some(TextureId(1))];
     assert_eq!(named, [same, same, same, other, None, None]);

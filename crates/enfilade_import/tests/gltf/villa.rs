@@ -49,7 +49,7 @@ fn a_villa_has_the_rooms_and_portals_that_its_maker_gave_it() {
     assert_eq!(
         stray
             .iter()
-            .map(|room| room.content.items().len())
+            .map(|room| room.geometry.items().len())
             .collect::<Vec<_>>(),
         [2]
     );
@@ -63,7 +63,7 @@ fn a_villa_has_the_rooms_and_portals_that_its_maker_gave_it() {
         // 128 cells by 128 are 16 blocks, and each is an item.
         let items_of = |name: &Value| if text(name).ends_with("-terrain") { 16 } else { 1 };
         let items: usize = names.map(items_of).sum();
-        assert_eq!(found.content.items().len(), items, "{}", found.name);
+        assert_eq!(found.geometry.items().len(), items, "{}", found.name);
         let method = room["extras"]["method"].as_str().and_then(Method::by_name);
         assert_eq!(found.method, method, "{}", found.name);
     }
@@ -71,7 +71,8 @@ fn a_villa_has_the_rooms_and_portals_that_its_maker_gave_it() {
     let name = |id: SectorId| &*import.rooms[id.0 as usize].name;
     let mut ways: Ways = BTreeMap::new();
     for portal in &import.portals {
-        let opening = &import.rooms[portal.from.0 as usize].content.openings()[usize::from(portal.opening.0)];
+        let opening =
+            &import.rooms[portal.from.0 as usize].geometry.openings()[usize::from(portal.opening.0)];
         let way = (name(portal.from), name(portal.to), portal.there_from_here);
         ways.entry(&opening.name).or_default().push(way);
         // The outline is that of the file, whichever way round.
@@ -152,7 +153,7 @@ fn a_villa_has_its_textures_and_its_lights_hang_in_their_rooms() {
     };
     let path = Path::new(&folder).join("blender_villa.glb");
     let import = read(&path, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
-    let textures = import.rooms[0].content.textures();
+    let textures = import.rooms[0].geometry.textures();
     // One more is a map of what is metal, which is not drawn.
     assert_eq!(textures.len(), 20);
     let mut names: Vec<&str> = textures.iter().map(|texture| &*texture.name).collect();
@@ -164,16 +165,16 @@ fn a_villa_has_its_textures_and_its_lights_hang_in_their_rooms() {
     assert!(textures.iter().all(large));
     for room in &import.rooms {
         assert!(
-            std::sync::Arc::ptr_eq(&textures[0], &room.content.textures()[0]),
+            std::sync::Arc::ptr_eq(&textures[0], &room.geometry.textures()[0]),
             "texels are kept once"
         );
-        let meshes = room.content.meshes().iter();
+        let meshes = room.geometry.meshes().iter();
         for mesh in meshes.filter(|mesh| mesh.triangle_count() > 0) {
             assert_eq!(mesh.normals().len(), mesh.positions().len());
             let textured = mesh
                 .clusters()
                 .iter()
-                .any(|cluster| room.content.material(cluster).texture.is_some());
+                .any(|cluster| room.geometry.material(cluster).texture.is_some());
             assert_eq!(textured, !mesh.texture().is_empty());
         }
     }
@@ -194,7 +195,7 @@ fn a_villa_has_its_textures_and_its_lights_hang_in_their_rooms() {
             None => "Garden-room".to_owned(),
         };
         assert_eq!(room, expected, "{lamp}");
-        let bounds = import.rooms[light.sector.0 as usize].content.bounds();
+        let bounds = import.rooms[light.sector.0 as usize].geometry.bounds();
         assert!(*lamp == "Sun" || bounds.contains(light.position), "{lamp}");
     }
     assert_eq!(import.cameras.len(), 4);

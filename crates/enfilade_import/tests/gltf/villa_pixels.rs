@@ -1,7 +1,7 @@
 //! Which node owns each pixel of a villa, against another renderer: cut-outs by texel, glass seen through.
 
 use enfilade::{
-    Alpha, Canvas, Content, ItemId, Method, Owner, Passage, PassageId, Scene, SectorId, Span, Texture, View,
+    Alpha, Canvas, Geometry, ItemId, Method, Owner, Passage, PassageId, Scene, SectorId, Span, Texture, View,
     Viewer, Wrap,
 };
 use enfilade_import::{ReadOptions, read};
@@ -16,7 +16,7 @@ const SIZE: [u32; 2] = [640, 360];
 /// The owners of pixels, holes of cut-outs left out; and clear glass before them, which the other renderer takes for the
 /// owner at a pixel here and there.
 struct Pixels<'a> {
-    content: &'a Content,
+    geometry: &'a Geometry,
     passage: Option<Passage>,
     owners: Vec<(Option<ItemId>, BTreeSet<ItemId>)>,
 }
@@ -49,12 +49,12 @@ impl Canvas for Pixels<'_> {
 impl Pixels<'_> {
     /// Does what is seen through own a pixel all the same? `None` in a hole.
     fn is_there(&self, (item, face): (ItemId, u32), at: [u16; 2]) -> Option<bool> {
-        let mesh = self.content.mesh_of(item);
-        let material = self.content.material(&mesh.clusters()[mesh.cluster_of(face)]);
+        let mesh = self.geometry.mesh_of(item);
+        let material = self.geometry.material(&mesh.clusters()[mesh.cluster_of(face)]);
         let coverage = || match material.texture {
             None => 1.0,
             Some(texture) => {
-                let texture = &self.content.textures()[texture.0 as usize];
+                let texture = &self.geometry.textures()[texture.0 as usize];
                 coverage(texture, self.place((item, face), at))
             }
         };
@@ -71,8 +71,8 @@ impl Pixels<'_> {
         let [eye, way] = passage
             .ray(at.map(|place| f64::from(place) + 0.5))
             .map(DVec3::from);
-        let mesh = self.content.mesh_of(item);
-        let columns = self.content.item(item).transform().columns();
+        let mesh = self.geometry.mesh_of(item);
+        let columns = self.geometry.item(item).transform().columns();
         let columns = columns.map(|column| DVec3::from(column.map(f64::from)));
         let corners = mesh.face(face);
         let corner = |i: usize| {
@@ -104,16 +104,16 @@ fn coverage(texture: &Texture, place: [f64; 2]) -> f32 {
 
 /// How many pixels each node owns, at least and at most, by its name as its author gave it.
 fn owned(scene: &Scene, view: &View) -> BTreeMap<String, [i64; 2]> {
-    let content = scene.content(SectorId(0)).expect("one room");
+    let geometry = scene.geometry(SectorId(0)).expect("one room");
     let mut pixels = Pixels {
-        content,
+        geometry,
         passage: None,
         owners: vec![(None, BTreeSet::new()); (SIZE[0] * SIZE[1]) as usize],
     };
     Viewer::new().draw(scene, view, &mut pixels);
     let mut counts = BTreeMap::new();
     let mut count = |item: Option<ItemId>, least: i64| {
-        let name = item.map_or("sky", |item| content.name(item));
+        let name = item.map_or("sky", |item| geometry.name(item));
         let name = name.split('#').next().unwrap_or_default();
         // The blocks of its terrain are items.
         let name = if name.starts_with("Garden-terrain ") {
@@ -134,12 +134,12 @@ fn owned(scene: &Scene, view: &View) -> BTreeMap<String, [i64; 2]> {
 
 /// The scene without the two plants at the origin that its author hid: others are copies of them.
 fn without_originals(mut scene: Scene) -> Scene {
-    let content = Arc::clone(scene.content(SectorId(0)).expect("one room"));
+    let geometry = Arc::clone(scene.geometry(SectorId(0)).expect("one room"));
     let mut edit = scene.edit();
     for name in ["Plant-leaves#284", "Plant-pot#285"] {
-        let mut items = (0..content.items().len() as u32).map(ItemId);
+        let mut items = (0..geometry.items().len() as u32).map(ItemId);
         let original = items
-            .find(|&item| content.name(item) == name)
+            .find(|&item| geometry.name(item) == name)
             .expect("an original");
         edit.remove(SectorId(0), original).expect("it is there");
     }

@@ -19,7 +19,7 @@ fn from_its_windows_the_hills_are_seen_and_from_the_hills_its_rooms() {
     let (mixed, views) = house_in_a_valley(Path::new(&folder), methods, [160, 90]);
     let alone = mixed
         .with_method(Method::ZBuffer, Method::DEFAULT_LIMIT)
-        .expect("it takes any content");
+        .expect("it takes any geometry");
     let reference = Reference::new(&mixed);
     let [mut viewer, mut viewer_alone] = [(); 2].map(|()| Viewer::new());
     let mut through = [0; 2];

@@ -36,9 +36,9 @@ pub(crate) fn reads_among(files: &[(&str, &[u8])]) -> Import {
 
 /// The names of all items.
 pub(crate) fn names(import: &Import) -> Vec<&str> {
-    let content = &import.rooms[0].content;
-    (0..content.items().len() as u32)
-        .map(|item| content.name(ItemId(item)))
+    let geometry = &import.rooms[0].geometry;
+    (0..geometry.items().len() as u32)
+        .map(|item| geometry.name(ItemId(item)))
         .collect()
 }
 
@@ -58,8 +58,8 @@ pub(crate) struct Corner {
 
 /// The triangles of an item with what they are made of, the corner of the least position first, then round; in no order.
 pub(crate) fn triangles(import: &Import, item: u32) -> Vec<([Corner; 3], Material)> {
-    let content = &import.rooms[0].content;
-    let mesh = content.mesh_of(ItemId(item));
+    let geometry = &import.rooms[0].geometry;
+    let mesh = geometry.mesh_of(ItemId(item));
     (0..mesh.face_count())
         .map(|face| {
             let cluster = &mesh.clusters()[mesh.cluster_of(face)];
@@ -82,7 +82,7 @@ pub(crate) fn triangles(import: &Import, item: u32) -> Vec<([Corner; 3], Materia
             corners.rotate_left(least.expect("three corners"));
             (
                 corners.try_into().expect("three corners"),
-                content.materials()[cluster.material.0 as usize],
+                geometry.materials()[cluster.material.0 as usize],
             )
         })
         .collect()

@@ -42,7 +42,7 @@ fn with_wood(lines: &str) -> Import {
 
 fn texture(import: &Import) -> &Texture {
     let id = material(import).texture.expect("an image");
-    &import.rooms[0].content.textures()[id.0 as usize]
+    &import.rooms[0].geometry.textures()[id.0 as usize]
 }
 
 #[test]
@@ -237,7 +237,7 @@ fn who_wants_no_images_gets_none_and_the_same_faces() {
     };
     let import = sheet("map_Kd gone.png\nmap_d gone.png\nmap_Ke gone.png", &[], &none);
     assert_eq!(warnings(&import), [""; 0]);
-    assert!(import.rooms[0].content.textures().is_empty());
+    assert!(import.rooms[0].geometry.textures().is_empty());
     let made_of = material(&import);
     assert_eq!(
         (made_of.texture, made_of.emission_texture, made_of.emission),
@@ -260,5 +260,5 @@ fn an_image_is_read_once_however_often_it_is_named() {
         ("w.png", &wood),
     ]);
     assert_eq!(warnings(&import), [""; 0]);
-    assert_eq!(import.rooms[0].content.textures().len(), 2);
+    assert_eq!(import.rooms[0].geometry.textures().len(), 2);
 }

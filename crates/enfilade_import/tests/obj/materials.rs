@@ -92,7 +92,7 @@ fn faces_of_several_materials_are_one_item() {
     let [blue, red, white] = [[0.0, 0.0, 1.0, 1.0], [1.0, 0.0, 0.0, 1.0], [1.0; 4]];
     assert_eq!(colors, [blue, red, red, white]);
     // What is not used is not kept: two of the file, and the one of faces that name none.
-    assert_eq!(import.rooms[0].content.materials().len(), 3);
+    assert_eq!(import.rooms[0].geometry.materials().len(), 3);
 }
 
 #[test]
@@ -147,7 +147,7 @@ fn files_of_materials_may_be_several_and_have_spaces_in_their_names() {
             ("sub/second.mtl", second),
         ]);
         assert_eq!(warnings(&import), [""; 0], "{statements}");
-        let colors = import.rooms[0].content.materials()[..2]
+        let colors = import.rooms[0].geometry.materials()[..2]
             .iter()
             .map(|m| m.base_color);
         // Of two that share a name the first counts.

@@ -26,7 +26,7 @@ pub(crate) fn flat(corners: &[[f32; 2]]) -> String {
 /// The areas of the triangles in the plane z = 0, below 0 where they turn the other way.
 pub(crate) fn areas(text: &str) -> Vec<f64> {
     let import = reads(text);
-    if import.rooms[0].content.items().is_empty() {
+    if import.rooms[0].geometry.items().is_empty() {
         return Vec::new();
     }
     triangles(&import, 0)

@@ -1,7 +1,7 @@
 //! Lightmaps: what compilers have computed is what is drawn.
 
 use crate::little::{Format, Little};
-use enfilade::{Content, ItemId, Material};
+use enfilade::{Geometry, ItemId, Material};
 use enfilade_import::{Import, ReadOptions, WarningKind, read_bytes};
 
 fn read(map: &Little) -> Import {
@@ -12,13 +12,13 @@ fn read(map: &Little) -> Import {
 type Corner = ([f32; 3], [u8; 4]);
 
 /// The corners of each triangle with a lightmap.
-fn lit_triangles(content: &Content) -> Vec<Vec<Corner>> {
+fn lit_triangles(geometry: &Geometry) -> Vec<Vec<Corner>> {
     let mut triangles = Vec::new();
-    for item in (0..content.items().len() as u32).map(ItemId) {
-        let mesh = content.mesh_of(item);
+    for item in (0..geometry.items().len() as u32).map(ItemId) {
+        let mesh = geometry.mesh_of(item);
         for cluster in mesh.clusters() {
-            let Material { texture, unlit, .. } = content.materials()[cluster.material.0 as usize];
-            let texture = texture.map(|texture| &content.textures()[texture.0 as usize]);
+            let Material { texture, unlit, .. } = geometry.materials()[cluster.material.0 as usize];
+            let texture = texture.map(|texture| &geometry.textures()[texture.0 as usize]);
             let Some(light) = texture.filter(|texture| texture.name == "light") else {
                 continue;
             };
@@ -65,8 +65,8 @@ fn the_samples_of_a_face_of_quake_are_where_its_texture_says() {
     for format in [Format::Bsp29, Format::Bsp2] {
         let map = read(&with_light(format, 3));
         assert_eq!(map.warnings, []);
-        let (floor, others): (Vec<_>, Vec<_>) =
-            (lit_triangles(&map.rooms[0].content).into_iter()).partition(|triangle| is_first_floor(triangle));
+        let (floor, others): (Vec<_>, Vec<_>) = (lit_triangles(&map.rooms[0].geometry).into_iter())
+            .partition(|triangle| is_first_floor(triangle));
         assert_eq!(floor.len(), 2);
         for &([x, _, z], texel) in floor.iter().flatten() {
             // Samples are 16 units apart, from the least corner on; z in the scene is -y in the map.
@@ -89,7 +89,7 @@ fn light_beyond_the_end_of_its_lump_is_said_and_left_out() {
         let map = read(&with_light(Format::Bsp2, offset));
         let warnings: Vec<_> = map.warnings.iter().map(|warning| warning.kind).collect();
         assert_eq!(warnings, [WarningKind::Lightmaps]);
-        let triangles = lit_triangles(&map.rooms[0].content);
+        let triangles = lit_triangles(&map.rooms[0].geometry);
         assert!(!triangles.is_empty() && !triangles.iter().any(|triangle| is_first_floor(triangle)));
     }
 }
@@ -110,7 +110,7 @@ fn a_page_of_quake_3_lights_the_faces_that_name_it() {
     }
     let map = read(&map);
     let (floor, others): (Vec<_>, Vec<_>) =
-        (lit_triangles(&map.rooms[0].content).into_iter()).partition(|triangle| is_first_floor(triangle));
+        (lit_triangles(&map.rooms[0].geometry).into_iter()).partition(|triangle| is_first_floor(triangle));
     assert_eq!(floor.len(), 2);
     assert!(
         floor
@@ -136,5 +136,5 @@ fn who_wants_no_images_gets_no_light() {
         ..ReadOptions::default()
     };
     let map = read_bytes(&with_light(Format::Bsp29, 3).bytes(), None, &options).expect("a map");
-    assert!(map.rooms[0].content.textures().is_empty());
+    assert!(map.rooms[0].geometry.textures().is_empty());
 }

@@ -193,10 +193,10 @@ impl Little {
 
     fn fill_ibsp46(&mut self, quads: &[Quad]) {
         let lumps = &mut self.lumps;
-        for (name, [surface, content]) in NAMES.into_iter().zip([[0, 1], [0x10, 8], [0x4, 1], [0x80, 1]]) {
+        for (name, [surface, geometry]) in NAMES.into_iter().zip([[0, 1], [0x10, 8], [0x4, 1], [0x80, 1]]) {
             let mut path = format!("textures/little/{name}").into_bytes();
             path.resize(64, 0);
-            lumps[1].extend([path, words(&[surface, content])].concat());
+            lumps[1].extend([path, words(&[surface, geometry])].concat());
         }
         lumps[2] = floats(&[1.0, 0.0, 0.0, WALL / 2.0, -1.0, 0.0, 0.0, -WALL / 2.0]);
         let around = words(&[-64, -32, -32, 64, 32, 32]);

@@ -20,11 +20,11 @@ fn scene(import: &Import, method: Method) -> Scene {
 fn seen(scene: &Scene, eye: [f32; 3], toward: [f32; 3]) -> Vec<String> {
     let mut viewer = Viewer::new();
     let set = viewer.look(scene, &View::new(eye, toward, [160, 120]));
-    let content = scene.content(SectorId(0)).expect("one room");
+    let geometry = scene.geometry(SectorId(0)).expect("one room");
     let mut names: Vec<String> = set
         .items()
         .iter()
-        .map(|item| content.name(item.item).to_owned())
+        .map(|item| geometry.name(item.item).to_owned())
         .collect();
     names.sort();
     names
@@ -42,24 +42,24 @@ fn rooms_of(format: Format) -> [&'static str; 2] {
 fn a_map_has_an_item_for_each_room_and_one_for_its_door() {
     for format in FORMATS {
         let import = imported(&Little::new(format).bytes());
-        let content = &import.rooms[0].content;
-        let names: Vec<&str> = (0..content.items().len() as u32)
-            .map(|item| content.name(enfilade::ItemId(item)))
+        let geometry = &import.rooms[0].geometry;
+        let names: Vec<&str> = (0..geometry.items().len() as u32)
+            .map(|item| geometry.name(enfilade::ItemId(item)))
             .collect();
         let [first, second] = rooms_of(format);
         assert_eq!(names, [first, second, "func_door#3"], "{format:?}");
-        assert_eq!(content.triangle_count(), 26, "{format:?}: clip is not drawn");
+        assert_eq!(geometry.triangle_count(), 26, "{format:?}: clip is not drawn");
         // y is up: the map's z; and its y leads away.
-        assert_eq!(content.bounds().min, [-64.0, -32.0, -32.0]);
-        assert_eq!(content.bounds().max, [72.0, 32.0, 32.0]);
-        let sky = content
+        assert_eq!(geometry.bounds().min, [-64.0, -32.0, -32.0]);
+        assert_eq!(geometry.bounds().max, [72.0, 32.0, 32.0]);
+        let sky = geometry
             .materials()
             .iter()
             .filter(|material| material.unlit)
             .count();
         assert_eq!(sky, 2, "sky and lava are as bright as they are");
         assert!(
-            content
+            geometry
                 .materials()
                 .iter()
                 .all(|material| material.alpha == Alpha::Opaque)
@@ -108,7 +108,7 @@ fn what_the_rows_leave_out_is_not_looked_at() {
     for format in FORMATS {
         let little = Little::new(format);
         let import = imported(&little.bytes());
-        let cells = import.rooms[0].content.cells().expect("rows are there");
+        let cells = import.rooms[0].geometry.cells().expect("rows are there");
         assert_eq!(cells.cell_count(), 2);
         let [first, second] = [-30.0, 30.0].map(|x| cells.cell_at([x, 0.0, 0.0]).expect("a cell"));
         assert!(!cells.sees(first, second) && !cells.sees(second, first));
@@ -132,7 +132,7 @@ fn a_leaf_without_a_row_sees_everything() {
         let leaf_bytes = little.lumps[10].len() / 3;
         little.lumps[10][leaf_bytes + 4..][..4].copy_from_slice(&(-1i32).to_le_bytes());
         let import = imported(&little.bytes());
-        let cells = import.rooms[0].content.cells().expect("rows are there");
+        let cells = import.rooms[0].geometry.cells().expect("rows are there");
         let [first, second] = [-30.0, 30.0].map(|x| cells.cell_at([x, 0.0, 0.0]).expect("a cell"));
         assert!(cells.sees(first, second) && !cells.sees(second, first));
     }
@@ -144,7 +144,7 @@ fn a_map_without_rows_has_no_cells() {
         let mut little = Little::new(format);
         little.lumps[lump].clear();
         let import = imported(&little.bytes());
-        assert!(import.rooms[0].content.cells().is_none());
+        assert!(import.rooms[0].geometry.cells().is_none());
         assert!(import.scene(Method::Pvs, Method::DEFAULT_LIMIT).is_err());
     }
 }
@@ -171,8 +171,8 @@ fn a_bent_face_is_cut_into_triangles_without_a_crack() {
     face[96..100].copy_from_slice(&5i32.to_le_bytes());
     face[100..104].copy_from_slice(&3i32.to_le_bytes());
     let import = imported(&little.bytes());
-    let content = &import.rooms[0].content;
-    let door = content.mesh_of(enfilade::ItemId(2));
+    let geometry = &import.rooms[0].geometry;
+    let door = geometry.mesh_of(enfilade::ItemId(2));
     assert_eq!(door.triangle_count(), 2 * 16 * 8);
     // Each edge inside is that of two triangles, by the bits of its ends.
     let mut edges = std::collections::HashMap::new();

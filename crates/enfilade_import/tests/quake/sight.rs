@@ -3,7 +3,7 @@
 use crate::maps::{maps, pairs_of, read as read_prt};
 use crate::rooms::imported;
 use enfilade::{
-    Canvas, CellSide, Content, ItemId, Method, Owner, Passage, PassageId, Scene, SectorId, Span, View,
+    Canvas, CellSide, Geometry, ItemId, Method, Owner, Passage, PassageId, Scene, SectorId, Span, View,
     Viewer, survey,
 };
 use enfilade_import::{Import, ReadOptions, read, with_visibility};
@@ -45,21 +45,21 @@ fn drawn(viewer: &mut Viewer, scene: &Scene, view: &View) -> Samples {
 impl Samples {
     /// How far the line of sight of a sample goes through what is solid, up to the face that owns it. Walls that engines do not
     /// draw, and cracks between others, stop no line, but those who computed what is visible took them for walls.
-    fn in_solid(&self, at: usize, content: &Content) -> f64 {
+    fn in_solid(&self, at: usize, geometry: &Geometry) -> f64 {
         let (Some(passage), Some((item, face))) = (&self.1, self.0[at]) else {
             return 0.0;
         };
         let place = [at % SIZE[0] as usize, at / SIZE[0] as usize].map(|place| place as f64 + 0.5);
         let [eye, way] = passage.ray(place).map(DVec3::from);
-        let mesh = content.mesh_of(item);
-        let transform = content.item(item).transform();
+        let mesh = geometry.mesh_of(item);
+        let transform = geometry.item(item).transform();
         let corner = |side: usize| {
             let corner = transform.point(mesh.positions()[mesh.face(face)[side] as usize]);
             DVec3::from(corner.map(f64::from))
         };
         let normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
         let far = normal.dot(corner(0) - eye) / normal.dot(way);
-        let tree = content.cells().expect("a map that is baked").tree();
+        let tree = geometry.cells().expect("a map that is baked").tree();
         let mut length = 0.0;
         let mut waiting = vec![(tree.root, 0.0, far)];
         while let Some((side, from, to)) = waiting.pop() {
@@ -121,7 +121,7 @@ struct Compared {
 
 fn compare(import: &Import, name: &str, places: usize) -> Compared {
     let [all, baked] = [Method::ZBuffer, Method::Pvs].map(|method| scene(import, method));
-    let content = baked.content(SectorId(0)).expect("one room");
+    let geometry = baked.geometry(SectorId(0)).expect("one room");
     let (mut with, mut without) = (Viewer::new(), Viewer::new());
     let mut compared = Compared {
         views: 0,
@@ -133,14 +133,14 @@ fn compare(import: &Import, name: &str, places: usize) -> Compared {
     for view in views(import, &all, places) {
         let [few, many] = [drawn(&mut with, &baked, &view), drawn(&mut without, &all, &view)];
         for at in (0..many.0.len()).filter(|&at| few.0[at] != many.0[at]) {
-            if many.in_solid(at, content) > SNAPPED {
+            if many.in_solid(at, geometry) > SNAPPED {
                 compared.through_walls += 1;
                 continue;
             }
             compared.different += 1;
             if let (1..=9, Some((item, _))) = (compared.different, many.0[at]) {
                 let place = [at % SIZE[0] as usize, at / SIZE[0] as usize];
-                let name_of = content.name(item);
+                let name_of = geometry.name(item);
                 report(&format!(
                     "{name}: from {:?} to {:?} at {place:?}: {name_of} is left out",
                     view.eye, view.toward
@@ -252,7 +252,7 @@ fn a_map_of_16_bits_is_the_same_as_one_of_32() {
     let [wide, plain] = [&wide, &narrow].map(|map| imported(map));
     assert_eq!(plain.cameras, wide.cameras);
     assert_eq!(plain.lights, wide.lights);
-    let [wide, plain] = [wide, plain].map(|import| std::sync::Arc::clone(&import.rooms[0].content));
+    let [wide, plain] = [wide, plain].map(|import| std::sync::Arc::clone(&import.rooms[0].geometry));
     assert_eq!(wide.items().len(), plain.items().len());
     for item in (0..wide.items().len() as u32).map(ItemId) {
         assert_eq!(wide.name(item), plain.name(item));

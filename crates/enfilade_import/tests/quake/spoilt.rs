@@ -25,7 +25,7 @@ fn refusal(map: &[u8]) -> Option<String> {
 
 /// Looks around in a map that was read, through its cells if it has any.
 fn looked_at(import: &Import) {
-    let method = match import.rooms[0].content.cells() {
+    let method = match import.rooms[0].geometry.cells() {
         Some(_) => Method::Pvs,
         None => Method::HierarchicalZ,
     };

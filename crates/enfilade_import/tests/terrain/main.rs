@@ -49,7 +49,12 @@ fn height(folder: &Path, x: f32, z: f32) -> f64 {
         origin: [x, 1000.0, z],
         direction: [0.0, -1.0, 0.0],
     };
-    1000.0 - import.rooms[0].content.cast(&ray).expect("ground below").distance
+    1000.0
+        - import.rooms[0]
+            .geometry
+            .cast(&ray)
+            .expect("ground below")
+            .distance
 }
 
 #[test]
@@ -115,10 +120,10 @@ fn blocks_are_items_and_the_file_names_the_room() {
     let import = read(&folder.path().join("hill.json"), &ReadOptions::default()).expect("sound terrain");
     let room = &import.rooms[0];
     assert_eq!((import.rooms.len(), &*room.name), (1, "hill"));
-    assert_eq!(room.content.items().len(), 1);
-    assert_eq!(room.content.name(enfilade::ItemId(0)), "block 0 0");
-    assert_eq!(room.content.triangle_count(), 4);
-    assert_eq!(room.content.bounds().max, [20.0, 600.0, 20.0]);
+    assert_eq!(room.geometry.items().len(), 1);
+    assert_eq!(room.geometry.name(enfilade::ItemId(0)), "block 0 0");
+    assert_eq!(room.geometry.triangle_count(), 4);
+    assert_eq!(room.geometry.bounds().max, [20.0, 600.0, 20.0]);
 }
 
 #[test]
@@ -264,7 +269,7 @@ fn what_takes_more_as_meshes_than_allowed_stays_in_its_file_and_is_the_same_grou
         let [small, large] =
             [ReadOptions::default(), LITTLE].map(|options| read(&path, &options).expect("sound terrain"));
         assert!(small.rooms[0].large.is_none());
-        assert!(large.rooms[0].large.is_some() && large.rooms[0].content.items().is_empty());
+        assert!(large.rooms[0].large.is_some() && large.rooms[0].geometry.items().is_empty());
         let [small, large] = [small, large].map(|import| {
             let scene = import.scene(Method::FloatingHorizon, Method::DEFAULT_LIMIT);
             scene.expect("one room")
@@ -322,7 +327,7 @@ fn heights_with_a_fraction_are_read_whichever_byte_comes_first() {
         let text = description.to_string();
         let folder = written(&[("hill.json", text.as_bytes()), ("hill.raw", &bytes)]);
         let bounds = read(&folder.path().join("hill.json"), &ReadOptions::default());
-        let bounds = bounds.expect("sound terrain").rooms[0].content.bounds();
+        let bounds = bounds.expect("sound terrain").rooms[0].geometry.bounds();
         assert_eq!([bounds.min[1], bounds.max[1]], [-2.0, 600.5], "{format}");
     }
 }

@@ -4,7 +4,7 @@ use crate::envelope::{Ceiling, Finish, Hole, Plan, Side, envelope};
 use crate::shape::Shape;
 use crate::{BuiltIn, Camera};
 use enfilade::{
-    Alpha, BakedCells, Content, ContentBuilder, ConvexPolygon, End, Light, Material, MaterialId, Mesh,
+    Alpha, BakedCells, ConvexPolygon, End, Geometry, GeometryBuilder, Light, Material, MaterialId, Mesh,
     Method, OpeningId, SceneBuilder, SectorId, Transform,
 };
 use glam::{Vec3, vec2, vec3};
@@ -63,13 +63,13 @@ fn materials() -> [Material; 14] {
 
 /// A sector being built.
 pub(crate) struct Stage {
-    content: ContentBuilder,
+    geometry: GeometryBuilder,
 }
 
 impl Stage {
     pub(crate) fn new() -> Stage {
         Stage {
-            content: ContentBuilder::new(materials()),
+            geometry: GeometryBuilder::new(materials()),
         }
     }
 
@@ -90,16 +90,16 @@ impl Stage {
         mesh: &Arc<Mesh>,
         places: impl IntoIterator<Item = Transform>,
     ) {
-        let id = self.content.mesh(Arc::clone(mesh));
+        let id = self.geometry.mesh(Arc::clone(mesh));
         for at in places {
-            self.content.item(name, id, at);
+            self.geometry.item(name, id, at);
         }
     }
 
     /// Adds an opening; counter-clockwise from the side on which one stands before going in.
     pub(crate) fn opening(&mut self, name: &str, outline: &[Vec3]) -> OpeningId {
         let corners: Vec<[f32; 3]> = outline.iter().map(|corner| corner.to_array()).collect();
-        self.content.opening(
+        self.geometry.opening(
             name,
             ConvexPolygon::new(&corners).expect("openings are drawn flat and convex"),
         )
@@ -142,11 +142,11 @@ impl Stage {
 
     /// Gives it cells that were computed ahead.
     pub(crate) fn cells(&mut self, cells: BakedCells) {
-        self.content.cells(cells);
+        self.geometry.cells(cells);
     }
 
-    pub(crate) fn build(self) -> Content {
-        self.content
+    pub(crate) fn build(self) -> Geometry {
+        self.geometry
             .build()
             .expect("small worlds are made of sound things")
     }

@@ -1,4 +1,4 @@
-//! The grotto west of the court, and the fountain that moves in it: a content made anew for every moment.
+//! The grotto west of the court, and the fountain that moves in it: a geometry made anew for every moment.
 
 use super::doors::DOORS;
 use super::floor::{Floor, paving};
@@ -13,7 +13,7 @@ use super::{ceiling, light, open, ornament};
 use crate::envelope::{Axis, Ceiling, Plan, Side};
 use crate::random::Random;
 use crate::shape::{ball, lathe, superquadric, surround, tube};
-use enfilade::{Content, ContentBuilder, ItemId, Transform};
+use enfilade::{Geometry, GeometryBuilder, ItemId, Transform};
 use glam::{Vec3, vec3};
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
@@ -51,26 +51,26 @@ const SPLASHES: u32 = 4;
 ///
 /// Always the same things by the same names, and the same openings; only the water moves. It comes back after
 /// [`FOUNTAIN_SECONDS`].
-pub fn fountain(seconds: f32) -> Content {
-    let still = &still().content;
-    let mut content = content();
+pub fn fountain(seconds: f32) -> Geometry {
+    let still = &still().geometry;
+    let mut geometry = geometry();
     let meshes: Vec<_> = still
         .meshes()
         .iter()
-        .map(|mesh| content.mesh(mesh.clone()))
+        .map(|mesh| geometry.mesh(mesh.clone()))
         .collect();
     for (number, item) in still.items().iter().enumerate() {
         let name = still.name(ItemId(number as u32));
-        content.item(name, meshes[item.mesh.0 as usize], item.transform());
+        geometry.item(name, meshes[item.mesh.0 as usize], item.transform());
     }
     for opening in still.openings() {
-        content.opening(&opening.name, opening.outline.clone());
+        geometry.opening(&opening.name, opening.outline.clone());
     }
     water(
-        &mut content,
+        &mut geometry,
         (f64::from(seconds) / f64::from(FOUNTAIN_SECONDS)).rem_euclid(1.0),
     );
-    content.build().expect("water is made of sound things")
+    geometry.build().expect("water is made of sound things")
 }
 
 /// The lamps in it.
@@ -193,7 +193,7 @@ fn around(jet: u32, out: f32, up: f32) -> Vec3 {
 
 /// The water at a part of the loop, 0 to 1: its surface, the jets, drops along them, and drops that splash where they
 /// fall. All that turns does so a whole number of times.
-fn water(content: &mut ContentBuilder, part: f64) {
+fn water(geometry: &mut GeometryBuilder, part: f64) {
     let wave = |turns: f64| (TAU * turns).sin() as f32;
     let rings = (0..=14).map(|ring| {
         let out = 2.2 * (1.0 - ring as f32 / 14.0);
@@ -201,23 +201,23 @@ fn water(content: &mut ContentBuilder, part: f64) {
         [out, LEVEL + if ring == 0 { 0.0 } else { ripple }]
     });
     let surface = lathe(WATER, &rings.collect::<Vec<_>>(), 36).dressed(dress);
-    let surface = content.mesh(surface);
+    let surface = geometry.mesh(surface);
     let [x, z] = MIDDLE;
-    content.item("Fountain: water", surface, shift(x, 0.0, z));
-    let drop = content.mesh(ball(PORCELAIN, 1.0, 4, 6).dressed(dress));
+    geometry.item("Fountain: water", surface, shift(x, 0.0, z));
+    let drop = geometry.mesh(ball(PORCELAIN, 1.0, 4, 6).dressed(dress));
     for jet in 0..JETS {
         let high = 0.95 + 0.25 * wave(part * 2.0 + f64::from(jet) / 6.0);
         let [from, to] = [rim(jet), around(jet, 0.85, LEVEL)];
         let at = |along: f32| from.lerp(to, along) + Vec3::Y * (4.0 * high * along * (1.0 - along));
         let path: Vec<Vec3> = (0..=12).map(|i| at(i as f32 / 12.0)).collect();
-        let stream = content.mesh(tube(WATER, &path, |along| 0.02 + 0.02 * along, 5).dressed(dress));
-        content.item(&format!("Fountain: jet {}", jet + 1), stream, Transform::IDENTITY);
+        let stream = geometry.mesh(tube(WATER, &path, |along| 0.02 + 0.02 * along, 5).dressed(dress));
+        geometry.item(&format!("Fountain: jet {}", jet + 1), stream, Transform::IDENTITY);
         for i in 0..DROPS {
             let along = (part * 3.0 + f64::from(i) / f64::from(DROPS) + 0.13 * f64::from(jet)).fract() as f32;
             let aside = vec3(wave(0.37 * f64::from(i)), 0.0, wave(0.61 * f64::from(i + jet)));
             let place = at(along) + aside * (0.01 + 0.05 * along);
             let name = format!("Fountain: drop {}", jet * DROPS + i + 1);
-            content.item(
+            geometry.item(
                 &name,
                 drop,
                 shift(place.x, place.y, place.z) * scaled(0.014 + 0.004 * (i % 3) as f32),
@@ -229,7 +229,7 @@ fn water(content: &mut ContentBuilder, part: f64) {
             let away = vec3(wave(0.27 * f64::from(i)), 0.0, wave(0.27 * f64::from(i) + 0.25));
             let place = to + away * (0.3 * along) + Vec3::Y * (0.9 * along * (1.0 - along));
             let name = format!("Fountain: splash {}", jet * SPLASHES + i + 1);
-            content.item(&name, drop, shift(place.x, place.y, place.z) * scaled(0.012));
+            geometry.item(&name, drop, shift(place.x, place.y, place.z) * scaled(0.012));
         }
     }
 }

@@ -2,15 +2,15 @@
 
 use super::textures::*;
 use crate::shape::Dress;
-use enfilade::{Alpha, ContentBuilder, Material, MaterialId, TextureId};
+use enfilade::{Alpha, GeometryBuilder, Material, MaterialId, TextureId};
 use std::sync::{Arc, LazyLock};
 
-/// A content of the palace's materials and textures, the same for all of its sectors, and nothing in it.
-pub(crate) fn content() -> ContentBuilder {
+/// A geometry of the palace's materials and textures, the same for all of its sectors, and nothing in it.
+pub(crate) fn geometry() -> GeometryBuilder {
     static MADE: LazyLock<Arc<[Material]>> = LazyLock::new(materials);
-    let mut content = ContentBuilder::new(Arc::clone(&MADE));
-    content.textures(textures());
-    content
+    let mut geometry = GeometryBuilder::new(Arc::clone(&MADE));
+    geometry.textures(textures());
+    geometry
 }
 
 fn materials() -> Arc<[Material]> {

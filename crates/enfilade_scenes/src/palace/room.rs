@@ -2,13 +2,13 @@
 
 use super::floor::Floor;
 use super::lamps::{Lamp, chosen};
-use super::palette::{content, dress};
+use super::palette::{dress, geometry};
 use super::workshop::Workshop;
 use crate::envelope::{Ceiling, Envelope, Finish, Hole, Plan, Side, envelope};
 use crate::random::Random;
 use crate::shape::Shape;
 use enfilade::{
-    Content, ContentBuilder, ConvexPolygon, HeightField, MaterialId, Mesh, MeshId, Method, OpeningId,
+    ConvexPolygon, Geometry, GeometryBuilder, HeightField, MaterialId, Mesh, MeshId, Method, OpeningId,
     SceneBuilder, SectorId, Transform,
 };
 use glam::{Vec2, Vec3, vec2};
@@ -81,7 +81,7 @@ pub(crate) struct Wall {
 
 /// A room when all is in it.
 pub(crate) struct Closed {
-    pub(crate) content: Content,
+    pub(crate) geometry: Geometry,
     mirrors: Vec<OpeningId>,
     pub(crate) lamps: Vec<Lamp>,
 }
@@ -100,7 +100,7 @@ pub(crate) struct Room<'a> {
     /// What shines in it, and what may if there is not enough of that.
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) candles: Vec<Lamp>,
-    content: ContentBuilder,
+    geometry: GeometryBuilder,
     meshes: HashMap<*const Mesh, MeshId>,
     counts: HashMap<String, u32>,
 }
@@ -158,7 +158,7 @@ impl<'a> Room<'a> {
             mirrors: Vec::new(),
             lamps: Vec::new(),
             candles: Vec::new(),
-            content: content(),
+            geometry: geometry(),
             meshes: HashMap::new(),
             counts: HashMap::new(),
         }
@@ -170,8 +170,8 @@ impl<'a> Room<'a> {
         *count += 1;
         let name = format!("{}: {thing} {count}", self.design.name);
         let id =
-            *(self.meshes.entry(Arc::as_ptr(mesh))).or_insert_with(|| self.content.mesh(Arc::clone(mesh)));
-        self.content.item(&name, id, at);
+            *(self.meshes.entry(Arc::as_ptr(mesh))).or_insert_with(|| self.geometry.mesh(Arc::clone(mesh)));
+        self.geometry.item(&name, id, at);
     }
 
     /// Puts in a thing that there is only one of, made where it stands.
@@ -182,7 +182,7 @@ impl<'a> Room<'a> {
     /// Adds an opening; its front looks into the room.
     pub(crate) fn opening(&mut self, name: &str, outline: &[Vec3]) -> OpeningId {
         let corners: Vec<[f32; 3]> = outline.iter().map(|corner| corner.to_array()).collect();
-        self.content.opening(
+        self.geometry.opening(
             name,
             ConvexPolygon::new(&corners).expect("outlines are made convex"),
         )
@@ -255,7 +255,7 @@ impl<'a> Room<'a> {
     /// Adds ground by heights, whose first sample stands at `sector_from_field`'s origin.
     pub(crate) fn ground(&mut self, field: Arc<HeightField>, material: MaterialId, at: Transform) {
         let name = format!("{}: ground", self.design.name);
-        self.content
+        self.geometry
             .terrain(&name, field, material, at)
             .expect("far fewer faces than are numbered");
     }
@@ -300,7 +300,7 @@ impl<'a> Room<'a> {
 
     fn finished(self) -> Closed {
         Closed {
-            content: self.content.build().expect("a room is made of sound things"),
+            geometry: self.geometry.build().expect("a room is made of sound things"),
             mirrors: self.mirrors,
             lamps: chosen(self.lamps, self.candles),
         }
@@ -308,10 +308,10 @@ impl<'a> Room<'a> {
 }
 
 impl Closed {
-    /// A content that was not made as a room is.
-    pub(crate) fn of(content: Content, lamps: Vec<Lamp>) -> Closed {
+    /// A geometry that was not made as a room is.
+    pub(crate) fn of(geometry: Geometry, lamps: Vec<Lamp>) -> Closed {
         Closed {
-            content,
+            geometry,
             mirrors: Vec::new(),
             lamps,
         }
@@ -324,7 +324,7 @@ impl Closed {
 
     /// The same, seen by a method of its own.
     pub(crate) fn seen_by(self, method: Method, scene: &mut SceneBuilder, name: &str) -> SectorId {
-        let id = scene.add(name, self.content, method);
+        let id = scene.add(name, self.geometry, method);
         for mirror in self.mirrors {
             scene.mirror(id, mirror);
         }

@@ -20,7 +20,7 @@ pub(crate) use solids::{tetrahedron, triangle_through_cube, wrong_winding};
 
 use crate::shape::Shape;
 use crate::{BuiltIn, Camera};
-use enfilade::{ContentBuilder, Material, MaterialId, Method, SceneBuilder, Transform};
+use enfilade::{GeometryBuilder, Material, MaterialId, Method, SceneBuilder, Transform};
 use glam::Vec3;
 
 const RED: MaterialId = MaterialId(0);
@@ -48,7 +48,7 @@ const COLORS: [[f32; 3]; 9] = [
 
 /// A figure being drawn.
 struct Figure {
-    content: ContentBuilder,
+    geometry: GeometryBuilder,
     place: Transform,
 }
 
@@ -64,7 +64,7 @@ impl Figure {
             ..Material::opaque(color)
         });
         Figure {
-            content: ContentBuilder::new(materials),
+            geometry: GeometryBuilder::new(materials),
             place: Transform::rotation([1.0, 0.0, 0.0], degrees.to_radians()),
         }
     }
@@ -78,14 +78,14 @@ impl Figure {
 
     /// Adds all faces of a shape as one item.
     fn thing(&mut self, name: &str, shape: &Shape) {
-        let mesh = self.content.mesh(shape.mesh());
-        self.content.item(name, mesh, self.place);
+        let mesh = self.geometry.mesh(shape.mesh());
+        self.geometry.item(name, mesh, self.place);
     }
 
     fn seen_from(self, cameras: Vec<Camera>) -> BuiltIn {
         let mut scene = SceneBuilder::new();
-        let content = self.content.build().expect("figures are drawn soundly");
-        scene.add("figure", content, Method::HierarchicalZ);
+        let geometry = self.geometry.build().expect("figures are drawn soundly");
+        scene.add("figure", geometry, Method::HierarchicalZ);
         BuiltIn {
             scene: scene.build().expect("one sector needs no joining"),
             cameras,

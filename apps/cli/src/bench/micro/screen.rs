@@ -6,7 +6,7 @@ use super::truth::Truth;
 use anyhow::{Context, Result};
 use enfilade::cover::{Hides, MaskedDepth};
 use enfilade::{
-    ContentBuilder, Material, Method, OccluderMesh, Passage, Rect, SceneBuilder, SectorId, Stats, View,
+    GeometryBuilder, Material, Method, OccluderMesh, Passage, Rect, SceneBuilder, SectorId, Stats, View,
     Viewer,
 };
 
@@ -79,8 +79,8 @@ impl Shapes {
 /// The way that a view has into a sector: it does not depend on what is in there.
 pub(super) fn passage(view: &View) -> Result<Passage> {
     let mut scene = SceneBuilder::new();
-    let content = ContentBuilder::new([Material::opaque([1.0; 3])]).build()?;
-    scene.add("empty", content, Method::ZBuffer);
+    let geometry = GeometryBuilder::new([Material::opaque([1.0; 3])]).build()?;
+    scene.add("empty", geometry, Method::ZBuffer);
     let scene = scene.build()?;
     let mut view = *view;
     view.sector = Some(SectorId(0));

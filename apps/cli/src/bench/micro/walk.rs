@@ -7,7 +7,7 @@ use super::truth::{Held, Truth};
 use super::{Found, Row, SUB_TILE_BYTES, Work};
 use anyhow::{Result, bail};
 use enfilade::cover::Hides;
-use enfilade::{Aabb, Alpha, Content, ItemId, OccluderMesh, Passage, Scene, SectorId, Stats, View};
+use enfilade::{Aabb, Alpha, Geometry, ItemId, OccluderMesh, Passage, Scene, SectorId, Stats, View};
 use std::rc::Rc;
 use std::time::Instant;
 
@@ -57,9 +57,9 @@ pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<R
     }
     let mut parts = Vec::new();
     for sector in scene.sectors() {
-        if let Some(content) = scene.content(sector) {
-            let items = (0..content.items().len() as u32).map(ItemId);
-            parts.extend(items.filter_map(|item| Part::new(sector, content, item)));
+        if let Some(geometry) = scene.geometry(sector) {
+            let items = (0..geometry.items().len() as u32).map(ItemId);
+            parts.extend(items.filter_map(|item| Part::new(sector, geometry, item)));
         }
     }
     let parts = Rc::new(parts);
@@ -91,12 +91,12 @@ pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<R
 
 impl Part {
     /// `None` of an item that hides nothing.
-    fn new(sector: SectorId, content: &Content, item: ItemId) -> Option<Part> {
-        if !content.holds(item) || !content.item(item).hides {
+    fn new(sector: SectorId, geometry: &Geometry, item: ItemId) -> Option<Part> {
+        if !geometry.holds(item) || !geometry.item(item).hides {
             return None;
         }
-        let mesh = content.mesh_of(item);
-        let place = content.item(item).transform();
+        let mesh = geometry.mesh_of(item);
+        let place = geometry.item(item).transform();
         let positions: Vec<[f32; 3]> = mesh
             .positions()
             .iter()
@@ -104,7 +104,7 @@ impl Part {
             .collect();
         let (mut corners, mut triangles) = (Vec::new(), 0);
         for cluster in mesh.clusters() {
-            let material = content.material_of(item, cluster);
+            let material = geometry.material_of(item, cluster);
             if material.alpha != Alpha::Opaque {
                 continue;
             }
@@ -123,7 +123,7 @@ impl Part {
         }
         (triangles > 0).then(|| Part {
             sector,
-            bounds: content.item(item).bounds,
+            bounds: geometry.item(item).bounds,
             mesh: OccluderMesh::triangles(&positions, &corners),
             positions,
             corners,

@@ -10,7 +10,6 @@ mod show;
 
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, CoverShape};
-use crate::content::Owners;
 use crate::cover::raster::{Band, Raster, Sink};
 use crate::cover::report::Report;
 use crate::cover::samples::look_through;
@@ -18,6 +17,7 @@ use crate::cover::tiles::{TILE_SHIFT, Tiles};
 use crate::cover::triangle::Triangle;
 use crate::cover::{Coarse, Cover, Paints};
 use crate::faces::Faces;
+use crate::geometry::Owners;
 use crate::order::Unsorted;
 use crate::passage::Passage;
 use crate::region::{Region, Sight};
@@ -314,8 +314,8 @@ impl Sink for Depths {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::content::{ContentBuilder, ItemId, Material, MaterialId};
     use crate::geom::Transform;
+    use crate::geometry::{GeometryBuilder, ItemId, Material, MaterialId};
     use crate::mesh::Mesh;
     use crate::scene::SectorId;
     use crate::view::View;
@@ -338,7 +338,7 @@ mod tests {
         let positions: Vec<[f32; 3]> = (0..corners)
             .map(|_| [9.0 * roll() - 4.5, 6.0 * roll() - 3.0, -0.5 - 5.0 * roll()])
             .collect();
-        let mut builder = ContentBuilder::new([Material {
+        let mut builder = GeometryBuilder::new([Material {
             double_sided: true,
             ..Material::opaque([1.0; 3])
         }]);
@@ -347,13 +347,13 @@ mod tests {
             let mesh = builder.mesh(mesh);
             builder.item("triangle", mesh, Transform::IDENTITY);
         }
-        let content = builder.build().expect("sound triangles");
+        let geometry = builder.build().expect("sound triangles");
         let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [77, 43]);
         let passage = Passage::at_the_eye(&view, SectorId(0), false);
         let mut cover = DepthPyramid::default();
         cover.clear(&passage, false);
-        for item in 0..content.items().len() as u32 {
-            let faces = Faces::of_cluster(&content, ItemId(item), 0, &passage.screen_from_sector);
+        for item in 0..geometry.items().len() as u32 {
+            let faces = Faces::of_cluster(&geometry, ItemId(item), 0, &passage.screen_from_sector);
             cover.add(&faces, &passage, &mut Stats::default(), None);
         }
         cover

@@ -10,8 +10,8 @@ mod steps;
 mod weave;
 
 use super::DetailSource;
-use crate::content::MaterialId;
 use crate::geom::Aabb;
+use crate::geometry::MaterialId;
 use crate::mesh::Mesh;
 use glam::DVec3;
 use std::error::Error;

@@ -4,7 +4,7 @@ use super::*;
 use glam::DAffine3;
 
 /// A room full of walls: turned, stretched, mirrored and flattened copies.
-fn room(dice: &mut Dice, double_sided: bool) -> Content {
+fn room(dice: &mut Dice, double_sided: bool) -> Geometry {
     let wall = Wall::of_squares(4, 3, |x, y| x != 1 || y != 1);
     let places: Vec<Transform> = (0..300)
         .map(|copy| {
@@ -20,7 +20,7 @@ fn room(dice: &mut Dice, double_sided: bool) -> Content {
             Transform::translation(place) * Transform::rotation(axis, turn) * Transform::scaling(stretch)
         })
         .collect();
-    wall.content(double_sided, &places)
+    wall.geometry(double_sided, &places)
 }
 
 #[test]
@@ -28,8 +28,8 @@ fn the_chosen_are_the_best_of_all() {
     let mut dice = Dice(5);
     let mut choice = Choice::default();
     for round in 0..60 {
-        let content = room(&mut dice, round % 2 == 0);
-        let set = OccluderSet::build(&content);
+        let geometry = room(&mut dice, round % 2 == 0);
+        let set = OccluderSet::build(&geometry);
         let mut passage = passage(dice.point(20.0), dice.point(20.0));
         if round % 3 == 0 {
             passage.entry = Some((DVec3::new(0.0, 0.0, 1.0), 15.0));
@@ -40,8 +40,8 @@ fn the_chosen_are_the_best_of_all() {
         }
         for measure in [Measure::AreaAngle, Measure::ProjectedArea] {
             for budget in [0, 1, 16, 10_000] {
-                let chosen = set.choose(&content, &passage, measure, budget, &mut choice);
-                let expected = set.choose_from_all(&content, &passage, measure, budget);
+                let chosen = set.choose(&geometry, &passage, measure, budget, &mut choice);
+                let expected = set.choose_from_all(&geometry, &passage, measure, budget);
                 assert_eq!(chosen, expected, "{measure:?} {budget}");
                 assert!(budget < 10_000 || chosen.len() > 10, "{} are seen", chosen.len());
             }
@@ -55,18 +55,18 @@ fn the_chosen_stand_in_order_on_the_screen_also_where_mirrored() {
     let (mut choice, mut room_for_one) = (Choice::default(), OccluderRoom::default());
     let mut seen = 0;
     for round in 0..20 {
-        let content = room(&mut dice, round % 2 == 0);
-        let set = OccluderSet::build(&content);
+        let geometry = room(&mut dice, round % 2 == 0);
+        let set = OccluderSet::build(&geometry);
         let mut passage = passage(dice.point(20.0), dice.point(20.0));
         if round % 4 == 0 {
             passage.screen_from_sector *= Transform::scaling([-1.0, 1.0, 1.0]).0;
         }
         passage.entry = (round % 3 == 0).then_some((DVec3::Z, 15.0));
         for chosen in set
-            .choose(&content, &passage, Measure::ProjectedArea, 64, &mut choice)
+            .choose(&geometry, &passage, Measure::ProjectedArea, 64, &mut choice)
             .to_vec()
         {
-            let Some(occluder) = set.on_screen(&content, &passage, &chosen, &mut room_for_one) else {
+            let Some(occluder) = set.on_screen(&geometry, &passage, &chosen, &mut room_for_one) else {
                 continue;
             };
             is_sound(&occluder, "a wall in a room");
@@ -93,13 +93,13 @@ fn a_choice_among_many_copies_touches_few_of_them() {
             .collect()
     };
     let met = [10, 40].map(|side| {
-        let content = wall.content(true, &grid(side));
-        let set = OccluderSet::build(&content);
+        let geometry = wall.geometry(true, &grid(side));
+        let set = OccluderSet::build(&geometry);
         let middle = [2.0 * side as f64 + 1.0; 3];
         let passage = passage(middle, [middle[0] + 1.0, middle[1] + 0.3, middle[2] - 2.0]);
         let mut choice = Choice::default();
         assert_eq!(
-            set.choose(&content, &passage, Measure::AreaAngle, 32, &mut choice)
+            set.choose(&geometry, &passage, Measure::AreaAngle, 32, &mut choice)
                 .len(),
             32
         );

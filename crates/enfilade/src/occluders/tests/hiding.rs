@@ -28,11 +28,11 @@ fn met(ray: DVec3, [a, b, c]: [DVec3; 3], double_sided: bool) -> Option<f64> {
 
 /// Holds what an occluder hides from some eyes against the faces.
 fn check(what: &str, wall: &Wall, double_sided: bool, dice: &mut Dice) -> usize {
-    let content = wall.content(double_sided, &[Transform::IDENTITY]);
-    let set = OccluderSet::build(&content);
+    let geometry = wall.geometry(double_sided, &[Transform::IDENTITY]);
+    let set = OccluderSet::build(&geometry);
     let mut held = 0;
     let [min, max] =
-        [content.bounds().min, content.bounds().max].map(|corner| DVec3::from(corner.map(f64::from)));
+        [geometry.bounds().min, geometry.bounds().max].map(|corner| DVec3::from(corner.map(f64::from)));
     let (middle, size) = (0.5 * (min + max), min.distance(max));
     for place in 0..set.polygons.len() as u32 {
         let normal = set.polygons[place as usize].normal;
@@ -44,7 +44,7 @@ fn check(what: &str, wall: &Wall, double_sided: bool, dice: &mut Dice) -> usize 
             let passage = passage(eye.to_array(), middle.to_array());
             let chosen = Chosen::for_tests(place);
             let mut room = OccluderRoom::default();
-            let Some(occluder) = set.on_screen(&content, &passage, &chosen, &mut room) else {
+            let Some(occluder) = set.on_screen(&geometry, &passage, &chosen, &mut room) else {
                 continue;
             };
             held += 1;
@@ -115,7 +115,7 @@ fn a_plain_wall_becomes_one_rectangle() {
             anywhere(&mut dice)
         };
         let wall = Wall::of_squares(columns, rows, |_, _| true).moved(&to);
-        let set = OccluderSet::build(&wall.content(false, &[Transform::IDENTITY]));
+        let set = OccluderSet::build(&wall.geometry(false, &[Transform::IDENTITY]));
         let area: f64 = set.polygons.iter().map(|polygon| polygon.area).sum();
         assert_eq!(set.polygons.len(), 1, "{columns} by {rows} at {to:?}");
         assert!(
@@ -139,7 +139,7 @@ fn a_wall_with_a_window_is_covered_around_it() {
         };
         let window = |x: usize, y: usize| (3..5).contains(&x) && (2..4).contains(&y);
         let wall = Wall::of_squares(9, 6, |x, y| !window(x, y)).moved(&to);
-        let set = OccluderSet::build(&wall.content(false, &[Transform::IDENTITY]));
+        let set = OccluderSet::build(&wall.geometry(false, &[Transform::IDENTITY]));
         let added: f64 = set.polygons.iter().map(|polygon| polygon.added).sum();
         assert!(added > 0.95 * wall.area(), "{added} of {}", wall.area());
         assert!(set.polygons.len() <= 4, "{} pieces", set.polygons.len());
@@ -164,13 +164,13 @@ fn many_bad_faces_take_bounded_time() {
         heap.triangles.extend_from_within(..);
     }
     for wall in [holed, checkered, heap] {
-        let content = wall.content(true, &[Transform::IDENTITY]);
-        let set = OccluderSet::build(&content);
-        let summary = set.summary(&content);
+        let geometry = wall.geometry(true, &[Transform::IDENTITY]);
+        let set = OccluderSet::build(&geometry);
+        let summary = set.summary(&geometry);
         assert!(summary.area <= 1.001 * summary.opaque_area, "{summary:?}");
     }
-    let content = Wall::default().content(false, &[Transform::IDENTITY]);
-    assert_eq!(OccluderSet::build(&content).summary(&content).polygons, 0);
+    let geometry = Wall::default().geometry(false, &[Transform::IDENTITY]);
+    assert_eq!(OccluderSet::build(&geometry).summary(&geometry).polygons, 0);
 }
 
 #[test]
@@ -180,13 +180,13 @@ fn faces_that_turn_their_backs_or_differ_in_sides_are_not_merged() {
         triangle.swap(0, 1);
     }
     assert_eq!(
-        OccluderSet::build(&wall.content(false, &[Transform::IDENTITY]))
+        OccluderSet::build(&wall.geometry(false, &[Transform::IDENTITY]))
             .polygons
             .len(),
         2
     );
     assert_eq!(
-        OccluderSet::build(&wall.content(true, &[Transform::IDENTITY]))
+        OccluderSet::build(&wall.geometry(true, &[Transform::IDENTITY]))
             .polygons
             .len(),
         1

@@ -4,8 +4,8 @@ mod choosing;
 mod hiding;
 
 use super::*;
-use crate::content::{ContentBuilder, Material, MaterialId};
 use crate::geom::Transform;
+use crate::geometry::{GeometryBuilder, Material, MaterialId};
 use crate::passage::Passage;
 use crate::scene::SectorId;
 use crate::view::View;
@@ -112,8 +112,8 @@ impl Wall {
         self
     }
 
-    fn content(&self, double_sided: bool, places: &[Transform]) -> Content {
-        let mut content = ContentBuilder::new([Material {
+    fn geometry(&self, double_sided: bool, places: &[Transform]) -> Geometry {
+        let mut geometry = GeometryBuilder::new([Material {
             double_sided,
             ..Material::opaque([0.5; 3])
         }]);
@@ -124,11 +124,11 @@ impl Wall {
             .collect();
         let mesh = Mesh::triangles(&positions, self.triangles.as_flattened(), MaterialId(0))
             .expect("finite corners");
-        let mesh = content.mesh(mesh);
+        let mesh = geometry.mesh(mesh);
         for place in places {
-            content.item("wall", mesh, *place);
+            geometry.item("wall", mesh, *place);
         }
-        content.build().expect("a sound wall")
+        geometry.build().expect("a sound wall")
     }
 }
 

@@ -12,15 +12,15 @@ mod start;
 
 use super::items::{hand_out, hand_out_openings};
 use super::{Order, Refusal, Unsorted, Visit};
-use crate::content::{BakedCells, Content, ItemId, Moved, Room};
 use crate::faces::{Faces, Of};
+use crate::geometry::{BakedCells, Geometry, ItemId, Moved, Room};
 use crate::passage::Passage;
 use crate::sector::Built;
 use stands::{Stands, cells_of_openings};
 use start::cells_at_start;
 use std::sync::Arc;
 
-/// Items by the cells that they stand in; only for a content that has cells.
+/// Items by the cells that they stand in; only for a geometry that has cells.
 pub struct BakedCellsOrder {
     cells: Arc<BakedCells>,
     stands: Stands,
@@ -44,12 +44,12 @@ impl BakedCellsScratch {
 
 impl BakedCellsOrder {
     /// Marks the cells that may be seen; `false` where that is everything.
-    fn mark(&self, content: &Content, passage: &Passage, scratch: &mut BakedCellsScratch) -> bool {
+    fn mark(&self, geometry: &Geometry, passage: &Passage, scratch: &mut BakedCellsScratch) -> bool {
         let BakedCellsScratch { room, seen } = scratch;
         seen.clear();
         seen.resize(self.cells.cell_count().div_ceil(64), 0);
         // Through an opening that is a plain hole one sees what is outside of all cells, and in again by another.
-        if passage.flat && !content.openings().is_empty() {
+        if passage.flat && !geometry.openings().is_empty() {
             return false;
         }
         let mut all = false;
@@ -79,10 +79,10 @@ impl Order for BakedCellsOrder {
     type Gives = Unsorted;
     type Scratch = BakedCellsScratch;
 
-    fn build(content: &Content, limit_bytes: u64) -> Result<BakedCellsOrder, Refusal> {
-        let cells = Arc::clone(content.cells().ok_or(Refusal::NotBaked)?);
-        let stands = Stands::new(&cells, content, limit_bytes).ok_or(Refusal::TooLarge)?;
-        let openings = cells_of_openings(&cells, content);
+    fn build(geometry: &Geometry, limit_bytes: u64) -> Result<BakedCellsOrder, Refusal> {
+        let cells = Arc::clone(geometry.cells().ok_or(Refusal::NotBaked)?);
+        let stands = Stands::new(&cells, geometry, limit_bytes).ok_or(Refusal::TooLarge)?;
+        let openings = cells_of_openings(&cells, geometry);
         Ok(BakedCellsOrder {
             cells,
             stands,
@@ -90,52 +90,52 @@ impl Order for BakedCellsOrder {
         })
     }
 
-    fn needs_bytes(content: &Content) -> u64 {
+    fn needs_bytes(geometry: &Geometry) -> u64 {
         // Most items stand in a cell or two; what stands in more is found out, and refused, while it is built.
         const EACH_ITEM: u64 = 48;
         const EACH_CELL: u64 = 32;
-        let cells = content.cells().map_or(0, |cells| cells.cell_count() as u64);
-        content.items().len() as u64 * EACH_ITEM + cells * EACH_CELL
+        let cells = geometry.cells().map_or(0, |cells| cells.cell_count() as u64);
+        geometry.items().len() as u64 * EACH_ITEM + cells * EACH_CELL
     }
 
     fn bytes(&self) -> u64 {
-        // The cells are the content's.
+        // The cells are the geometry's.
         let of_opening = |cells: &Vec<u32>| (size_of_val(&**cells) + size_of::<Vec<u32>>()) as u64;
         self.stands.bytes() + self.openings.iter().map(of_opening).sum::<u64>()
     }
 
-    fn built(&self, content: &Content) -> Built {
+    fn built(&self, geometry: &Geometry) -> Built {
         Built {
-            faces: content.face_count(),
+            faces: geometry.face_count(),
             depth: self.cells.depth(),
             ..Built::default()
         }
     }
 
-    fn follow(&mut self, content: &Content, moved: &[Moved], touched: &mut Vec<u32>) -> bool {
-        self.stands.follow(&self.cells, content, moved, touched);
+    fn follow(&mut self, geometry: &Geometry, moved: &[Moved], touched: &mut Vec<u32>) -> bool {
+        self.stands.follow(&self.cells, geometry, moved, touched);
         true
     }
 
     fn visit(
         &self,
-        content: &Content,
+        geometry: &Geometry,
         passage: &Passage,
         scratch: &mut BakedCellsScratch,
         visit: &mut impl Visit,
     ) {
-        if !self.mark(content, passage, scratch) {
-            hand_out_openings(content, passage, visit);
-            for item in 0..content.items().len() as u32 {
-                hand_out(content, passage, ItemId(item), visit);
+        if !self.mark(geometry, passage, scratch) {
+            hand_out_openings(geometry, passage, visit);
+            for item in 0..geometry.items().len() as u32 {
+                hand_out(geometry, passage, ItemId(item), visit);
             }
             return;
         }
-        Faces::of_openings(content, passage, |faces| {
+        Faces::of_openings(geometry, passage, |faces| {
             let Of::Opening(opening) = faces.of else { return };
             let cells = &self.openings[usize::from(opening.0)];
             // Rows say what is seen from the near distance on, or from the last portal; openings come before, too.
-            let bounds = content.openings()[usize::from(opening.0)].outline.bounds();
+            let bounds = geometry.openings()[usize::from(opening.0)].outline.bounds();
             let region = passage.region_around_openings(&bounds);
             if cells.is_empty()
                 || region.is_some_and(|region| passage.is_before_near(&region))
@@ -145,7 +145,7 @@ impl Order for BakedCellsOrder {
             }
         });
         for &item in self.stands.everywhere() {
-            hand_out(content, passage, ItemId(item), visit);
+            hand_out(geometry, passage, ItemId(item), visit);
         }
         for (word, &cells) in scratch.seen.iter().enumerate() {
             let mut left = cells;
@@ -153,7 +153,7 @@ impl Order for BakedCellsOrder {
                 let cell = 64 * word as u32 + left.trailing_zeros();
                 left &= left - 1;
                 for &item in self.stands.in_cell(cell) {
-                    hand_out(content, passage, ItemId(item), visit);
+                    hand_out(geometry, passage, ItemId(item), visit);
                 }
             }
         }

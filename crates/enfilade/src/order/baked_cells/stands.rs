@@ -1,7 +1,7 @@
 //! Which cells items and openings stand in: found out from their faces, never too few.
 
-use crate::content::{BakedCells, CellSide, Content, ItemId, Leaf, Moved, Opening, Room};
 use crate::geom::{ConvexPolygon, Run, Runs};
+use crate::geometry::{BakedCells, CellSide, Geometry, ItemId, Leaf, Moved, Opening, Room};
 use glam::DVec3;
 
 /// Of items with more faces, the boxes of clusters are sorted instead.
@@ -36,16 +36,16 @@ struct Finding {
 }
 
 impl Stands {
-    /// Finds out where all items of a content stand; `None` where that takes more than `limit_bytes`.
-    pub(super) fn new(cells: &BakedCells, content: &Content, limit_bytes: u64) -> Option<Stands> {
+    /// Finds out where all items of a geometry stand; `None` where that takes more than `limit_bytes`.
+    pub(super) fn new(cells: &BakedCells, geometry: &Geometry, limit_bytes: u64) -> Option<Stands> {
         let mut stands = Stands {
             lists: Runs::default(),
             items: vec![Run::EMPTY; cells.cell_count() + 1],
-            cells: vec![Run::EMPTY; content.items().len()],
+            cells: vec![Run::EMPTY; geometry.items().len()],
             finding: Finding::default(),
         };
-        for item in (0..content.items().len() as u32).map(ItemId) {
-            stands.finding.of_item(cells, content, item);
+        for item in (0..geometry.items().len() as u32).map(ItemId) {
+            stands.finding.of_item(cells, geometry, item);
             stands.put(item);
             if stands.bytes() > limit_bytes {
                 return None;
@@ -58,13 +58,13 @@ impl Stands {
     pub(super) fn follow(
         &mut self,
         cells: &BakedCells,
-        content: &Content,
+        geometry: &Geometry,
         moved: &[Moved],
         touched: &mut Vec<u32>,
     ) {
-        self.cells.resize(content.items().len(), Run::EMPTY);
+        self.cells.resize(geometry.items().len(), Run::EMPTY);
         for &Moved { item, .. } in moved {
-            self.finding.of_item(cells, content, item);
+            self.finding.of_item(cells, geometry, item);
             let run = &mut self.cells[item.0 as usize];
             let before = self.lists.get(*run);
             if before == self.finding.found {
@@ -105,10 +105,10 @@ impl Stands {
 }
 
 /// The cells that each opening stands in; none where it is everywhere.
-pub(super) fn cells_of_openings(cells: &BakedCells, content: &Content) -> Vec<Vec<u32>> {
+pub(super) fn cells_of_openings(cells: &BakedCells, geometry: &Geometry) -> Vec<Vec<u32>> {
     let mut finding = Finding::default();
     let of = |opening: &Opening| finding.of_outline(cells, &opening.outline);
-    content.openings().iter().map(of).collect()
+    geometry.openings().iter().map(of).collect()
 }
 
 impl Finding {
@@ -120,13 +120,13 @@ impl Finding {
     }
 
     /// The cells of an item into `found`: none for one without faces, and the one after the last for one that is everywhere.
-    fn of_item(&mut self, cells: &BakedCells, content: &Content, item: ItemId) {
+    fn of_item(&mut self, cells: &BakedCells, geometry: &Geometry, item: ItemId) {
         self.begin(cells);
-        let mesh = content.mesh_of(item);
+        let mesh = geometry.mesh_of(item);
         if mesh.face_count() == 0 {
             return;
         }
-        let placed = content.item(item);
+        let placed = geometry.item(item);
         let sector_from_item = placed.transform();
         let there = |corner: [f32; 3]| DVec3::from(sector_from_item.point_f64(corner));
         let top = cells.around(&placed.bounds);

@@ -3,7 +3,7 @@
 //! Not where the eye is: what is nearer than the near limit neither is seen nor hides, so that lines begin at the near limit;
 //! and behind a portal, at its opening. There the eye's image may be anywhere, also in a cell that has nothing to do with it.
 
-use crate::content::{BakedCells, CellId, Leaf, Room};
+use crate::geometry::{BakedCells, CellId, Leaf, Room};
 use crate::passage::Passage;
 use glam::DVec3;
 use smallvec::SmallVec;

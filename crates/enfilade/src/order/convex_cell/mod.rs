@@ -10,7 +10,7 @@
 //! Cost: building 0.2 to 0.4 µs for each face in a plane met just before (a box of 12 million triangles: 3 s), and 2 to 20 µs
 //!     for each in a new one (the more, the finer a dome is cut); what is not convex is refused at the first face that
 //!     shows it, mostly within a millisecond. A walk O(items, and clusters of those in view), and twice for outer sides.
-//! Gives an exact order, far to near, of contents that are convex; others are refused, also after an edit.
+//! Gives an exact order, far to near, of geometries that are convex; others are refused, also after an edit.
 
 mod laid;
 mod resting;
@@ -18,8 +18,8 @@ mod walls;
 
 use super::items::{hand_out_opening, hand_out_openings, hand_out_openings_at_eye, may_be_seen, sight};
 use super::{FarToNear, Order, Refusal, Visit};
-use crate::content::{Alpha, Content, ItemId, Moved, OpeningId};
 use crate::faces::Faces;
+use crate::geometry::{Alpha, Geometry, ItemId, Moved, OpeningId};
 use crate::passage::Passage;
 use crate::region::Sight;
 use glam::{DAffine3, DVec3};
@@ -70,18 +70,18 @@ impl Order for ConvexCell {
     type Gives = FarToNear;
     type Scratch = ();
 
-    fn build(content: &Content, limit_bytes: u64) -> Result<ConvexCell, Refusal> {
-        let mut walls = Walls::new(content, limit_bytes);
+    fn build(geometry: &Geometry, limit_bytes: u64) -> Result<ConvexCell, Refusal> {
+        let mut walls = Walls::new(geometry, limit_bytes);
         walls.take_openings()?;
-        for item in (0..content.items().len() as u32).map(ItemId) {
+        for item in (0..geometry.items().len() as u32).map(ItemId) {
             walls.take_item(item)?;
         }
         Ok(walls.cell)
     }
 
-    fn needs_bytes(content: &Content) -> u64 {
+    fn needs_bytes(geometry: &Geometry) -> u64 {
         // Most faces show one side; how many show the other is found out, and refused, while it is built.
-        content.items().len() as u64 * size_of::<bool>() as u64
+        geometry.items().len() as u64 * size_of::<bool>() as u64
     }
 
     fn bytes(&self) -> u64 {
@@ -92,37 +92,37 @@ impl Order for ConvexCell {
             + size_of_val(&*self.hiding)) as u64
     }
 
-    fn follow(&mut self, content: &Content, moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
+    fn follow(&mut self, geometry: &Geometry, moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
         // What hides nothing, and did not before either, may be anywhere.
         moved.iter().all(|moved| {
             let hid = self.hiding.get(moved.item.0 as usize).is_some_and(|&hid| hid);
-            !hid && clusters_that_hide(content, moved.item).next().is_none()
+            !hid && clusters_that_hide(geometry, moved.item).next().is_none()
         })
     }
 
-    fn visit(&self, content: &Content, passage: &Passage, _scratch: &mut (), visit: &mut impl Visit) {
-        hand_out_openings(content, passage, visit);
-        for item in (0..content.items().len() as u32).rev().map(ItemId) {
-            self.hand_out(content, passage, item, visit);
+    fn visit(&self, geometry: &Geometry, passage: &Passage, _scratch: &mut (), visit: &mut impl Visit) {
+        hand_out_openings(geometry, passage, visit);
+        for item in (0..geometry.items().len() as u32).rev().map(ItemId) {
+            self.hand_out(geometry, passage, item, visit);
         }
         let eye = DVec3::from(passage.eye());
         if self.planes.iter().any(|plane| plane.height(eye) < 0.0) {
-            self.hand_out_outer_sides(content, passage, eye, visit);
+            self.hand_out_outer_sides(geometry, passage, eye, visit);
         }
         // Rounding may have put these among the outer sides, or things that end in their plane over them.
-        hand_out_openings_at_eye(content, passage, visit);
+        hand_out_openings_at_eye(geometry, passage, visit);
     }
 }
 
 impl ConvexCell {
     /// Hands out what may be seen of an item, the last cluster first.
-    fn hand_out(&self, content: &Content, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
-        let mesh = content.mesh_of(item);
+    fn hand_out(&self, geometry: &Geometry, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
+        let mesh = geometry.mesh_of(item);
         let clusters = mesh.clusters();
         if clusters.is_empty() || !visit.first_time(item) {
             return;
         }
-        let screen_from_item = passage.screen_from(&content.item(item).transform());
+        let screen_from_item = passage.screen_from(&geometry.item(item).transform());
         let whole = match sight(passage, &screen_from_item, &mesh.bounds(), visit) {
             Sight::Hidden => return,
             Sight::Partly => clusters.len() == 1,
@@ -134,20 +134,26 @@ impl ConvexCell {
             }
             if self.laid.binary_search(&(item, number)).is_ok() {
                 let faces = [cluster.faces.start, cluster.faces.end];
-                hand_out_backwards(content, item, faces, &screen_from_item, visit);
+                hand_out_backwards(geometry, item, faces, &screen_from_item, visit);
             } else {
-                visit.cluster(content, item, number, &screen_from_item);
+                visit.cluster(geometry, item, number, &screen_from_item);
             }
         }
     }
 
     /// Hands out the faces whose outer sides `eye` is on, over whatever they hide.
-    fn hand_out_outer_sides(&self, content: &Content, passage: &Passage, eye: DVec3, visit: &mut impl Visit) {
+    fn hand_out_outer_sides(
+        &self,
+        geometry: &Geometry,
+        passage: &Passage,
+        eye: DVec3,
+        visit: &mut impl Visit,
+    ) {
         let is_outside = |plane: u32| self.planes[plane as usize].height(eye) < 0.0;
         if !passage.flat {
             for &(opening, plane) in self.openings.iter().rev() {
                 if is_outside(plane) {
-                    hand_out_opening(content, passage, opening, visit);
+                    hand_out_opening(geometry, passage, opening, visit);
                 }
             }
         }
@@ -158,10 +164,10 @@ impl ConvexCell {
             faces,
         } in self.outside.iter().rev()
         {
-            let screen_from_item = || passage.screen_from(&content.item(item).transform());
-            let bounds = &content.mesh_of(item).clusters()[cluster as usize].bounds;
+            let screen_from_item = || passage.screen_from(&geometry.item(item).transform());
+            let bounds = &geometry.mesh_of(item).clusters()[cluster as usize].bounds;
             if is_outside(plane) && may_be_seen(passage, &screen_from_item(), bounds, visit) {
-                hand_out_backwards(content, item, faces, &screen_from_item(), visit);
+                hand_out_backwards(geometry, item, faces, &screen_from_item(), visit);
             }
         }
     }
@@ -169,20 +175,21 @@ impl ConvexCell {
 
 /// Hands out faces one by one, the last first: of those in one plane the lowest is painted over the others.
 fn hand_out_backwards(
-    content: &Content,
+    geometry: &Geometry,
     item: ItemId,
     faces: [u32; 2],
     screen_from_item: &DAffine3,
     visit: &mut impl Visit,
 ) {
     for face in (faces[0]..faces[1]).rev() {
-        visit.faces(&Faces::of_face(content, item, face, screen_from_item, &[]));
+        visit.faces(&Faces::of_face(geometry, item, face, screen_from_item, &[]));
     }
 }
 
 /// The clusters of an item whose faces hide what is behind them, by their places.
-fn clusters_that_hide(content: &Content, item: ItemId) -> impl Iterator<Item = u32> + '_ {
-    let clusters = (0_u32..).zip(content.mesh_of(item).clusters());
-    let hide = clusters.filter(move |(_, cluster)| content.material_of(item, cluster).alpha == Alpha::Opaque);
+fn clusters_that_hide(geometry: &Geometry, item: ItemId) -> impl Iterator<Item = u32> + '_ {
+    let clusters = (0_u32..).zip(geometry.mesh_of(item).clusters());
+    let hide =
+        clusters.filter(move |(_, cluster)| geometry.material_of(item, cluster).alpha == Alpha::Opaque);
     hide.map(|(number, _)| number)
 }

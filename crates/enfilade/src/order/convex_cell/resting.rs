@@ -11,13 +11,13 @@
 //!     by the trees over items and clusters: few under a wall, hundreds under a smooth and finely cut dome.
 
 use super::{Plane, clusters_that_hide};
-use crate::content::{Alpha, Content, ItemId, OpeningId, Owner};
 use crate::geom::{Aabb, Step};
+use crate::geometry::{Alpha, Geometry, ItemId, OpeningId, Owner};
 use glam::{DAffine3, DVec3};
 
 /// All that hides, openings included, and how far off it may be.
 pub(super) struct Resting<'a> {
-    content: &'a Content,
+    geometry: &'a Geometry,
     /// No coordinate is greater.
     greatest: f64,
     slack: f64,
@@ -45,13 +45,13 @@ const THIN: f64 = 1.0 / (1_u64 << 45) as f64;
 const TURNS: usize = 8;
 
 impl<'a> Resting<'a> {
-    pub(super) fn new(content: &'a Content) -> Resting<'a> {
-        let openings = content.openings().iter().map(|opening| opening.outline.bounds());
+    pub(super) fn new(geometry: &'a Geometry) -> Resting<'a> {
+        let openings = geometry.openings().iter().map(|opening| opening.outline.bounds());
         let mut bounds = openings.fold(Aabb::EMPTY, |sum, hole| sum.union(&hole));
-        for item in (0..content.items().len() as u32).map(ItemId) {
-            let placed = content.item(item).transform();
-            for cluster in clusters_that_hide(content, item) {
-                let corners = content.mesh_of(item).clusters()[cluster as usize]
+        for item in (0..geometry.items().len() as u32).map(ItemId) {
+            let placed = geometry.item(item).transform();
+            for cluster in clusters_that_hide(geometry, item) {
+                let corners = geometry.mesh_of(item).clusters()[cluster as usize]
                     .bounds
                     .corners();
                 bounds = corners
@@ -67,7 +67,7 @@ impl<'a> Resting<'a> {
             min.abs().max(max.abs()).max_element()
         };
         Resting {
-            content,
+            geometry,
             greatest,
             slack: SLACK * greatest,
             middle: if is_empty { DVec3::ZERO } else { 0.5 * (min + max) },
@@ -191,7 +191,7 @@ impl<'a> Resting<'a> {
 
     /// A corner that is behind a plane, if any is by more than the slack.
     fn behind(&self, plane: &Plane, wanted: Wanted) -> Option<Corner> {
-        let content = self.content;
+        let geometry = self.geometry;
         // Seen from behind, what is farthest behind is met first.
         let eye: [f64; 3] = (self.middle - plane.normal * (4.0 * self.radius)).into();
         let mut farthest = Farthest {
@@ -199,11 +199,11 @@ impl<'a> Resting<'a> {
             found: None,
             wanted,
         };
-        content.opening_tree().walk(eye, |step| match step {
+        geometry.opening_tree().walk(eye, |step| match step {
             Step::Node(bounds) => farthest.may_be_in(bounds, plane),
             Step::Thing(opening) => {
                 let of = Owner::Opening(OpeningId(opening as u16));
-                for corner in content.openings()[opening as usize].outline.corners() {
+                for corner in geometry.openings()[opening as usize].outline.corners() {
                     let point = DVec3::from(corner.map(f64::from));
                     farthest.take(Corner {
                         point,
@@ -214,11 +214,11 @@ impl<'a> Resting<'a> {
                 true
             }
         });
-        content.item_tree().walk(eye, |step| match step {
+        geometry.item_tree().walk(eye, |step| match step {
             Step::Node(bounds) => farthest.may_be_in(bounds, plane),
             Step::Thing(item) => {
                 let item = ItemId(item);
-                if farthest.may_be_in(&content.item(item).bounds, plane) {
+                if farthest.may_be_in(&geometry.item(item).bounds, plane) {
                     self.farthest_of(item, plane, &mut farthest);
                 }
                 true
@@ -228,8 +228,8 @@ impl<'a> Resting<'a> {
     }
 
     fn farthest_of(&self, item: ItemId, plane: &Plane, farthest: &mut Farthest) {
-        let mesh = self.content.mesh_of(item);
-        let sector_from_item: DAffine3 = self.content.item(item).transform().0;
+        let mesh = self.geometry.mesh_of(item);
+        let sector_from_item: DAffine3 = self.geometry.item(item).transform().0;
         // The same plane in the space of the item, where its normal is as long as lengths grow.
         let plane = Plane {
             normal: sector_from_item.matrix3.transpose() * plane.normal,
@@ -242,7 +242,7 @@ impl<'a> Resting<'a> {
             Step::Node(bounds) => farthest.may_be_in(bounds, &plane),
             Step::Thing(number) => {
                 let cluster = &mesh.clusters()[number as usize];
-                let hides = self.content.material_of(item, cluster).alpha == Alpha::Opaque;
+                let hides = self.geometry.material_of(item, cluster).alpha == Alpha::Opaque;
                 let used = cluster.positions.start as usize..cluster.positions.end as usize;
                 let is_behind = |at: &[f32; 3]| -plane.height(DVec3::from(at.map(f64::from))) > farthest.by;
                 if hides
@@ -267,7 +267,7 @@ impl<'a> Resting<'a> {
         plane: &Plane,
         farthest: &mut Farthest,
     ) {
-        let mesh = self.content.mesh_of(item);
+        let mesh = self.geometry.mesh_of(item);
         let local = |&at: &u32| DVec3::from(mesh.positions()[at as usize].map(f64::from));
         for corner in mesh.face(face) {
             let by = -plane.height(local(corner));

@@ -1,15 +1,15 @@
-//! Which planes the faces of a content lie in, so that everything else is on one side of each; and which face has none.
+//! Which planes the faces of a geometry lie in, so that everything else is on one side of each; and which face has none.
 
 use super::laid::lie_on_one_another;
 use super::resting::{Corner, Resting};
 use super::{ConvexCell, Outside, Plane, clusters_that_hide};
-use crate::content::{Content, ItemId, OpeningId, Owner};
+use crate::geometry::{Geometry, ItemId, OpeningId, Owner};
 use crate::order::{Dent, Order, Refusal};
 use glam::DVec3;
 
-/// Takes the faces of a content one after the other, and finds a plane for each.
+/// Takes the faces of a geometry one after the other, and finds a plane for each.
 pub(super) struct Walls<'a> {
-    content: &'a Content,
+    geometry: &'a Geometry,
     resting: Resting<'a>,
     limit_bytes: u64,
     /// The planes found last, the newest last: neighbours often lie in one.
@@ -44,10 +44,10 @@ pub(super) struct Face {
 const MOST_KNOWN: usize = 16;
 
 impl<'a> Walls<'a> {
-    pub(super) fn new(content: &'a Content, limit_bytes: u64) -> Walls<'a> {
+    pub(super) fn new(geometry: &'a Geometry, limit_bytes: u64) -> Walls<'a> {
         Walls {
-            content,
-            resting: Resting::new(content),
+            geometry,
+            resting: Resting::new(geometry),
             limit_bytes,
             known: Vec::new(),
             cell: ConvexCell {
@@ -55,7 +55,7 @@ impl<'a> Walls<'a> {
                 outside: Vec::new(),
                 openings: Vec::new(),
                 laid: Vec::new(),
-                hiding: vec![false; content.items().len()],
+                hiding: vec![false; geometry.items().len()],
             },
             outwards: false,
             faces: Vec::new(),
@@ -65,7 +65,7 @@ impl<'a> Walls<'a> {
 
     /// Finds a plane for each opening.
     pub(super) fn take_openings(&mut self) -> Result<(), Refusal> {
-        for (number, opening) in (0_u16..).zip(self.content.openings()) {
+        for (number, opening) in (0_u16..).zip(self.geometry.openings()) {
             let corners = opening.outline.corners().iter();
             let corners: Vec<DVec3> = corners.map(|corner| DVec3::from(corner.map(f64::from))).collect();
             let opening = OpeningId(number);
@@ -82,7 +82,7 @@ impl<'a> Walls<'a> {
 
     /// Finds a plane for each face of an item that hides what is behind it.
     pub(super) fn take_item(&mut self, item: ItemId) -> Result<(), Refusal> {
-        for cluster in clusters_that_hide(self.content, item) {
+        for cluster in clusters_that_hide(self.geometry, item) {
             self.cell.hiding[item.0 as usize] = true;
             self.take_cluster(item, cluster)?;
             if lie_on_one_another(&mut self.faces, &self.corners, self.resting.slack()) {
@@ -97,12 +97,12 @@ impl<'a> Walls<'a> {
     }
 
     fn take_cluster(&mut self, item: ItemId, number: u32) -> Result<(), Refusal> {
-        let content = self.content;
-        let mesh = content.mesh_of(item);
+        let geometry = self.geometry;
+        let mesh = geometry.mesh_of(item);
         let cluster = &mesh.clusters()[number as usize];
-        let sector_from_item = content.item(item).transform();
+        let sector_from_item = geometry.item(item).transform();
         let mirrored = sector_from_item.mirrors();
-        let double_sided = content.material(cluster).double_sided;
+        let double_sided = geometry.material(cluster).double_sided;
         self.faces.clear();
         let mut all = std::mem::take(&mut self.corners);
         all.clear();

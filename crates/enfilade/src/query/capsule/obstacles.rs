@@ -7,8 +7,8 @@
 //! Faces beyond an opening are cut at its plane; what stands before it there is not.
 
 use super::body::Body;
-use crate::content::{Content, ItemId, OpeningId};
 use crate::geom::{Aabb, ConvexPolygon, Step, Transform, nearest_points};
+use crate::geometry::{Geometry, ItemId, OpeningId};
 use crate::query::place::{Place, corners, slack};
 use crate::scene::{Scene, SectorId};
 use glam::{DAffine3, DVec3};
@@ -79,8 +79,8 @@ impl Obstacles {
                 left: left.collect(),
                 entered,
             });
-            if let Some(content) = scene.content(sector) {
-                obstacles.add_faces(content, &here_from_there.0, &near);
+            if let Some(geometry) = scene.geometry(sector) {
+                obstacles.add_faces(geometry, &here_from_there.0, &near);
             }
             if scene.is_flat() {
                 continue;
@@ -100,16 +100,16 @@ impl Obstacles {
     }
 
     /// The faces of the last side that has come.
-    fn add_faces(&mut self, content: &Content, here_from_there: &DAffine3, near: &[DVec3; 2]) {
+    fn add_faces(&mut self, geometry: &Geometry, here_from_there: &DAffine3, near: &[DVec3; 2]) {
         let [min, max] = near.map(|corner| corner.as_vec3().to_array());
         let here = Aabb {
             min: min.map(f32::next_down),
             max: max.map(f32::next_up),
         };
         let there = here.placed(&here_from_there.inverse());
-        content.items_in_box(&there, |item: ItemId| {
-            let here_from_item = *here_from_there * content.item(item).transform().0;
-            let mesh = content.mesh_of(item);
+        geometry.items_in_box(&there, |item: ItemId| {
+            let here_from_item = *here_from_there * geometry.item(item).transform().0;
+            let mesh = geometry.mesh_of(item);
             mesh.walk([0.0; 3], |step| match step {
                 Step::Node(bounds) => bounds.placed(&here_from_item).meets(&here),
                 Step::Thing(cluster) => {

@@ -15,8 +15,8 @@ pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<Standpoint> {
         if found.len() == count {
             break;
         }
-        let (sector, content) = surveyor.contents[number % surveyor.contents.len()];
-        let bounds = content.bounds();
+        let (sector, geometry) = surveyor.geometries[number % surveyor.geometries.len()];
+        let bounds = geometry.bounds();
         let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
         let dice = &mut surveyor.dice;
         let mut between = |[low, high]: [f64; 2]| low + (high - low) * dice.fraction();

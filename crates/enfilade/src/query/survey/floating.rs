@@ -1,20 +1,20 @@
-//! Camera positions in the open space of contents without floors.
+//! Camera positions in the open space of geometries without floors.
 //!
 //! Idea: choose a random point on the free segment between a point on a surface and the next surface, and look level. A position
 //!     is rejected as inside a solid if most rays from it hit back faces.
 //! Source: after the random walks of visibility sampling.
 
 use super::{CLEARANCE, Standpoint, Surveyor, TRIES};
-use crate::content::{Content, ItemId};
+use crate::geometry::{Geometry, ItemId};
 use glam::DVec3;
 
-/// Minimum distance of an eye from all faces, relative to the content's size.
+/// Minimum distance of an eye from all faces, relative to the geometry's size.
 const CLEAR_OF_SIZE: f64 = 1e-3;
 
 pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<Standpoint> {
     let mut found = Vec::new();
-    let items: usize = (surveyor.contents.iter())
-        .map(|(_, content)| content.items().len())
+    let items: usize = (surveyor.geometries.iter())
+        .map(|(_, geometry)| geometry.items().len())
         .sum();
     if items == 0 {
         return found;
@@ -24,21 +24,21 @@ pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<Standpoint> {
             break;
         }
         let mut item = surveyor.dice.below(items);
-        let home = surveyor.contents.iter().find(|(_, content)| {
-            let here = item < content.items().len();
-            item -= if here { 0 } else { content.items().len() };
+        let home = surveyor.geometries.iter().find(|(_, geometry)| {
+            let here = item < geometry.items().len();
+            item -= if here { 0 } else { geometry.items().len() };
             here
         });
-        let Some(&(sector, content)) = home else {
+        let Some(&(sector, geometry)) = home else {
             continue;
         };
-        let Some(place) = place_in_the_open(surveyor, content, ItemId(item as u32)) else {
+        let Some(place) = place_in_the_open(surveyor, geometry, ItemId(item as u32)) else {
             continue;
         };
         let eye = place.as_vec3().to_array();
         // Where sectors overlap the eye belongs to the smallest: it must be open there too.
         if let Some(toward) = surveyor
-            .target(sector, content, place)
+            .target(sector, geometry, place)
             .map(|toward| toward.as_vec3())
             && !surveyor.budget.is_spent()
             && surveyor.scene.locate(eye, toward.to_array()) == Some(sector)
@@ -55,14 +55,14 @@ pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<Standpoint> {
 }
 
 /// Returns a random point on the free segment from a face of an item to the next surface.
-fn place_in_the_open(surveyor: &mut Surveyor, content: &Content, item: ItemId) -> Option<DVec3> {
-    let mesh = content.mesh_of(item);
+fn place_in_the_open(surveyor: &mut Surveyor, geometry: &Geometry, item: ItemId) -> Option<DVec3> {
+    let mesh = geometry.mesh_of(item);
     if mesh.face_count() == 0 {
         return None;
     }
     let dice = &mut surveyor.dice;
     let face = mesh.face(dice.below(mesh.face_count() as usize) as u32);
-    let transform = content.item(item).transform();
+    let transform = geometry.item(item).transform();
     let corner = |i: usize| DVec3::from(transform.point_f64(mesh.positions()[face[i] as usize]));
     let last = 2 + dice.below(face.len() - 2);
     let [mut u, mut v] = [dice.fraction(), dice.fraction()];
@@ -71,13 +71,13 @@ fn place_in_the_open(surveyor: &mut Surveyor, content: &Content, item: ItemId) -
     }
     let start = corner(0) * (1.0 - u - v) + corner(last - 1) * u + corner(last) * v;
     let direction = dice.direction();
-    let size = f64::from(content.bounds().longest_side());
+    let size = f64::from(geometry.bounds().longest_side());
     // Off the surface by what f32 loses, so that the ray does not end where it begins.
     let start = start + direction * (1e-5 * size);
-    let free = surveyor.budget.cast(content, start, direction)?.distance;
+    let free = surveyor.budget.cast(geometry, start, direction)?.distance;
     let place = start + direction * (free * (0.01 + 0.98 * surveyor.dice.fraction()));
-    let [fronts, hits] = surveyor.cast_around(content, place, |_| {});
+    let [fronts, hits] = surveyor.cast_around(geometry, place, |_| {});
     let clearance = (CLEAR_OF_SIZE * size).min(CLEARANCE * surveyor.metre);
-    let is_open = 2 * fronts >= hits && !super::is_near_a_face(content, place, clearance, &surveyor.budget);
+    let is_open = 2 * fronts >= hits && !super::is_near_a_face(geometry, place, clearance, &surveyor.budget);
     is_open.then_some(place)
 }

@@ -1,4 +1,4 @@
-//! Walkable floors of a content, voxelized into vertical spans on a horizontal grid.
+//! Walkable floors of a geometry, voxelized into vertical spans on a horizontal grid.
 //!
 //! Idea: each triangle is clipped to the columns of the grid and added to their solid spans. The top of a span is a floor if its
 //!     slope is small and the free height above it is sufficient. Floors of neighbouring columns are connected if the step between them is
@@ -7,7 +7,7 @@
 //!     Navigation Meshes, Game Programming Gems, 2000.
 //! Cost: O(faces + columns covered by them), at most [`MOST_COLUMNS`] columns and [`MOST_PARTS`] parts of faces.
 
-use crate::content::{Alpha, Content, ItemId};
+use crate::geometry::{Alpha, Geometry, ItemId};
 use glam::DVec3;
 use smallvec::SmallVec;
 
@@ -42,11 +42,11 @@ pub(super) enum Kind {
     Floor,
     /// Under open sky and above free space.
     Roof,
-    /// Not in the file: at the lowest point of the content, below a column's first span. Many buildings lack their ground.
+    /// Not in the file: at the lowest point of the geometry, below a column's first span. Many buildings lack their ground.
     Assumed,
 }
 
-/// The floors of one content.
+/// The floors of one geometry.
 pub(super) struct Floors {
     pub(super) all: Vec<Floor>,
     /// Side of a column.
@@ -73,12 +73,12 @@ type Spans = SmallVec<[Span; 2]>;
 
 impl Floors {
     /// Finds all floors. `metre` is the length of a metre in scene units.
-    pub(super) fn of(content: &Content, metre: f64) -> Floors {
-        let bounds = content.bounds();
+    pub(super) fn of(geometry: &Geometry, metre: f64) -> Floors {
+        let bounds = geometry.bounds();
         let [min, max] = [bounds.min, bounds.max].map(|corner| corner.map(f64::from));
         let extent = [max[0] - min[0], max[2] - min[2]];
         let mut reached = 0.0;
-        each_triangle(content, |triangle| {
+        each_triangle(geometry, |triangle| {
             let [low, high] = around(&triangle);
             reached += (high.x - low.x) * (high.z - low.z);
         });
@@ -97,7 +97,7 @@ impl Floors {
             starts: Vec::with_capacity(size[0] * size[1] + 1),
         };
         let mut columns = vec![Spans::new(); size[0] * size[1]];
-        each_triangle(content, |triangle| floors.add(&triangle, &mut columns));
+        each_triangle(geometry, |triangle| floors.add(&triangle, &mut columns));
         floors.starts.push(0);
         for (column, spans) in columns.iter().enumerate() {
             floors.take_column(column as u32, spans);
@@ -230,13 +230,13 @@ impl Floors {
 /// Corners of a clipped triangle.
 type Polygon = SmallVec<[DVec3; 8]>;
 
-/// Calls `take` with every triangle that is not alpha-blended, in the content's space.
-fn each_triangle(content: &Content, mut take: impl FnMut([DVec3; 3])) {
-    for item in (0..content.items().len() as u32).map(ItemId) {
-        let mesh = content.mesh_of(item);
-        let transform = content.item(item).transform();
+/// Calls `take` with every triangle that is not alpha-blended, in the geometry's space.
+fn each_triangle(geometry: &Geometry, mut take: impl FnMut([DVec3; 3])) {
+    for item in (0..geometry.items().len() as u32).map(ItemId) {
+        let mesh = geometry.mesh_of(item);
+        let transform = geometry.item(item).transform();
         for cluster in mesh.clusters() {
-            if content.material_of(item, cluster).alpha == Alpha::Blend {
+            if geometry.material_of(item, cluster).alpha == Alpha::Blend {
                 continue;
             }
             for face in cluster.faces.clone() {

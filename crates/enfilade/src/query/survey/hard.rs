@@ -1,7 +1,7 @@
 //! Views that are numerically hard for visibility: eyes in portals, on vertices, on edges and in planes of faces.
 
 use super::{Dice, Standpoint};
-use crate::content::{Content, ItemId};
+use crate::geometry::{Geometry, ItemId};
 use crate::scene::{Scene, SectorId};
 use glam::DVec3;
 
@@ -11,23 +11,23 @@ use glam::DVec3;
 /// Eyes may be inside solids. Returns fewer views if [`Scene::locate`] finds many of the eyes in other sectors, and none if the scene
 /// has no faces.
 pub fn survey_hard(scene: &Scene, count: usize) -> Vec<Standpoint> {
-    let contents: Vec<(SectorId, &Content)> = scene
+    let geometries: Vec<(SectorId, &Geometry)> = scene
         .sectors()
-        .filter_map(|id| scene.content(id).map(|content| (id, &**content)))
-        .filter(|(_, content)| content.face_count() > 0)
+        .filter_map(|id| scene.geometry(id).map(|geometry| (id, &**geometry)))
+        .filter(|(_, geometry)| geometry.face_count() > 0)
         .collect();
     let mut dice = Dice(0x6861_7264);
     let mut found = Vec::new();
     for number in 0..TRIES * count {
-        if found.len() == count || contents.is_empty() {
+        if found.len() == count || geometries.is_empty() {
             break;
         }
-        let (sector, content) = contents[dice.below(contents.len())];
+        let (sector, geometry) = geometries[dice.below(geometries.len())];
         let place = match number % 4 {
-            0 => in_opening(content, &mut dice),
-            1 => at_face(content, &mut dice, Where::Corner),
-            2 => at_face(content, &mut dice, Where::Edge),
-            _ => at_face(content, &mut dice, Where::Plane),
+            0 => in_opening(geometry, &mut dice),
+            1 => at_face(geometry, &mut dice, Where::Corner),
+            2 => at_face(geometry, &mut dice, Where::Edge),
+            _ => at_face(geometry, &mut dice, Where::Plane),
         };
         let Some([eye, toward]) = place.map(|place| place.map(|point| point.as_vec3().to_array())) else {
             continue;
@@ -57,8 +57,8 @@ enum Where {
 }
 
 /// Returns an eye in or next to an opening, and a target through it, along its plane or in a random direction.
-fn in_opening(content: &Content, dice: &mut Dice) -> Option<[DVec3; 2]> {
-    let openings = content.openings();
+fn in_opening(geometry: &Geometry, dice: &mut Dice) -> Option<[DVec3; 2]> {
+    let openings = geometry.openings();
     if openings.is_empty() {
         return None;
     }
@@ -84,13 +84,13 @@ fn in_opening(content: &Content, dice: &mut Dice) -> Option<[DVec3; 2]> {
 }
 
 /// Returns an eye on a vertex, on an edge or in the plane of a face, and a target in that plane or in a random direction.
-fn at_face(content: &Content, dice: &mut Dice, place: Where) -> Option<[DVec3; 2]> {
-    let item = ItemId(dice.below(content.items().len()) as u32);
-    let mesh = content.mesh_of(item);
+fn at_face(geometry: &Geometry, dice: &mut Dice, place: Where) -> Option<[DVec3; 2]> {
+    let item = ItemId(dice.below(geometry.items().len()) as u32);
+    let mesh = geometry.mesh_of(item);
     if mesh.face_count() == 0 {
         return None;
     }
-    let transform = content.item(item).transform();
+    let transform = geometry.item(item).transform();
     let face = mesh.face(dice.below(mesh.face_count() as usize) as u32);
     let corner = |at: usize| {
         let position = mesh.positions()[face[at % face.len()] as usize];

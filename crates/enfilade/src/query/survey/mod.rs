@@ -1,6 +1,6 @@
 //! Survey: camera positions where people stand, the same for the same scene.
 //!
-//! Idea: find the walkable floors of each content, segment them into rooms, and distribute positions over the rooms, more in
+//! Idea: find the walkable floors of each geometry, segment them into rooms, and distribute positions over the rooms, more in
 //!     large ones, each as far as possible from the others. A room from which most rays hit back faces is rejected: it is inside
 //!     a solid, or outside a map whose faces point inward. The floors of the whole scene decide which side is the back, because
 //!     some files have inverted winding.
@@ -19,8 +19,8 @@ pub use hard::survey_hard;
 
 use super::cast::line_of;
 use super::ray::Met;
-use crate::content::{Content, ItemId};
 use crate::geom::{Aabb, Step, nearest_points};
+use crate::geometry::{Geometry, ItemId};
 use crate::scene::{Scene, SectorId};
 use crate::sector::{Hit, Ray};
 use floors::{Floor, Floors, Kind};
@@ -110,10 +110,10 @@ const FRONTS: f64 = 0.6;
 const PLAUSIBLE_HEADROOM: [f64; 2] = [1.2, 40.0];
 const USUAL_HEADROOM: f64 = 3.0;
 
-/// A content with its floors and rooms.
+/// A geometry with its floors and rooms.
 struct Site<'a> {
     sector: SectorId,
-    content: &'a Content,
+    geometry: &'a Geometry,
     floors: Floors,
     rooms: Vec<Room>,
     /// By floor, in metres.
@@ -122,7 +122,7 @@ struct Site<'a> {
 
 struct Surveyor<'a> {
     scene: &'a Scene,
-    contents: Vec<(SectorId, &'a Content)>,
+    geometries: Vec<(SectorId, &'a Geometry)>,
     metre: f64,
     dice: Dice,
     budget: RayBudget,
@@ -130,13 +130,13 @@ struct Surveyor<'a> {
 
 impl<'a> Surveyor<'a> {
     fn new(scene: &'a Scene, sectors: impl Iterator<Item = SectorId>, seed: u64) -> Surveyor<'a> {
-        let contents = sectors
-            .filter_map(|id| scene.content(id).map(|content| (id, &**content)))
-            .filter(|(_, content)| content.items().iter().any(|item| !item.bounds.is_empty()))
+        let geometries = sectors
+            .filter_map(|id| scene.geometry(id).map(|geometry| (id, &**geometry)))
+            .filter(|(_, geometry)| geometry.items().iter().any(|item| !item.bounds.is_empty()))
             .collect();
         Surveyor {
             scene,
-            contents,
+            geometries,
             metre: 1.0,
             dice: Dice(seed),
             budget: RayBudget::default(),
@@ -154,12 +154,12 @@ impl<'a> Surveyor<'a> {
             self.metre = metre;
             floors = self.floors();
         }
-        let sites: Vec<Site> = (self.contents.iter().zip(floors))
-            .map(|(&(sector, content), floors)| {
+        let sites: Vec<Site> = (self.geometries.iter().zip(floors))
+            .map(|(&(sector, geometry), floors)| {
                 let (rooms, clearance) = rooms(&floors, self.metre);
                 Site {
                     sector,
-                    content,
+                    geometry,
                     floors,
                     rooms,
                     clearance,
@@ -188,8 +188,9 @@ impl<'a> Surveyor<'a> {
     }
 
     fn floors(&self) -> Vec<Floors> {
-        let all = self.contents.iter();
-        all.map(|(_, content)| Floors::of(content, self.metre)).collect()
+        let all = self.geometries.iter();
+        all.map(|(_, geometry)| Floors::of(geometry, self.metre))
+            .collect()
     }
 
     /// Returns the rooms from which mostly front faces are visible, and whether the winding seems inverted.
@@ -228,7 +229,7 @@ impl<'a> Surveyor<'a> {
         for _ in 0..SAMPLED_FLOORS {
             let floor = room.floors[self.dice.below(room.floors.len())];
             let eye = self.eye(site, floor, false);
-            let [fronts, hits] = self.cast_around(site.content, eye, |item| {
+            let [fronts, hits] = self.cast_around(site.geometry, eye, |item| {
                 items.insert(item);
             });
             all = [all[0] + fronts, all[1] + hits];
@@ -238,23 +239,24 @@ impl<'a> Surveyor<'a> {
 
     /// Returns whether the scene is a thing to look at rather than a place to be in.
     fn is_an_object(&self, rooms: &[RoomQuota]) -> bool {
-        let is_small = |content: &Content| f64::from(content.bounds().longest_side()) <= OBJECT * self.metre;
+        let is_small =
+            |geometry: &Geometry| f64::from(geometry.bounds().longest_side()) <= OBJECT * self.metre;
         let is_covered = |quota: &RoomQuota| {
             let floors = &quota.site.floors.all;
             (quota.room.floors.iter()).any(|&floor| floors[floor as usize].headroom.is_finite())
         };
-        let are_small = self.contents.iter().all(|(_, content)| is_small(content));
-        !self.contents.is_empty() && are_small && !rooms.iter().any(is_covered)
+        let are_small = self.geometries.iter().all(|(_, geometry)| is_small(geometry));
+        !self.geometries.is_empty() && are_small && !rooms.iter().any(is_covered)
     }
 
     /// Casts rays in all directions; returns the number of hits on front faces and the number of hits.
     ///
     /// Steep rays downwards count only if hardly any others hit: the ground of many cities goes on below closed buildings, and
     /// shows its front inside.
-    fn cast_around(&self, content: &Content, eye: DVec3, mut met: impl FnMut(ItemId)) -> [u32; 2] {
+    fn cast_around(&self, geometry: &Geometry, eye: DVec3, mut met: impl FnMut(ItemId)) -> [u32; 2] {
         let [mut others, mut steep] = [[0, 0]; 2];
         for direction in (0..DIRECTIONS).map(spread) {
-            if let Some(hit) = self.budget.cast(content, eye, direction) {
+            if let Some(hit) = self.budget.cast(geometry, eye, direction) {
                 let seen = if direction.y < STEEP {
                     &mut steep
                 } else {
@@ -323,18 +325,18 @@ impl<'a> Surveyor<'a> {
         candidates.into_iter().take(TRIES / 4).find_map(|(_, floor)| {
             let eye = self.eye(site, floor, high).as_vec3();
             let place = eye.as_dvec3();
-            let [fronts, hits] = self.cast_around(site.content, place, |_| {});
+            let [fronts, hits] = self.cast_around(site.geometry, place, |_| {});
             let fronts = if found.seems_inverted {
                 hits - fronts
             } else {
                 fronts
             };
             let is_open = f64::from(fronts) >= FRONTS * f64::from(hits)
-                && !is_near_a_face(site.content, place, CLEARANCE * self.metre, &self.budget);
+                && !is_near_a_face(site.geometry, place, CLEARANCE * self.metre, &self.budget);
             if !is_open {
                 return None;
             }
-            let toward = self.target(site.sector, site.content, place)?.as_vec3();
+            let toward = self.target(site.sector, site.geometry, place)?.as_vec3();
             // Where sectors overlap the eye belongs to the smallest.
             let at_home = self.scene.locate(eye.to_array(), toward.to_array()) == Some(site.sector);
             (at_home && !self.budget.is_spent()).then(|| Standpoint {
@@ -348,8 +350,8 @@ impl<'a> Surveyor<'a> {
 
     /// Returns a target: of eight random level directions one of the two around which most items are visible, the deeper; if
     /// nothing is, the farthest hit in other directions.
-    fn target(&mut self, sector: SectorId, content: &Content, place: DVec3) -> Option<DVec3> {
-        let size = f64::from(content.bounds().longest_side());
+    fn target(&mut self, sector: SectorId, geometry: &Geometry, place: DVec3) -> Option<DVec3> {
+        let size = f64::from(geometry.bounds().longest_side());
         let level: [f64; 8] = std::array::from_fn(|_| std::f64::consts::TAU * self.dice.fraction());
         let met = |direction| self.met(sector, place, direction, size);
         let ahead = |angle: f64| DVec3::new(angle.cos(), 0.0, angle.sin());
@@ -438,16 +440,16 @@ fn metre_of(floors: &[Floors]) -> Option<f64> {
 }
 
 /// Returns `true` if any face is nearer to a point than `radius`.
-fn is_near_a_face(content: &Content, point: DVec3, radius: f64, budget: &RayBudget) -> bool {
+fn is_near_a_face(geometry: &Geometry, point: DVec3, radius: f64, budget: &RayBudget) -> bool {
     let around = Aabb {
         min: (point - radius).as_vec3().to_array(),
         max: (point + radius).as_vec3().to_array(),
     };
     let mut is_near = false;
     budget.begin();
-    content.items_in_box(&around, |item| {
-        let mesh = content.mesh_of(item);
-        let transform = content.item(item).transform();
+    geometry.items_in_box(&around, |item| {
+        let mesh = geometry.mesh_of(item);
+        let transform = geometry.item(item).transform();
         mesh.walk([0.0; 3], |step| {
             if is_near || budget.is_spent() {
                 return false;
@@ -492,14 +494,14 @@ impl RayBudget {
     }
 
     /// Returns the first hit along a ray; `None` once the budget is spent.
-    fn cast(&self, content: &Content, origin: DVec3, direction: DVec3) -> Option<Hit> {
+    fn cast(&self, geometry: &Geometry, origin: DVec3, direction: DVec3) -> Option<Hit> {
         let ray = Ray {
             origin: origin.as_vec3().into(),
             direction: direction.as_vec3().into(),
         };
         let line = line_of(&ray).filter(|_| !self.is_spent())?;
         self.begin();
-        content.first_along(&line, f64::INFINITY, |_| {
+        geometry.first_along(&line, f64::INFINITY, |_| {
             self.tested.set(self.tested.get() + 1);
             true
         })
@@ -560,8 +562,8 @@ impl Dice {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::content::{ContentBuilder, Material, MaterialId};
     use crate::geom::Transform;
+    use crate::geometry::{GeometryBuilder, Material, MaterialId};
     use crate::mesh::Mesh;
     use crate::method::Method;
     use crate::scene::SceneBuilder;
@@ -575,15 +577,15 @@ mod tests {
             [0.0, 8.0, 0.0],
         ];
         let faces = [0, 1, 2, 0, 3, 1, 1, 3, 2, 2, 3, 0];
-        let mut builder = ContentBuilder::new([Material::opaque([1.0; 3])]);
+        let mut builder = GeometryBuilder::new([Material::opaque([1.0; 3])]);
         let mesh = Mesh::triangles(&corners, &faces, MaterialId(0)).expect("four triangles");
         let mesh = builder.mesh(mesh);
         for _ in 0..count {
             builder.item("pyramid", mesh, Transform::IDENTITY);
         }
         let mut scene = SceneBuilder::new();
-        let content = builder.build().expect("sound items");
-        scene.add("all", content, Method::ZBuffer);
+        let geometry = builder.build().expect("sound items");
+        scene.add("all", geometry, Method::ZBuffer);
         scene.build().expect("one sector")
     }
 

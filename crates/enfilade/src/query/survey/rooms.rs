@@ -27,7 +27,7 @@ pub(super) struct Room {
     pub(super) kind: Kind,
 }
 
-/// Returns the rooms of a content and the clearance of each floor in metres.
+/// Returns the rooms of a geometry and the clearance of each floor in metres.
 pub(super) fn rooms(floors: &Floors, metre: f64) -> (Vec<Room>, Vec<f32>) {
     let clearance = clearance(floors, metre);
     let mut order: Vec<u32> = (0..floors.all.len() as u32)

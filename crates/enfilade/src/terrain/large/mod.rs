@@ -14,10 +14,10 @@ mod owners;
 pub use heights::{HeightBytes, HeightFormat, Heights};
 
 use super::{BLOCK, Diagonal, HeightFieldError, check_cell, check_size};
-use crate::content::{
-    Alpha, Content, ContentBuilder, ContentError, ItemId, MOST_OPENINGS, Material, Opening,
-};
 use crate::geom::Aabb;
+use crate::geometry::{
+    Alpha, Geometry, GeometryBuilder, GeometryError, ItemId, MOST_OPENINGS, Material, Opening,
+};
 use crate::sector::Surface;
 use glam::DVec3;
 use levels::Level;
@@ -47,7 +47,7 @@ pub struct LargeTerrain {
     /// The blocks first, then squares of 2×2 of the level before.
     levels: Vec<Level>,
     /// No items, only openings.
-    holes: Content,
+    holes: Geometry,
     /// The corners of all triangles of a cluster, by whether it has fewer cells than most from west to east, and from north to
     /// south.
     corners: [[Vec<u32>; 2]; 2],
@@ -128,8 +128,8 @@ impl LargeTerrain {
     /// The same ground with openings in it, behind which houses can stand; they replace those that it had.
     ///
     /// # Errors
-    /// [`ContentError::TooManyOpenings`].
-    pub fn with_openings(mut self, openings: Vec<Opening>) -> Result<LargeTerrain, ContentError> {
+    /// [`GeometryError::TooManyOpenings`].
+    pub fn with_openings(mut self, openings: Vec<Opening>) -> Result<LargeTerrain, GeometryError> {
         self.holes = no_holes(openings)?;
         Ok(self)
     }
@@ -144,7 +144,7 @@ impl LargeTerrain {
         self.levels[0].size
     }
 
-    pub(crate) fn holes(&self) -> &Content {
+    pub(crate) fn holes(&self) -> &Geometry {
         &self.holes
     }
 
@@ -346,13 +346,13 @@ impl LargeTerrain {
     }
 }
 
-/// A content of openings alone.
-fn no_holes(openings: Vec<Opening>) -> Result<Content, ContentError> {
-    let mut content = ContentBuilder::new([] as [Material; 0]);
+/// A geometry of openings alone.
+fn no_holes(openings: Vec<Opening>) -> Result<Geometry, GeometryError> {
+    let mut geometry = GeometryBuilder::new([] as [Material; 0]);
     for Opening { name, outline } in openings {
-        content.opening(&name, outline);
+        geometry.opening(&name, outline);
     }
-    content.build()
+    geometry.build()
 }
 
 impl fmt::Debug for LargeTerrain {

@@ -1,7 +1,7 @@
 //! Whom the faces of large ground belong to: blocks have as many numbers each, and openings come after all of them.
 
 use super::{BLOCK_FACES, LargeTerrain, SQUARE_FACES};
-use crate::content::{ItemId, OpeningId, Owner, Owners};
+use crate::geometry::{ItemId, OpeningId, Owner, Owners};
 
 impl LargeTerrain {
     /// The number that stands for the first opening where faces are numbered through.

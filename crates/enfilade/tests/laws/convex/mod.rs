@@ -6,7 +6,7 @@ mod worlds;
 use crate::subject::{SIZE, drawn, limits, subjects, viewer};
 use enfilade::laws::Reference;
 use enfilade::{
-    ContentBuilder, ItemId, MaterialId, Method, Owner, Scene, SceneBuilder, SectorId, Transform, View,
+    GeometryBuilder, ItemId, MaterialId, Method, Owner, Scene, SceneBuilder, SectorId, Transform, View,
 };
 use enfilade_scenes::Random;
 use glam::DVec3;
@@ -76,7 +76,7 @@ fn dress(random: &mut Random) -> Dress {
 /// One cell, whose first opening is a mirror, if it has one.
 fn alone(solid: &Solid, random: &mut Random, dress: &Dress) -> Scene {
     let mut scene = SceneBuilder::new();
-    let cell = scene.add("cell", solid.content(random, dress), Method::Cell);
+    let cell = scene.add("cell", solid.geometry(random, dress), Method::Cell);
     if dress.openings > 0 {
         scene.mirror(cell, FIRST);
     }
@@ -92,7 +92,7 @@ fn chain(solids: &[Solid], random: &mut Random, dress: &Dress) -> Scene {
         } else {
             Method::Cell
         };
-        scene.add("cell", solid.content(random, dress), method);
+        scene.add("cell", solid.geometry(random, dress), method);
     }
     for (from, pair) in (0..).zip(solids.windows(2)) {
         let there_from_here = through(&pair[0].outline(1), &pair[1].outline(0));
@@ -156,7 +156,7 @@ proptest! {
     fn a_room_of_copies_of_one_square_turned_into_place_is_convex(seed in any::<u64>()) {
         let random = &mut Random::new(seed);
         let place = place(random, 30.0);
-        let mut builder = ContentBuilder::new(materials());
+        let mut builder = GeometryBuilder::new(materials());
         let corners = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]].to_vec();
         let square = builder.mesh(polygons(&[corners], random.once_in(2), MaterialId(0)));
         let solid = Solid::cuboid([0.5, 1.0, 2.0]).placed(&place);
@@ -253,7 +253,7 @@ fn square(half: f32) -> Vec<[f32; 3]> {
 
 #[test]
 fn of_faces_in_one_plane_the_lowest_is_seen_in_one_mesh_and_over_items() {
-    let middle = |builder: ContentBuilder| {
+    let middle = |builder: GeometryBuilder| {
         let mut scene = SceneBuilder::new();
         scene.add("wall", builder.build().expect("sound"), Method::Cell);
         let scene = scene.build().expect("flat is convex");
@@ -261,13 +261,13 @@ fn of_faces_in_one_plane_the_lowest_is_seen_in_one_mesh_and_over_items() {
         drawn(&mut viewer(), &scene, &ahead).owner([32, 24])
     };
     for sizes in [[0.5, 3.0], [3.0, 0.5]] {
-        let mut builder = ContentBuilder::new(materials());
+        let mut builder = GeometryBuilder::new(materials());
         for size in sizes {
             let mesh = builder.mesh(polygons(&[square(size)], false, MaterialId(0)));
             builder.item("square", mesh, Transform::IDENTITY);
         }
         assert_eq!(middle(builder), Some(Owner::Face(ItemId(0), 0)), "{sizes:?}");
-        let mut builder = ContentBuilder::new(materials());
+        let mut builder = GeometryBuilder::new(materials());
         let mesh = builder.mesh(polygons(&sizes.map(square), false, MaterialId(0)));
         builder.item("squares", mesh, Transform::IDENTITY);
         assert_eq!(middle(builder), Some(Owner::Face(ItemId(0), 0)), "{sizes:?}");

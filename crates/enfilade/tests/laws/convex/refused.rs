@@ -3,28 +3,28 @@
 use super::worlds::{Dress, Solid, materials, place, polygons};
 use super::{alone, keeps_its_contract, view};
 use enfilade::{
-    Content, ContentBuilder, FaceName, ItemId, MaterialId, Mesh, Method, NotConvex, SceneBuilder, SceneError,
-    SectorId, Transform, Unsuited,
+    FaceName, Geometry, GeometryBuilder, ItemId, MaterialId, Mesh, Method, NotConvex, SceneBuilder,
+    SceneError, SectorId, Transform, Unsuited,
 };
 use enfilade_scenes::Random;
 use glam::DVec3;
 use proptest::prelude::*;
 use std::sync::Arc;
 
-fn refusal(content: &Arc<Content>) -> NotConvex {
-    match Method::Cell.build(Arc::clone(content), u64::MAX) {
+fn refusal(geometry: &Arc<Geometry>) -> NotConvex {
+    match Method::Cell.build(Arc::clone(geometry), u64::MAX) {
         Err(Unsuited::NotConvex(why)) => *why,
         Err(why) => panic!("{why}"),
         Ok(_) => panic!("it is taken for convex"),
     }
 }
 
-fn corners_of(content: &Content, name: &FaceName) -> Vec<DVec3> {
+fn corners_of(geometry: &Geometry, name: &FaceName) -> Vec<DVec3> {
     let FaceName::OfItem { number, face, .. } = name else {
         panic!("{name} is an opening");
     };
-    let item = content.item(ItemId(*number));
-    let mesh = content.mesh_of(ItemId(*number));
+    let item = geometry.item(ItemId(*number));
+    let mesh = geometry.mesh_of(ItemId(*number));
     let corners = mesh
         .face(*face)
         .iter()
@@ -33,13 +33,13 @@ fn corners_of(content: &Content, name: &FaceName) -> Vec<DVec3> {
 }
 
 /// Is what the refusal says so?
-fn is_true(content: &Content, why: &NotConvex) {
-    let wall = corners_of(content, &why.wall);
+fn is_true(geometry: &Geometry, why: &NotConvex) {
+    let wall = corners_of(geometry, &why.wall);
     let normal = (wall[1] - wall[0]).cross(wall[2] - wall[0]).normalize();
     let point = DVec3::from(why.point.map(f64::from));
     let by = -normal.dot(point - wall[0]);
     assert!((by - f64::from(why.by)).abs() < 1e-3 * by, "{why}: {by}");
-    let behind = corners_of(content, &why.behind);
+    let behind = corners_of(geometry, &why.behind);
     assert!(behind.iter().any(|corner| corner.distance(point) < 1e-5), "{why}");
 }
 
@@ -53,11 +53,11 @@ proptest! {
         let pulled = random.below(solid.corners.len());
         solid.corners[pulled] *= 0.2;
         let dress = Dress { triangles: true, apart: random.once_in(2), ..Dress::default() };
-        let content = Arc::new(solid.content(random, &dress));
-        let why = refusal(&content);
-        is_true(&content, &why);
+        let geometry = Arc::new(solid.geometry(random, &dress));
+        let why = refusal(&geometry);
+        is_true(&geometry, &why);
         let dent = solid.corners[pulled].as_vec3();
-        let is_at_it = |name| corners_of(&content, name).iter().any(|at| at.as_vec3() == dent);
+        let is_at_it = |name| corners_of(&geometry, name).iter().any(|at| at.as_vec3() == dent);
         prop_assert!(is_at_it(&why.wall) || is_at_it(&why.behind), "{}", why);
     }
 
@@ -67,7 +67,7 @@ proptest! {
         let room = Solid::by_chance(random);
         let mut chest = Solid::cuboid([0.1, 0.15, 0.2]);
         chest.faces.iter_mut().for_each(|face| face.reverse());
-        let mut builder = ContentBuilder::new(materials());
+        let mut builder = GeometryBuilder::new(materials());
         for (name, solid) in [("walls", &room), ("chest", &chest)] {
             let faces = solid.faces.iter();
             let faces: Vec<_> = faces.map(|face| face.iter().map(|&at| solid.corner(at)).collect()).collect();
@@ -75,9 +75,9 @@ proptest! {
             let there = Transform::translation(random.point(0.3));
             builder.item(name, mesh, if name == "chest" { there } else { Transform::IDENTITY });
         }
-        let content = Arc::new(builder.build().expect("sound"));
-        let why = refusal(&content);
-        is_true(&content, &why);
+        let geometry = Arc::new(builder.build().expect("sound"));
+        let why = refusal(&geometry);
+        is_true(&geometry, &why);
         prop_assert!(matches!(&why.wall, FaceName::OfItem { item, .. } if item == "chest"), "{}", why);
     }
 
@@ -86,7 +86,7 @@ proptest! {
         let random = &mut Random::new(seed);
         let place = place(random, 30.0);
         let at = |u: usize, v: usize| place.transform_point3(DVec3::new(u as f64 / 60.0, 0.3, v as f64 / 60.0));
-        let mut builder = ContentBuilder::new(materials());
+        let mut builder = GeometryBuilder::new(materials());
         let mut tiles = Vec::new();
         for u in 0..60 {
             for v in 0..60 {
@@ -101,15 +101,15 @@ proptest! {
         let foot = foot.map(|corner| corner.as_vec3().into());
         let mesh = builder.mesh(Mesh::triangles(&foot, &[0, 1, 2], MaterialId(0)).expect("a triangle"));
         builder.item("side", mesh, Transform::IDENTITY);
-        let content = Arc::new(builder.build().expect("sound"));
-        let built = Method::Cell.build(content, u64::MAX);
+        let geometry = Arc::new(builder.build().expect("sound"));
+        let built = Method::Cell.build(geometry, u64::MAX);
         prop_assert!(built.is_ok(), "{:?}", built.err());
     }
 }
 
 #[test]
 fn a_refusal_says_what_is_where_and_what_to_do() {
-    let mut builder = ContentBuilder::new(materials());
+    let mut builder = GeometryBuilder::new(materials());
     for (name, corners) in [
         ("floor", [[0.0, 0.0, 0.0], [0.0, 0.0, 4.0], [4.0, 0.0, 0.0]]),
         ("cellar", [[1.0, -0.5, 1.0], [1.0, -0.5, 2.0], [2.0, -0.5, 1.0]]),
@@ -118,13 +118,13 @@ fn a_refusal_says_what_is_where_and_what_to_do() {
         let mesh = builder.mesh(Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)).expect("a triangle"));
         builder.item(name, mesh, Transform::IDENTITY);
     }
-    let content = Arc::new(builder.build().expect("sound"));
+    let geometry = Arc::new(builder.build().expect("sound"));
     let told = "not convex: cell needs every face to have all others on one side, but face 0 of item 0 `floor` has face 0 \
                 of item 1 `cellar` behind it, 0.5 deep at (1, -0.5, 1), and others before it; hierarchical-z takes any \
-                content";
-    assert_eq!(refusal(&content).to_string(), told);
+                geometry";
+    assert_eq!(refusal(&geometry).to_string(), told);
     let mut scene = SceneBuilder::new();
-    scene.add("house", content, Method::Cell);
+    scene.add("house", geometry, Method::Cell);
     let error = scene.build().err().expect("it is not convex");
     assert!(matches!(&error, SceneError::NotConvex { sector, .. } if sector == "house"));
     assert_eq!(error.to_string(), format!("sector `house`: {told}"));
@@ -132,7 +132,7 @@ fn a_refusal_says_what_is_where_and_what_to_do() {
 
 #[test]
 fn nothing_and_what_has_no_area_is_convex() {
-    let mut builder = ContentBuilder::new(materials());
+    let mut builder = GeometryBuilder::new(materials());
     assert!(Method::Cell.suits(&builder.clone().build().expect("nothing")));
     let room = Solid::cuboid([1.0; 3]);
     let faces: Vec<_> = (room.faces.iter())

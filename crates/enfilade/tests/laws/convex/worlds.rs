@@ -1,7 +1,7 @@
 //! Convex worlds made by chance.
 
 use enfilade::{
-    Alpha, Attributes, Content, ContentBuilder, ConvexPolygon, Material, MaterialId, Mesh, OpeningId, Part,
+    Alpha, Attributes, ConvexPolygon, Geometry, GeometryBuilder, Material, MaterialId, Mesh, OpeningId, Part,
     Transform,
 };
 use enfilade_scenes::Random;
@@ -14,7 +14,7 @@ pub(super) struct Solid {
     pub(super) faces: Vec<Vec<usize>>,
 }
 
-/// How a solid becomes a content.
+/// How a solid becomes a geometry.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Dress {
     /// One wall in so many is seen from both sides; 0: none.
@@ -142,8 +142,8 @@ impl Solid {
             .collect()
     }
 
-    pub(super) fn content(&self, random: &mut Random, dress: &Dress) -> Content {
-        let mut builder = ContentBuilder::new(materials());
+    pub(super) fn geometry(&self, random: &mut Random, dress: &Dress) -> Geometry {
+        let mut builder = GeometryBuilder::new(materials());
         let place = Transform::IDENTITY;
         for face in 0..dress.openings {
             builder.opening("opening", self.outline(face));
@@ -154,7 +154,7 @@ impl Solid {
             .filter(|_| dress.pictures && random.once_in(2))
             .collect();
         let later = pictures.split_off(pictures.len() / 2);
-        let hang = |face: usize, builder: &mut ContentBuilder| {
+        let hang = |face: usize, builder: &mut GeometryBuilder| {
             let mesh = builder.mesh(polygons(&[self.picture(face)], false, MaterialId(0)));
             builder.item("picture", mesh, place);
         };
@@ -196,7 +196,7 @@ impl Solid {
                 }
             }
         }
-        builder.build().expect("a sound content")
+        builder.build().expect("a sound geometry")
     }
 }
 

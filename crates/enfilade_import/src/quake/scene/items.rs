@@ -10,7 +10,7 @@ use crate::BrokenRule;
 use crate::budget::Budget;
 use crate::quake::bsp::{BspError, Map, Tree, in_range, int, word};
 use crate::warning::{WarningKind, Warnings};
-use enfilade::{ContentBuilder, MeshId, Transform};
+use enfilade::{GeometryBuilder, MeshId, Transform};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
@@ -51,7 +51,7 @@ pub(super) fn of_the_world(
     tree: &Tree,
     surfaces: &Surfaces,
     world: Range<u32>,
-    content: &mut ContentBuilder,
+    geometry: &mut GeometryBuilder,
     budget: &mut Budget,
     warnings: &mut Warnings,
 ) -> Result<(), BrokenRule> {
@@ -91,8 +91,8 @@ pub(super) fn of_the_world(
             place: name.clone(),
             why,
         })?;
-        let mesh = content.mesh(mesh);
-        content.item(&name, mesh, Transform::IDENTITY);
+        let mesh = geometry.mesh(mesh);
+        geometry.item(&name, mesh, Transform::IDENTITY);
     }
     Ok(())
 }
@@ -155,7 +155,7 @@ pub(super) fn of_entities(
     entities: &[Entity],
     models: &[Range<u32>],
     surfaces: &Surfaces,
-    content: &mut ContentBuilder,
+    geometry: &mut GeometryBuilder,
     budget: &mut Budget,
     warnings: &mut Warnings,
 ) -> Result<(), BrokenRule> {
@@ -190,14 +190,14 @@ pub(super) fn of_entities(
                         place: entity.name(),
                         why,
                     })?
-                    .map(|mesh| content.mesh(mesh));
+                    .map(|mesh| geometry.mesh(mesh));
                 meshes.insert(model, mesh);
                 mesh
             }
         };
         if let Some(mesh) = mesh {
             let origin = entity.three("origin").unwrap_or_default();
-            content.item(&entity.name(), mesh, placed(origin));
+            geometry.item(&entity.name(), mesh, placed(origin));
         }
     }
     Ok(())

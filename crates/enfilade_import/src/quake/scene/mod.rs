@@ -27,7 +27,7 @@ use super::bsp::{Map, Tree};
 use crate::budget::Budget;
 use crate::warning::{WarningKind, Warnings};
 use crate::{BrokenRule, Import, ReadOptions, Room, SourceNodes};
-use enfilade::ContentBuilder;
+use enfilade::GeometryBuilder;
 use looks::Looks;
 use std::sync::Arc;
 
@@ -85,15 +85,15 @@ pub(crate) fn import(
     };
     let models = items::models(&map, surfaces.faces.len())?;
     let textures = looks.textures(&mut budget)?;
-    let mut content = ContentBuilder::new(looks.materials);
-    content.textures(textures);
+    let mut geometry = GeometryBuilder::new(looks.materials);
+    geometry.textures(textures);
     let world = models.first().cloned().unwrap_or_default();
     items::of_the_world(
         &map,
         &tree,
         &surfaces,
         world,
-        &mut content,
+        &mut geometry,
         &mut budget,
         &mut warnings,
     )?;
@@ -101,14 +101,14 @@ pub(crate) fn import(
         &entities,
         &models,
         &surfaces,
-        &mut content,
+        &mut geometry,
         &mut budget,
         &mut warnings,
     )?;
     if let Some(cells) = cells::read(&map, &tree, &mut budget)? {
-        content.cells(cells);
+        geometry.cells(cells);
     }
-    let content = content.build().map_err(BrokenRule::Content)?;
+    let geometry = geometry.build().map_err(BrokenRule::Geometry)?;
 
     let summary = MapSummary {
         format: map.format.name(),
@@ -129,11 +129,11 @@ pub(crate) fn import(
         entities: entities.len(),
         visibility_bytes: map.lump(map.format.visibility).len(),
     };
-    warnings.state(WarningKind::EmptyScene, content.triangle_count() == 0);
+    warnings.state(WarningKind::EmptyScene, geometry.triangle_count() == 0);
     Ok(Import {
         rooms: vec![Room {
             name: name.to_owned(),
-            content: Arc::new(content),
+            geometry: Arc::new(geometry),
             nodes: SourceNodes::default(),
             method: None,
             open_above: false,

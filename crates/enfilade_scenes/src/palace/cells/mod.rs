@@ -16,7 +16,7 @@ use super::{drapery, palette};
 use crate::envelope::{Plan, Side};
 use crate::shape::{Shape, ball, lathe};
 use drapery::Rug;
-use enfilade::{ContentBuilder, MaterialId, OpeningId, Transform};
+use enfilade::{GeometryBuilder, MaterialId, OpeningId, Transform};
 use glam::Vec2;
 use shell::{Painted, Vaulting};
 
@@ -140,11 +140,16 @@ pub(crate) const CELLS: [Cell; 9] = [
 impl Cell {
     /// Makes it; gives its openings too, each with the number of its door.
     pub(crate) fn build(&self, shop: &mut Workshop) -> (Closed, Vec<(usize, OpeningId)>) {
-        let mut content = palette::content();
+        let mut geometry = palette::geometry();
         let ends = self.ends();
         let openings = ends
             .iter()
-            .map(|end| (end.number, content.opening(DOORS[end.number].name, end.outline())))
+            .map(|end| {
+                (
+                    end.number,
+                    geometry.opening(DOORS[end.number].name, end.outline()),
+                )
+            })
             .collect();
         let lamps = match self.kind {
             Kind::Bay {
@@ -155,18 +160,18 @@ impl Cell {
                 ..
             } => {
                 let pieces = shell::bay(plan, vaulting, panels, pictures, &ends);
-                self.put_shell(&mut content, pieces);
-                self.furnish(&mut content, shop, plan, &ends)
+                self.put_shell(&mut geometry, pieces);
+                self.furnish(&mut geometry, shop, plan, &ends)
             }
             Kind::Threshold => {
-                self.put_shell(&mut content, shell::threshold(&ends));
+                self.put_shell(&mut geometry, shell::threshold(&ends));
                 let middle = (ends[0].corners[0] + ends[1].corners[0]) * 0.5;
                 let at = [middle.x, 2.6, -87.25];
                 vec![Lamp::candles(at, 0.5)]
             }
         };
-        let content = content.build().expect("a bay is made of sound things");
-        (Closed::of(content, lamps), openings)
+        let geometry = geometry.build().expect("a bay is made of sound things");
+        (Closed::of(geometry, lamps), openings)
     }
 
     /// The doors and windows that are holes in its walls.
@@ -177,18 +182,18 @@ impl Cell {
             .collect()
     }
 
-    fn put_shell(&self, content: &mut ContentBuilder, pieces: Vec<Shape>) {
+    fn put_shell(&self, geometry: &mut GeometryBuilder, pieces: Vec<Shape>) {
         for (number, shape) in pieces.iter().enumerate() {
-            let mesh = content.mesh(shape.dressed(dress));
+            let mesh = geometry.mesh(shape.dressed(dress));
             let name = format!("{}: shell {}", self.title, number + 1);
-            content.item(&name, mesh, Transform::IDENTITY);
+            geometry.item(&name, mesh, Transform::IDENTITY);
         }
     }
 
     /// What is cut out or of glass: a rug, curtains at the windows, a lustre.
     fn furnish(
         &self,
-        content: &mut ContentBuilder,
+        geometry: &mut GeometryBuilder,
         shop: &mut Workshop,
         plan: Plan,
         ends: &[shell::End],
@@ -203,8 +208,8 @@ impl Cell {
         };
         let Vec2 { x, y: z } = plan.center();
         let mut put = |thing: &str, mesh, at: Transform| {
-            let mesh = content.mesh(mesh);
-            content.item(&format!("{}: {thing}", self.title), mesh, at);
+            let mesh = geometry.mesh(mesh);
+            geometry.item(&format!("{}: {thing}", self.title), mesh, at);
         };
         let carpet = drapery::carpet(shop, size, rug);
         put("carpet", carpet, shift(x, 0.0, z));
@@ -288,7 +293,7 @@ mod tests {
         for cell in CELLS {
             let (closed, openings) = cell.build(&mut shop);
             assert!(openings.len() >= 2, "{}", cell.title);
-            let built = Method::Cell.build(closed.content.into(), Method::DEFAULT_LIMIT);
+            let built = Method::Cell.build(closed.geometry.into(), Method::DEFAULT_LIMIT);
             assert!(built.is_ok(), "{}: {:?}", cell.title, built.err());
         }
     }

@@ -62,7 +62,7 @@ pub(crate) const FIRST_PAINTING: u32 = 34;
 /// How many there are.
 const COUNT: usize = FIRST_PAINTING as usize + BROAD + HIGH;
 
-/// All of them, by number; every content of the palace has them.
+/// All of them, by number; every geometry of the palace has them.
 pub(crate) fn textures() -> Arc<[Arc<Texture>]> {
     static ALL: LazyLock<Arc<[Arc<Texture>]>> = LazyLock::new(|| all().into());
     Arc::clone(&ALL)

@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::aperture::CellRoom;
-use crate::content::{Content, ContentBuilder, ItemId, Material, MaterialId};
 use crate::cover::Cover;
 use crate::geom::Transform;
+use crate::geometry::{Geometry, GeometryBuilder, ItemId, Material, MaterialId};
 use crate::mesh::Mesh;
 use crate::region::{Region, Sight};
 use crate::scene::SectorId;
@@ -67,25 +67,25 @@ impl Dice {
     }
 }
 
-/// What all faces of a content cover in so many cells of a screen of 320×180, seen along −z.
-fn covered(content: &Content, cells: [u32; 2]) -> (Known, Passage) {
+/// What all faces of a geometry cover in so many cells of a screen of 320×180, seen along −z.
+fn covered(geometry: &Geometry, cells: [u32; 2]) -> (Known, Passage) {
     let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [320, 180]);
     let passage = Passage::at_the_eye(&view, SectorId(0), false).in_cells(cells, &mut CellRoom::default());
     let (mut known, mut surface) = (Known::default(), Surface::default());
     known.clear_cells(&passage);
     surface.clear(&passage);
-    for item in (0..content.items().len() as u32).map(ItemId) {
-        let screen_from_item = passage.screen_from(&content.item(item).transform());
-        for cluster in 0..content.mesh_of(item).clusters().len() as u32 {
-            let faces = Faces::of_cluster(content, item, cluster, &screen_from_item);
+    for item in (0..geometry.items().len() as u32).map(ItemId) {
+        let screen_from_item = passage.screen_from(&geometry.item(item).transform());
+        for cluster in 0..geometry.mesh_of(item).clusters().len() as u32 {
+            let faces = Faces::of_cluster(geometry, item, cluster, &screen_from_item);
             surface.add(&faces, &passage, &mut Stats::default(), &mut known);
         }
     }
     (known, passage)
 }
 
-fn content(meshes: &[(Vec<[f32; 3]>, Vec<u32>)], double_sided: bool) -> Content {
-    let mut builder = ContentBuilder::new([Material {
+fn geometry(meshes: &[(Vec<[f32; 3]>, Vec<u32>)], double_sided: bool) -> Geometry {
+    let mut builder = GeometryBuilder::new([Material {
         double_sided,
         ..Material::opaque([1.0; 3])
     }]);
@@ -119,10 +119,10 @@ fn a_wall_of_many_clusters_and_items_has_no_crack() {
     let bumpy = |x: f64, y: f64| [9.0 * x, 6.0 * y, -4.0 - 0.3 * (7.0 * x).sin() * (5.0 * y).cos()];
     let lower = sheet(60, bumpy, |_, y| y >= 30);
     let upper = sheet(60, bumpy, |_, y| y < 30);
-    let content = content(&[lower, upper], false);
-    assert!(content.mesh_of(ItemId(0)).clusters().len() > 4);
+    let geometry = geometry(&[lower, upper], false);
+    assert!(geometry.mesh_of(ItemId(0)).clusters().len() > 4);
     for cells in [[320, 180], [160, 90], [97, 53], [64, 36], [20, 11], [5, 3]] {
-        let (known, _) = covered(&content, cells);
+        let (known, _) = covered(&geometry, cells);
         let open = known
             .cells
             .iter()
@@ -135,10 +135,10 @@ fn a_wall_of_many_clusters_and_items_has_no_crack() {
 #[test]
 fn a_needle_hole_in_a_wall_stays_open() {
     let flat = |x: f64, y: f64| [9.0 * x, 6.0 * y, -4.0];
-    let whole = covered(&content(&[sheet(40, flat, |_, _| false)], false), [40, 22]).0;
+    let whole = covered(&geometry(&[sheet(40, flat, |_, _| false)], false), [40, 22]).0;
     assert!(whole.cells.iter().all(|&nearness| nearness > 0.24));
     let holed = covered(
-        &content(&[sheet(40, flat, |x, y| (x, y) == (19, 20))], false),
+        &geometry(&[sheet(40, flat, |x, y| (x, y) == (19, 20))], false),
         [40, 22],
     )
     .0;
@@ -150,7 +150,7 @@ fn a_needle_hole_in_a_wall_stays_open() {
 fn a_surface_that_turns_over_is_open_where_it_does() {
     // A sheet folded along x = 0: seen from both sides, it lies before and behind there, and its fold is its end.
     let folded = |x: f64, y: f64| [4.0 * x.abs() - 2.0, 6.0 * y, -4.0 - x];
-    let (known, _) = covered(&content(&[sheet(21, folded, |_, _| false)], true), [64, 36]);
+    let (known, _) = covered(&geometry(&[sheet(21, folded, |_, _| false)], true), [64, 36]);
     let fold = 32.0 - 2.0 / 4.0 * 64.0 * 0.5 * 0.974;
     for y in 2..34 {
         let row = &known.cells[y * 64..][..64];
@@ -182,10 +182,10 @@ fn what_covers_a_cell_is_at_every_place_in_it_and_no_farther() {
                 sheet(10, wavy, move |x, y| x == hole && y > 4)
             })
             .collect();
-        let content = content(&parts, seed % 2 == 0);
+        let geometry = geometry(&parts, seed % 2 == 0);
         let cells = [[64, 36], [23, 17], [160, 90]][seed as usize % 3];
-        let (known, passage) = covered(&content, cells);
-        let triangles = on_screen(&content, &passage, seed % 2 == 0);
+        let (known, passage) = covered(&geometry, cells);
+        let triangles = on_screen(&geometry, &passage, seed % 2 == 0);
         faces += triangles.len();
         for (place, &nearness) in known
             .cells
@@ -212,10 +212,10 @@ fn what_covers_a_cell_is_at_every_place_in_it_and_no_farther() {
 }
 
 /// The triangles that are seen, as (X, Y, W).
-fn on_screen(content: &Content, passage: &Passage, double_sided: bool) -> Vec<[DVec3; 3]> {
+fn on_screen(geometry: &Geometry, passage: &Passage, double_sided: bool) -> Vec<[DVec3; 3]> {
     let mut all = Vec::new();
-    for item in (0..content.items().len() as u32).map(ItemId) {
-        let mesh = content.mesh_of(item);
+    for item in (0..geometry.items().len() as u32).map(ItemId) {
+        let mesh = geometry.mesh_of(item);
         let at = |corner: u32| {
             let position = mesh.positions()[corner as usize].map(f64::from);
             passage.screen_from_sector.transform_point3(DVec3::from(position))

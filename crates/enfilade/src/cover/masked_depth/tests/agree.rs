@@ -1,12 +1,12 @@
 //! Occluders cover the very samples that exact covers give to the same faces.
 
 use super::*;
-use crate::content::{Content, ContentBuilder, ItemId, Material, MaterialId};
 use crate::cover::raster::{Band, Raster, Sink};
 use crate::cover::triangle::Triangle;
 use crate::cover::{DepthBuffer, Paints};
 use crate::faces::Faces;
 use crate::geom::Transform;
+use crate::geometry::{Geometry, GeometryBuilder, ItemId, Material, MaterialId};
 use crate::mesh::{Attributes, Mesh, Part};
 use crate::seen::Seen;
 use std::collections::BTreeSet;
@@ -28,7 +28,7 @@ impl Sink for Held {
 
 /// The same face by both: true where the buffer covers less than the rasteriser, which it never exceeds.
 fn lost(corners: &[[f32; 3]], passage: &Passage) -> (Vec<bool>, Polygon, usize) {
-    let mut builder = ContentBuilder::new([Material {
+    let mut builder = GeometryBuilder::new([Material {
         double_sided: true,
         ..Material::opaque([1.0; 3])
     }]);
@@ -42,10 +42,10 @@ fn lost(corners: &[[f32; 3]], passage: &Passage) -> (Vec<bool>, Polygon, usize) 
     };
     let mesh = builder.mesh(Mesh::new(&[part]).expect("flat and convex"));
     builder.item("face", mesh, Transform::IDENTITY);
-    let content = builder.build().expect("one sound face");
+    let geometry = builder.build().expect("one sound face");
     let [width, height] = passage.size.map(|side| side as usize);
     let mut held = Held(vec![false; width * height], width);
-    let faces = Faces::of_cluster(&content, ItemId(0), 0, &passage.screen_from_sector);
+    let faces = Faces::of_cluster(&geometry, ItemId(0), 0, &passage.screen_from_sector);
     Raster::default().run(&faces, passage, &mut held, &mut Stats::default());
     let corners: Vec<DVec3> = corners
         .iter()
@@ -134,8 +134,8 @@ fn a_polygon_of_many_corners_covers_the_samples_that_it_owns() {
 }
 
 /// Triangles about the eye, each an item of its own; some stand in common corners and planes.
-fn triangles(dice: &mut Dice, count: usize) -> Content {
-    let mut builder = ContentBuilder::new([Material {
+fn triangles(dice: &mut Dice, count: usize) -> Geometry {
+    let mut builder = GeometryBuilder::new([Material {
         double_sided: true,
         ..Material::opaque([1.0; 3])
     }]);
@@ -161,10 +161,10 @@ fn whatever_a_depth_buffer_shows_is_seen_past_the_faces_that_it_took() {
     let [mut shown, mut hidden] = [0, 0];
     for seed in 0..300 {
         let mut dice = Dice::new(seed);
-        let content = triangles(&mut dice, 40);
+        let geometry = triangles(&mut dice, 40);
         let passage = passage([[77, 43], [200, 120]][seed as usize % 2]);
-        let items = (0..content.items().len() as u32).map(ItemId);
-        let faces = |item| Faces::of_cluster(&content, item, 0, &passage.screen_from_sector);
+        let items = (0..geometry.items().len() as u32).map(ItemId);
+        let faces = |item| Faces::of_cluster(&geometry, item, 0, &passage.screen_from_sector);
         let (mut stats, mut seen) = (Stats::default(), Seen::default());
         let mut exact = DepthBuffer::default();
         Paints::clear(&mut exact, &passage, false);
@@ -174,10 +174,10 @@ fn whatever_a_depth_buffer_shows_is_seen_past_the_faces_that_it_took() {
             exact.add(&faces(item), &passage, &mut stats, None);
             cover.hide_batch(&faces(item), &passage, &mut stats);
         }
-        exact.finish(&content, &passage, &mut seen, None);
+        exact.finish(&geometry, &passage, &mut seen, None);
         let owners: BTreeSet<ItemId> = seen.items.iter().map(|item| item.item).collect();
         for item in items {
-            let bounds = content.mesh_of(item).bounds();
+            let bounds = geometry.mesh_of(item).bounds();
             let region = Region::of(&passage, &passage.screen_from_sector, &bounds);
             if region.is_none_or(|region| cover.sees(&region) == Sight::Hidden) {
                 assert!(!owners.contains(&item), "{item:?} of scene {seed}");

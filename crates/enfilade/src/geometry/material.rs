@@ -2,7 +2,7 @@
 
 use super::TextureId;
 
-/// A material, by its place in [`Content::materials`](super::Content::materials).
+/// A material, by its place in [`Geometry::materials`](super::Geometry::materials).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MaterialId(pub u32);
 

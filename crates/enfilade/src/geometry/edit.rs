@@ -1,13 +1,13 @@
 //! Items that come, go, move and change their mesh between looks.
 //!
-//! What an edit wants of a content is checked thing by thing and gathered; then all of it is exchanged with what is there,
+//! What an edit wants of a geometry is checked thing by thing and gathered; then all of it is exchanged with what is there,
 //! so that exchanging once more undoes it. Numbers of items stay; what is added takes the lowest that is free.
 //! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 3: a small change touches a few nodes.
 //! Cost: O(log items) for each change; where an item has more or fewer faces than before, O(items) additions in all.
 
 use super::builder::{MOST_OPENINGS, placed_bounds};
 use super::slots::Slots;
-use super::{Content, Item, ItemId, MeshId};
+use super::{Geometry, Item, ItemId, MeshId};
 use crate::geom::{Aabb, Transform, is_in_range};
 use crate::mesh::Mesh;
 use std::collections::{BTreeMap, BTreeSet};
@@ -44,7 +44,7 @@ struct Change {
 /// An item that is another now, and the box that it had.
 #[derive(Clone, Copy, Debug)]
 pub struct Moved {
-    /// Which; its box is that of the content now, and empty if it is gone.
+    /// Which; its box is that of the geometry now, and empty if it is gone.
     pub item: ItemId,
     /// Its box before, in the space of the sector; empty if it was not there.
     pub was: Aabb,
@@ -57,7 +57,7 @@ pub(crate) struct Exchanged {
     pub(crate) moved: Vec<Moved>,
     /// The meshes that are others now, in order.
     pub(crate) meshes: BTreeSet<MeshId>,
-    /// Nodes of the content's own tree that were touched.
+    /// Nodes of the geometry's own tree that were touched.
     pub(crate) nodes: u64,
 }
 
@@ -73,18 +73,18 @@ pub(crate) enum Unfit {
 
 impl Placing {
     /// As an item is now.
-    fn at(content: &Content, item: ItemId) -> Placing {
-        let placed = content.item(item);
+    fn at(geometry: &Geometry, item: ItemId) -> Placing {
+        let placed = geometry.item(item);
         Placing {
-            mesh: Arc::clone(&content.meshes[placed.mesh.0 as usize]),
+            mesh: Arc::clone(&geometry.meshes[placed.mesh.0 as usize]),
             place: placed.sector_from_item,
             hides: placed.hides,
         }
     }
 
     /// The box around it, if it may stand there.
-    fn check(&self, content: &Content) -> Result<Aabb, Unfit> {
-        let materials = content.materials.len();
+    fn check(&self, geometry: &Geometry) -> Result<Aabb, Unfit> {
+        let materials = geometry.materials.len();
         let clusters = self.mesh.clusters();
         if let Some(cluster) = clusters.iter().find(|c| c.material.0 as usize >= materials) {
             return Err(Unfit::NoSuchMaterial(cluster.material.0));
@@ -112,19 +112,19 @@ impl Placing {
 
 impl Changes {
     /// An item as it will be; `None` where there will be none.
-    fn placing(&self, content: &Content, item: ItemId) -> Option<Placing> {
+    fn placing(&self, geometry: &Geometry, item: ItemId) -> Option<Placing> {
         match self.items.get(&item) {
             Some(change) => change.placing.clone(),
-            None => content.holds(item).then(|| Placing::at(content, item)),
+            None => geometry.holds(item).then(|| Placing::at(geometry, item)),
         }
     }
 
     /// An item's name, as it will be.
-    pub(crate) fn name<'a>(&'a self, content: &'a Content, item: ItemId) -> &'a str {
+    pub(crate) fn name<'a>(&'a self, geometry: &'a Geometry, item: ItemId) -> &'a str {
         let change = self.items.get(&item).and_then(|change| change.name.as_deref());
         change.unwrap_or_else(|| {
-            if content.holds(item) {
-                content.name(item)
+            if geometry.holds(item) {
+                geometry.name(item)
             } else {
                 ""
             }
@@ -134,29 +134,29 @@ impl Changes {
     /// Has an item be as `change` makes of it; `None` where there is no such item.
     pub(crate) fn change(
         &mut self,
-        content: &Content,
+        geometry: &Geometry,
         item: ItemId,
         change: impl FnOnce(Placing) -> Option<Placing>,
     ) -> Option<Result<(), Unfit>> {
-        let was = self.placing(content, item)?;
+        let was = self.placing(geometry, item)?;
         let had = was.mesh.face_count();
-        Some(self.set(content, item, had, change(was)))
+        Some(self.set(geometry, item, had, change(was)))
     }
 
     /// Has an item, of so many faces as yet, be as `placing` says.
     fn set(
         &mut self,
-        content: &Content,
+        geometry: &Geometry,
         item: ItemId,
         had: u32,
         placing: Option<Placing>,
     ) -> Result<(), Unfit> {
         let bounds = placing
             .as_ref()
-            .map_or(Ok(Aabb::EMPTY), |placing| placing.check(content))?;
+            .map_or(Ok(Aabb::EMPTY), |placing| placing.check(geometry))?;
         let faces = placing.as_ref().map_or(0, |placing| placing.mesh.face_count());
         let more_faces = self.more_faces + i64::from(faces) - i64::from(had);
-        if content.face_count() as i64 + more_faces > i64::from(u32::MAX) - MOST_OPENINGS as i64 {
+        if geometry.face_count() as i64 + more_faces > i64::from(u32::MAX) - MOST_OPENINGS as i64 {
             return Err(Unfit::TooManyFaces);
         }
         self.more_faces = more_faces;
@@ -171,14 +171,14 @@ impl Changes {
     }
 
     /// Adds an item.
-    pub(crate) fn add(&mut self, content: &Content, name: &str, placing: Placing) -> Result<ItemId, Unfit> {
+    pub(crate) fn add(&mut self, geometry: &Geometry, name: &str, placing: Placing) -> Result<ItemId, Unfit> {
         let next = self.last_free.map_or(0, |last| last + 1);
-        let free = content
+        let free = geometry
             .slots
             .as_ref()
             .and_then(|slots| slots.free_items.range(next..).next().copied());
-        let item = ItemId(free.unwrap_or(content.items.len() as u32 + self.appended));
-        self.set(content, item, 0, Some(placing))?;
+        let item = ItemId(free.unwrap_or(geometry.items.len() as u32 + self.appended));
+        self.set(geometry, item, 0, Some(placing))?;
         match free {
             Some(number) => self.last_free = Some(number),
             None => self.appended += 1,
@@ -195,7 +195,7 @@ impl Changes {
     }
 }
 
-impl Content {
+impl Geometry {
     /// Exchanges items for those of `changes`, which then undo it.
     pub(crate) fn exchange(&mut self, changes: &mut Changes) -> Exchanged {
         let mut done = Exchanged::default();
@@ -338,10 +338,10 @@ impl Item {
     }
 }
 
-impl Clone for Content {
+impl Clone for Geometry {
     /// A copy of its own; meshes are shared.
-    fn clone(&self) -> Content {
-        Content {
+    fn clone(&self) -> Geometry {
+        Geometry {
             meshes: self.meshes.clone(),
             materials: Arc::clone(&self.materials),
             textures: Arc::clone(&self.textures),

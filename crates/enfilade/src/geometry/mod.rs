@@ -12,7 +12,7 @@ mod texture;
 pub use baked_cells::{BakedCells, BakedCellsError, CellId, CellNode, CellSide, CellTree};
 pub(crate) use baked_cells::{Leaf, Room};
 pub(crate) use builder::MOST_OPENINGS;
-pub use builder::{ContentBuilder, ContentError};
+pub use builder::{GeometryBuilder, GeometryError};
 pub use edit::Moved;
 pub(crate) use edit::{Changes, Exchanged, Placing, Unfit};
 pub use material::{Alpha, Material, MaterialId};
@@ -27,15 +27,15 @@ use slots::Slots;
 use std::any::Any;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 
-/// An item of a sector, by its place in [`Content::items`].
+/// An item of a sector, by its place in [`Geometry::items`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ItemId(pub u32);
 
-/// A mesh of a content, by its place in [`Content::meshes`].
+/// A mesh of a geometry, by its place in [`Geometry::meshes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MeshId(pub u32);
 
-/// An opening of a sector, by its place in [`Content::openings`].
+/// An opening of a sector, by its place in [`Geometry::openings`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct OpeningId(pub u16);
 
@@ -72,9 +72,9 @@ pub struct Opening {
     pub outline: ConvexPolygon,
 }
 
-/// Items, materials and openings of a sector. Immutable; built by [`ContentBuilder`].
+/// Items, materials and openings of a sector. Immutable; built by [`GeometryBuilder`].
 #[derive(Debug)]
-pub struct Content {
+pub struct Geometry {
     meshes: Vec<Arc<Mesh>>,
     materials: Arc<[Material]>,
     textures: Arc<[Arc<Texture>]>,
@@ -93,13 +93,13 @@ pub struct Content {
     /// 0, 1, 2 … up to the most corners of an opening, and where each ends: an opening as an indexed face.
     outline_corners: Vec<u32>,
     outline_ends: Vec<[u32; 2]>,
-    /// The number of each item's first face among all faces of the content, then the number of all.
+    /// The number of each item's first face among all faces of the geometry, then the number of all.
     first_faces: Vec<u32>,
     bounds: Aabb,
     shared: Mutex<Weak<dyn Any + Send + Sync>>,
 }
 
-impl Content {
+impl Geometry {
     /// The meshes that items are copies of.
     pub fn meshes(&self) -> &[Arc<Mesh>] {
         &self.meshes
@@ -206,7 +206,7 @@ impl Content {
         &self.terrains
     }
 
-    /// Memory in bytes, without textures; meshes and cells that other contents share are counted in each.
+    /// Memory in bytes, without textures; meshes and cells that other geometries share are counted in each.
     pub fn bytes(&self) -> u64 {
         self.meshes.iter().map(|mesh| mesh.bytes()).sum::<u64>()
             + self.item_tree.get().map_or(0, Octree::bytes)
@@ -233,7 +233,7 @@ impl Content {
         })
     }
 
-    /// The number of an item's first face among all faces of the content.
+    /// The number of an item's first face among all faces of the geometry.
     pub(crate) fn first_face(&self, item: ItemId) -> u32 {
         self.first_faces[item.0 as usize]
     }
@@ -278,7 +278,7 @@ mod tests {
 
     #[test]
     fn every_face_number_leads_back_to_its_item_past_items_without_faces() {
-        let mut builder = ContentBuilder::new([Material::opaque([1.0; 3])]);
+        let mut builder = GeometryBuilder::new([Material::opaque([1.0; 3])]);
         let [nothing, leaf] = [
             builder.mesh(Mesh::new(&[]).expect("nothing")),
             builder.mesh(leaf()),
@@ -288,16 +288,16 @@ mod tests {
         }
         let door = ConvexPolygon::rectangle([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]).expect("a square");
         builder.opening("door", door);
-        let content = builder.build().expect("a sound content");
-        let owners: Vec<_> = (0..3).map(|number| content.owner(number, None)).collect();
+        let geometry = builder.build().expect("a sound geometry");
+        let owners: Vec<_> = (0..3).map(|number| geometry.owner(number, None)).collect();
         let expected = [
             Owner::Face(ItemId(1), 0),
             Owner::Face(ItemId(3), 0),
             Owner::Opening(OpeningId(0)),
         ];
         assert_eq!(owners, expected);
-        assert_eq!(content.owner(1, Some(owners[0])), owners[1]);
-        assert_eq!((content.name(ItemId(0)), content.name(ItemId(3))), ("a", "d"));
+        assert_eq!(geometry.owner(1, Some(owners[0])), owners[1]);
+        assert_eq!((geometry.name(ItemId(0)), geometry.name(ItemId(3))), ("a", "d"));
     }
 
     #[test]
@@ -307,21 +307,21 @@ mod tests {
 
     #[test]
     fn each_broken_rule_has_its_own_error() {
-        let mut builder = ContentBuilder::new([]);
+        let mut builder = GeometryBuilder::new([]);
         builder.mesh(leaf());
         assert!(matches!(
             builder.clone().build(),
-            Err(ContentError::NoSuchMaterial { .. })
+            Err(GeometryError::NoSuchMaterial { .. })
         ));
-        let mut builder = ContentBuilder::new([Material::opaque([1.0; 3])]);
+        let mut builder = GeometryBuilder::new([Material::opaque([1.0; 3])]);
         builder.item("ghost", MeshId(3), Transform::IDENTITY);
         assert!(matches!(
             builder.build(),
-            Err(ContentError::NoSuchMesh { mesh: 3, .. })
+            Err(GeometryError::NoSuchMesh { mesh: 3, .. })
         ));
-        let mut builder = ContentBuilder::new([Material::opaque([1.0; 3])]);
+        let mut builder = GeometryBuilder::new([Material::opaque([1.0; 3])]);
         let mesh = builder.mesh(leaf());
         builder.item("far", mesh, Transform::translation([f32::INFINITY, 0.0, 0.0]));
-        assert!(matches!(builder.build(), Err(ContentError::NotFinite(name)) if name == "far"));
+        assert!(matches!(builder.build(), Err(GeometryError::NotFinite(name)) if name == "far"));
     }
 }

@@ -60,8 +60,8 @@ pub struct CellTree {
     pub tolerance: f64,
 }
 
-/// Cells computed ahead, for [`Method::Pvs`](crate::Method::Pvs): given to a content by
-/// [`ContentBuilder::cells`](crate::ContentBuilder::cells).
+/// Cells computed ahead, for [`Method::Pvs`](crate::Method::Pvs): given to a geometry by
+/// [`GeometryBuilder::cells`](crate::GeometryBuilder::cells).
 ///
 /// ```
 /// use enfilade::{BakedCells, CellId, CellNode, CellSide, CellTree};

@@ -1,6 +1,6 @@
 //! Whom the faces of a sector belong to, by the numbers that covers keep at samples.
 
-use super::{Content, ItemId, OpeningId, Owner};
+use super::{Geometry, ItemId, OpeningId, Owner};
 
 /// What covers ask when they report: rarely, once for a run of samples that one face owns.
 pub trait Owners {
@@ -17,7 +17,7 @@ pub trait Owners {
     fn has_openings(&self) -> bool;
 }
 
-impl Owners for Content {
+impl Owners for Geometry {
     fn owner(&self, number: u32, near: Option<Owner>) -> Owner {
         let faces = self.first_faces[self.items.len()];
         if number >= faces {

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// A texture, by its place in [`Content::textures`](super::Content::textures).
+/// A texture, by its place in [`Geometry::textures`](super::Geometry::textures).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TextureId(pub u32);
 

@@ -1,16 +1,16 @@
-//! Puts a content together, and refuses one that cannot be.
+//! Puts a geometry together, and refuses one that cannot be.
 
 use super::names::Names;
-use super::{BakedCells, Content, Item, ItemId, Material, MeshId, Opening, OpeningId, Texture};
+use super::{BakedCells, Geometry, Item, ItemId, Material, MeshId, Opening, OpeningId, Texture};
 use crate::geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Octree, Transform, is_in_range};
 use crate::mesh::Mesh;
 use crate::terrain::Terrain;
 use std::sync::{Arc, Mutex, OnceLock, Weak};
 use thiserror::Error;
 
-/// Gathers the things of a sector; [`ContentBuilder::build`] checks them.
+/// Gathers the things of a sector; [`GeometryBuilder::build`] checks them.
 #[derive(Clone, Debug, Default)]
-pub struct ContentBuilder {
+pub struct GeometryBuilder {
     meshes: Vec<Arc<Mesh>>,
     materials: Arc<[Material]>,
     textures: Arc<[Arc<Texture>]>,
@@ -21,12 +21,12 @@ pub struct ContentBuilder {
     pub(crate) terrains: Vec<Terrain>,
 }
 
-impl ContentBuilder {
+impl GeometryBuilder {
     /// Starts with a table of materials, which sectors may share.
-    pub fn new(materials: impl Into<Arc<[Material]>>) -> ContentBuilder {
-        ContentBuilder {
+    pub fn new(materials: impl Into<Arc<[Material]>>) -> GeometryBuilder {
+        GeometryBuilder {
             materials: materials.into(),
-            ..ContentBuilder::default()
+            ..GeometryBuilder::default()
         }
     }
 
@@ -75,9 +75,9 @@ impl ContentBuilder {
     /// Checks everything.
     ///
     /// # Errors
-    /// One [`ContentError`] for the first broken rule.
-    pub fn build(self) -> Result<Content, ContentError> {
-        let ContentBuilder {
+    /// One [`GeometryError`] for the first broken rule.
+    pub fn build(self) -> Result<Geometry, GeometryError> {
+        let GeometryBuilder {
             meshes,
             materials,
             textures,
@@ -94,7 +94,7 @@ impl ContentBuilder {
                 .find(|c| c.material.0 as usize >= materials.len())
             {
                 let material = cluster.material.0;
-                return Err(ContentError::NoSuchMaterial {
+                return Err(GeometryError::NoSuchMaterial {
                     mesh,
                     material,
                     materials: materials.len(),
@@ -103,7 +103,7 @@ impl ContentBuilder {
         }
         for (material, named) in materials.iter().enumerate() {
             if let Some(texture) = named.textures().find(|t| t.0 as usize >= textures.len()) {
-                return Err(ContentError::NoSuchTexture {
+                return Err(GeometryError::NoSuchTexture {
                     material,
                     texture: texture.0,
                     textures: textures.len(),
@@ -111,7 +111,7 @@ impl ContentBuilder {
             }
         }
         if openings.len() > MOST_OPENINGS {
-            return Err(ContentError::TooManyOpenings(openings.len()));
+            return Err(GeometryError::TooManyOpenings(openings.len()));
         }
         let mut items = Vec::with_capacity(placed.len());
         let mut first_faces = Vec::with_capacity(placed.len() + 1);
@@ -122,7 +122,7 @@ impl ContentBuilder {
             let name = || names.get(number).to_owned();
             let built = meshes
                 .get(mesh.0 as usize)
-                .ok_or_else(|| ContentError::NoSuchMesh {
+                .ok_or_else(|| GeometryError::NoSuchMesh {
                     item: name(),
                     mesh: mesh.0,
                     meshes: meshes.len(),
@@ -132,10 +132,10 @@ impl ContentBuilder {
             if sector_from_item.iter().flatten().any(|v| !v.is_finite())
                 || !(held.is_empty() || (held.min.iter().chain(&held.max)).all(|v| v.is_finite()))
             {
-                return Err(ContentError::NotFinite(name()));
+                return Err(GeometryError::NotFinite(name()));
             }
             if !(sector_from_item.iter().flatten().all(|&v| is_in_range(v)) && held.is_in_range()) {
-                return Err(ContentError::TooFar(name()));
+                return Err(GeometryError::TooFar(name()));
             }
             bounds = bounds.union(&held);
             items.push(Item {
@@ -148,7 +148,7 @@ impl ContentBuilder {
             faces += u64::from(built.face_count());
         }
         if faces > u64::from(u32::MAX) - MOST_OPENINGS as u64 {
-            return Err(ContentError::TooManyFaces(faces));
+            return Err(GeometryError::TooManyFaces(faces));
         }
         first_faces.push(faces as u32);
         let outline_ends: Vec<[u32; 2]> = openings
@@ -156,7 +156,7 @@ impl ContentBuilder {
             .map(|o| [0, o.outline.corners().len() as u32])
             .collect();
         let outline_corners = (0..outline_ends.iter().map(|ends| ends[1]).max().unwrap_or(0)).collect();
-        Ok(Content {
+        Ok(Geometry {
             meshes,
             materials,
             textures,
@@ -199,10 +199,10 @@ pub(super) fn placed_bounds(transform: &Transform, mesh: &Mesh) -> Aabb {
     }
 }
 
-/// Why things do not make a content.
+/// Why things do not make a geometry.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
-pub enum ContentError {
+pub enum GeometryError {
     /// An item names a mesh that is not there.
     #[error("item {item} is a copy of mesh {mesh}, but there are only {meshes}")]
     NoSuchMesh {

@@ -51,7 +51,7 @@ pub struct CoverSpan {
     pub by: HiddenBy,
     /// 1 / distance along the line of sight, at the first and the last sample: what is farther is hidden. 0 where
     /// nothing is.
-    pub nearness: [f32; 2],
+    pub rev_depth: [f32; 2],
 }
 
 /// What hides in a cell of a cover.

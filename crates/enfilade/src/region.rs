@@ -27,7 +27,7 @@ pub enum Sight {
 pub struct Region {
     /// The samples inside the aperture's rectangle that any part of the box may own.
     pub rect: Rect,
-    /// Nearness (1 / distance along the line of sight) of its nearest corner, rounded up; infinite where the box
+    /// Reversed depth (1 / distance along the line of sight) of its nearest corner, rounded up; infinite where the box
     /// reaches before the near distance.
     pub nearest: f32,
     /// The box itself.
@@ -41,7 +41,7 @@ pub struct Volume {
     pub(crate) sides: [DVec3; 3],
 }
 
-/// By how much nearness is rounded up in queries, relatively: more than covers lose (2⁻²⁴), less than what the
+/// By how much reversed depth is rounded up in queries, relatively: more than covers lose (2⁻²⁴), less than what the
 /// reference calls equal (2⁻¹⁶).
 const ROUND_UP: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
 

@@ -59,8 +59,8 @@ pub(crate) struct SeenOpening {
 pub(crate) struct GlassSample {
     pub(crate) y: u16,
     pub(crate) x: u16,
-    /// Bits of the nearness: they sort as the nearness does.
-    pub(crate) nearness: u32,
+    /// Bits of the reversed depth: they sort as the reversed depth does.
+    pub(crate) rev_depth: u32,
     pub(crate) item: ItemId,
     pub(crate) face: u32,
 }
@@ -100,16 +100,16 @@ impl Seen {
         }
     }
 
-    /// Reports that glass, or a cut-out, is in front at a sample; `nearness` is 1 / distance along the line of
+    /// Reports that glass, or a cut-out, is in front at a sample; `rev_depth` is 1 / distance along the line of
     /// sight. It is painted after what is seen through the openings.
     #[inline]
-    pub fn glass(&mut self, x: u16, y: u16, nearness: f32, item: ItemId, face: u32) {
+    pub fn glass(&mut self, x: u16, y: u16, rev_depth: f32, item: ItemId, face: u32) {
         let same = |last: &GlassSample| last.item == item && last.face == face;
         if self.paints || !self.glass.last().is_some_and(same) {
             self.glass.push(GlassSample {
                 y,
                 x,
-                nearness: nearness.to_bits(),
+                rev_depth: rev_depth.to_bits(),
                 item,
                 face,
             });
@@ -185,7 +185,7 @@ impl Panes {
     /// number, so that the lowest ends in front.
     pub(crate) fn fill(&mut self, glass: &mut [GlassSample]) {
         self.clear();
-        glass.sort_unstable_by_key(|g| (g.y, g.x, g.nearness, Reverse((g.item, g.face))));
+        glass.sort_unstable_by_key(|g| (g.y, g.x, g.rev_depth, Reverse((g.item, g.face))));
         // Layer by layer: the k-th farthest glass of each sample of a row is painted in one go.
         for row in glass.chunk_by(|a, b| a.y == b.y) {
             for layer in 0.. {

@@ -43,7 +43,7 @@ pub struct SpanStats {
     pub by_range: u64,
     /// Those decided by the side of a plane on which a face lies.
     pub by_plane: u64,
-    /// Those for which nearness was computed, because the faces may cross.
+    /// Those for which reversed depth was computed, because the faces may cross.
     pub by_depth: u64,
 }
 

@@ -17,7 +17,7 @@ pub(crate) struct CoverPicture {
 struct Known {
     passage: u32,
     cell: u32,
-    nearness: f32,
+    rev_depth: f32,
     shape: Option<CoverShape>,
     by: Option<HiddenBy>,
 }
@@ -52,12 +52,12 @@ impl CoverPicture {
         for span in spans {
             let [start, end] = [span.x0, span.x1].map(|x| usize::from(y) * self.width + usize::from(x));
             let steps = (end - start).saturating_sub(1).max(1) as f32;
-            let [first, last] = span.nearness;
+            let [first, last] = span.rev_depth;
             for (step, sample) in self.samples[start..end].iter_mut().enumerate() {
                 *sample = Known {
                     passage: self.passage,
                     cell: span.cell,
-                    nearness: first + (last - first) * (step as f32 / steps),
+                    rev_depth: first + (last - first) * (step as f32 / steps),
                     shape: self.shape,
                     by: Some(span.by),
                 };
@@ -100,7 +100,7 @@ fn dimming(known: &Known, left: &Known, above: &Known, y: usize) -> f32 {
 }
 
 fn color(known: &Known, light: &Light) -> [f32; 3] {
-    let part = light.of(known.nearness);
+    let part = light.of(known.rev_depth);
     let lit = |color: [f32; 3]| color.map(|value| value * (FARTHEST + (1.0 - FARTHEST) * part));
     match known.by {
         None => UNKNOWN,
@@ -112,7 +112,7 @@ fn color(known: &Known, light: &Light) -> [f32; 3] {
     }
 }
 
-/// Nearness as light, 0 to 1: half by its logarithm, half by how much of the picture is farther, so that neither a leaf
+/// Reversed depth as light, 0 to 1: half by its logarithm, half by how much of the picture is farther, so that neither a leaf
 /// before the eye nor a view down a street makes all else one.
 struct Light {
     sorted: Vec<f32>,
@@ -122,9 +122,9 @@ struct Light {
 
 impl Light {
     fn over(samples: &[Known]) -> Light {
-        let nearness = samples.iter().map(|known| known.nearness);
-        let mut sorted: Vec<f32> = nearness
-            .filter(|&nearness| nearness > 0.0 && nearness.is_finite())
+        let rev_depth = samples.iter().map(|known| known.rev_depth);
+        let mut sorted: Vec<f32> = rev_depth
+            .filter(|&rev_depth| rev_depth > 0.0 && rev_depth.is_finite())
             .collect();
         sorted.sort_unstable_by(f32::total_cmp);
         let at = |percent: usize| sorted.get(sorted.len() * percent / 100).copied().unwrap_or(1.0);
@@ -136,9 +136,9 @@ impl Light {
         }
     }
 
-    fn of(&self, nearness: f32) -> f32 {
-        let by_logarithm = (nearness / self.farthest).log2() * self.per_doubling;
-        let farther = self.sorted.partition_point(|&other| other < nearness);
+    fn of(&self, rev_depth: f32) -> f32 {
+        let by_logarithm = (rev_depth / self.farthest).log2() * self.per_doubling;
+        let farther = self.sorted.partition_point(|&other| other < rev_depth);
         let by_rank = farther as f32 / self.sorted.len().max(1) as f32;
         0.5 * by_logarithm.clamp(0.0, 1.0) + 0.5 * by_rank
     }

@@ -7,7 +7,7 @@
 //! Cost: a row some ten operations for eight samples; how far the farthest sample is, eight loads.
 //! Exact: the same operations for each sample as [`Row::bits`]; held against that, sample by sample, at every level.
 
-use super::samples::{COVERED, OPEN, Sample, lower_half, nearness};
+use super::samples::{COVERED, OPEN, Sample, lower_half, rev_depth};
 use super::triangle::{Row, Triangle};
 
 /// Samples along a tile's side, as a power of two.
@@ -24,7 +24,7 @@ impl Block {
     pub(super) const OPEN: Block = Block([[OPEN; TILE]; TILE]);
 
     /// Lets a triangle own those samples of one row at which it is nearest: `x` is the tile's first column, `row` the
-    /// nearness along the row, and `run` what the triangle holds of it, in columns of the screen.
+    /// reversed depth along the row, and `run` what the triangle holds of it, in columns of the screen.
     #[inline(always)]
     pub(super) fn keep_nearest(&mut self, y: usize, x: u16, run: [u16; 2], row: &Row, owner: u32) {
         let owner = Sample::from(lower_half(owner));
@@ -49,7 +49,7 @@ impl Block {
         }
     }
 
-    /// Bits of the farthest nearness.
+    /// Bits of the farthest reversed depth.
     #[inline(always)]
     pub(super) fn farthest(&self) -> u32 {
         let mut farthest = [COVERED; TILE];
@@ -58,7 +58,7 @@ impl Block {
                 *farthest = if sample < *farthest { sample } else { *farthest };
             }
         }
-        nearness(farthest.into_iter().fold(COVERED, Sample::min))
+        rev_depth(farthest.into_iter().fold(COVERED, Sample::min))
     }
 
     /// The same of columns `columns` and rows `rows` of the tile alone.
@@ -75,7 +75,7 @@ impl Block {
                 *farthest = if sample < *farthest { sample } else { *farthest };
             }
         }
-        nearness(farthest.into_iter().fold(COVERED, Sample::min))
+        rev_depth(farthest.into_iter().fold(COVERED, Sample::min))
     }
 }
 
@@ -92,7 +92,7 @@ mod tests {
         for round in 0..2000_u32 {
             let triangle = Triangle {
                 owner: round % 3,
-                nearness: DVec3::new(dice.odd(0.01), dice.odd(0.01), dice.within(1.0)),
+                rev_depth: DVec3::new(dice.odd(0.01), dice.odd(0.01), dice.within(1.0)),
                 least: 0.1,
                 greatest: 0.6,
             };
@@ -133,7 +133,7 @@ mod tests {
                     (block, farthest)
                 });
                 assert_eq!(known.0, expected.0);
-                assert_eq!([farthest, part], [nearness(all), nearness(some)]);
+                assert_eq!([farthest, part], [rev_depth(all), rev_depth(some)]);
             }
         }
     }

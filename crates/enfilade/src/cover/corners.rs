@@ -20,7 +20,7 @@ pub(super) struct Corner {
     pub(super) at: DVec3,
     /// X / W, Y / W and 1 / W; of no meaning where W is not above zero.
     pub(super) pixel: [f64; 2],
-    pub(super) nearness: f64,
+    pub(super) rev_depth: f64,
 }
 
 impl Corner {
@@ -32,11 +32,11 @@ impl Corner {
             + matrix.matrix3.y_axis * y
             + matrix.matrix3.z_axis * z
             + matrix.translation;
-        let nearness = 1.0 / at.z;
+        let rev_depth = 1.0 / at.z;
         Corner {
             at,
-            pixel: [at.x * nearness, at.y * nearness],
-            nearness,
+            pixel: [at.x * rev_depth, at.y * rev_depth],
+            rev_depth,
         }
     }
 }
@@ -101,8 +101,8 @@ impl Corners {
                 x * y_row.x + y * y_row.y + z * y_row.z + origin.y,
                 x * z_row.x + y * z_row.y + z * z_row.z + origin.z,
             );
-            let nearness = f64x8::splat(simd, 1.0) / w;
-            let (px, py) = (x * nearness, y * nearness);
+            let rev_depth = f64x8::splat(simd, 1.0) / w;
+            let (px, py) = (x * rev_depth, y * rev_depth);
             let (ax, ay) = (px.abs(), py.abs());
             let ok = w.simd_gt(near) & ax.simd_le(FAR_OFF) & ay.simd_le(FAR_OFF);
             tame &= ok.all_true();
@@ -116,7 +116,7 @@ impl Corners {
                 w.into(),
                 px.into(),
                 py.into(),
-                nearness.into(),
+                rev_depth.into(),
             ]);
             let mut rounded = [[0.0; 2]; LANES];
             for (lane, rounded) in rounded.iter_mut().enumerate() {
@@ -139,12 +139,12 @@ impl Corners {
     /// A corner.
     #[inline(always)]
     pub(super) fn get(&self, number: u32) -> Corner {
-        let (Eight([x, y, w, px, py, nearness]), lane) =
+        let (Eight([x, y, w, px, py, rev_depth]), lane) =
             (&self.eights[number as usize / LANES], number as usize % LANES);
         Corner {
             at: DVec3::new(x[lane], y[lane], w[lane]),
             pixel: [px[lane], py[lane]],
-            nearness: nearness[lane],
+            rev_depth: rev_depth[lane],
         }
     }
 
@@ -182,7 +182,7 @@ mod tests {
                                 corner.at.z,
                                 corner.pixel[0],
                                 corner.pixel[1],
-                                corner.nearness,
+                                corner.rev_depth,
                             ]
                         });
                     for (one, ours) in one.into_iter().zip(ours) {

@@ -3,7 +3,7 @@
 //! Of ground seen near to far the far is hidden as long as it stays below what was seen last, and of ground above the eye as
 //! long as it stays over it. So for every eight columns of samples (or rows, where upright is nearer to across) it is known
 //! how far they are covered from either end, and how far away the farthest of that is; a box is hidden where that is so in
-//! all of its columns. Nearness and owner of each sample are kept, so that things may also come in another order: what
+//! all of its columns. Reversed depth and owner of each sample are kept, so that things may also come in another order: what
 //! stands on the ground, and hides some of it.
 //! Source: Williamson, Hidden-Line Plotting Program, CACM 1972; Anderson, Hidden Line Elimination in Projected Grid Surfaces,
 //!     ACM Transactions on Graphics 1982. Samples instead of lines, and depths beside them, are ours.
@@ -12,7 +12,7 @@
 //! Exact: its set is the owners that are left, and glass held against the final depth.
 
 use super::raster::{Band, Raster, Sink};
-use super::samples::{COVERED, OPEN, Sample, Samples, look_through, nearness};
+use super::samples::{COVERED, OPEN, Sample, Samples, look_through, rev_depth};
 use super::triangle::Triangle;
 use super::{Cover, Paints};
 use crate::aperture::Rect;
@@ -47,7 +47,7 @@ struct Known {
 struct Horizons {
     /// From their beginning up to here, and from here on to their end.
     ends: [u16; 2],
-    /// Bits of the farthest nearness of each of the two.
+    /// Bits of the farthest reversed depth of each of the two.
     farthest: [u32; 2],
 }
 
@@ -184,7 +184,7 @@ impl Known {
         self.horizons[group] = horizons;
     }
 
-    /// Bits of the farthest nearness across a group of lines; 0 where anything is open.
+    /// Bits of the farthest reversed depth across a group of lines; 0 where anything is open.
     #[inline(always)]
     fn farthest_across(&self, group: usize, step: u16) -> u32 {
         let [first, last] = by_line(&self.samples.rect, self.across)[0];
@@ -192,7 +192,7 @@ impl Known {
         let end = (start + LINES).min(last);
         let farthest = |samples: &[Sample]| {
             let least = samples.iter().fold(COVERED, |least, &sample| least.min(sample));
-            if least == OPEN { 0 } else { nearness(least) }
+            if least == OPEN { 0 } else { rev_depth(least) }
         };
         if self.across {
             let all = (start..end).map(|y| farthest(self.samples.row(y, step, step + 1)));

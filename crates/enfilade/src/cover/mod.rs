@@ -59,7 +59,7 @@ pub trait Cover: Default + Send + 'static {
     fn sees(&mut self, region: &Region) -> Sight;
 
     /// As [`Cover::sees`], of a box given in another space; `None` where it is out of view. A cover that needs neither its
-    /// samples nor its nearness can say so sooner.
+    /// samples nor its reversed depth can say so sooner.
     fn sight_of(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Sight> {
         Region::of(passage, screen_from_local, bounds).map(|region| self.sees(&region))
     }
@@ -159,8 +159,8 @@ pub(crate) trait Coarse: Cover {
     fn sees_cells(&mut self, rect: &Rect, nearest: f32) -> bool;
 
     /// May a face be seen in these cells that is no nearer than a triangle's plane at their centres?
-    fn sees_plane(&mut self, cells: &Band, nearness: &Triangle) -> bool;
+    fn sees_plane(&mut self, cells: &Band, rev_depth: &Triangle) -> bool;
 
     /// These cells are covered whole by something that is at least as near as the triangle's plane at their centres.
-    fn cover_cells(&mut self, cells: &Band, nearness: &Triangle);
+    fn cover_cells(&mut self, cells: &Band, rev_depth: &Triangle);
 }

@@ -1,7 +1,7 @@
 //! Turns triangles into runs of samples, exactly as rays through the samples would meet them.
 //!
 //! A corner is kept as (X, Y, W), never divided for a decision: an edge is the plane through the eye and its two
-//! ends, nearness is the triangle's plane, and both are linear on the screen. So a triangle that crosses the near
+//! ends, reversed depth is the triangle's plane, and both are linear on the screen. So a triangle that crosses the near
 //! plane, or has corners behind the eye, needs no clipping: "nearer than the near distance" is one more edge.
 //! Source: Olano, Greer, Triangle Scan Conversion Using 2D Homogeneous Coordinates, Graphics Hardware 1997.
 //! Cost: a triangle O(rows it touches) + O(samples it owns); one without a sample only its bounds.
@@ -218,7 +218,7 @@ impl Batch<'_> {
     ) {
         let [a, b, c] = [corners[0].at, corners[1].at, corners[2].at];
         let crosses_near = a.z <= self.near || b.z <= self.near || c.z <= self.near;
-        let [p, q, r] = [corners[0].nearness, corners[1].nearness, corners[2].nearness];
+        let [p, q, r] = [corners[0].rev_depth, corners[1].rev_depth, corners[2].rev_depth];
         let [mut least, mut greatest] = [smaller(p, smaller(q, r)), greater(p, greater(q, r))];
         if crosses_near {
             let farthest = greater(a.z, greater(b.z, c.z));
@@ -262,7 +262,7 @@ impl Batch<'_> {
             stats.triangles_hidden += 1;
             return;
         }
-        let nearness = normal / determinant;
+        let rev_depth = normal / determinant;
         let side = if determinant < 0.0 { -1.0 } else { 1.0 };
         let mut planes = [HalfPlane::NONE; 5];
         planes[0] = HalfPlane::edge(a, b, side);
@@ -270,16 +270,16 @@ impl Batch<'_> {
         planes[2] = HalfPlane::edge(c, a, side);
         let mut count = 3;
         if crosses_near && self.near > 0.0 {
-            planes[count] = HalfPlane::new(DVec3::new(0.0, 0.0, 1.0 / self.near) - nearness);
+            planes[count] = HalfPlane::new(DVec3::new(0.0, 0.0, 1.0 / self.near) - rev_depth);
             count += 1;
         }
         if let Some((entry, distance)) = self.entry {
-            planes[count] = HalfPlane::new(entry - nearness * (distance * BEYOND));
+            planes[count] = HalfPlane::new(entry - rev_depth * (distance * BEYOND));
             count += 1;
         }
         let triangle = Triangle {
             owner,
-            nearness,
+            rev_depth,
             least,
             greatest,
         };
@@ -287,7 +287,7 @@ impl Batch<'_> {
         if self.cuts.is_empty() {
             walk_rows(simd, &rect, &planes[..count], &triangle, sink, stats);
         } else {
-            let cut = |cut: &Cut| HalfPlane::new(cut.normal - nearness * cut.distance);
+            let cut = |cut: &Cut| HalfPlane::new(cut.normal - rev_depth * cut.distance);
             all_planes.clear();
             all_planes.extend_from_slice(&planes[..count]);
             all_planes.extend(self.cuts.iter().map(cut));
@@ -318,6 +318,6 @@ fn walk_rows<S: Simd>(
 
 /// A bound for queries: nearer than any sample of the triangle is stored.
 #[inline(always)]
-fn rounded_up(nearness: f64) -> f32 {
-    (nearness * (1.0 + 1.0 / (1_u64 << 20) as f64)) as f32
+fn rounded_up(rev_depth: f64) -> f32 {
+    (rev_depth * (1.0 + 1.0 / (1_u64 << 20) as f64)) as f32
 }

@@ -13,7 +13,7 @@ use crate::seen::Seen;
 use crate::stats::Stats;
 use std::ops::Range;
 
-/// Nearness in the upper half, the complement of the face's number in the lower: the greater number is what is
+/// Reversed depth in the upper half, the complement of the face's number in the lower: the greater number is what is
 /// seen, so that of equally near faces the lower one owns, whatever comes first.
 pub(super) type Sample = u64;
 
@@ -34,9 +34,9 @@ pub(super) fn owner_of(lower_half: u32) -> Option<u32> {
     (!lower_half).checked_sub(1).filter(|_| lower_half != OPEN as u32)
 }
 
-/// The bits of the nearness.
+/// The bits of the reversed depth.
 #[inline(always)]
-pub(super) fn nearness(sample: Sample) -> u32 {
+pub(super) fn rev_depth(sample: Sample) -> u32 {
     (sample >> 32) as u32
 }
 
@@ -121,9 +121,9 @@ impl Samples {
         report.finish();
     }
 
-    /// Bits of the nearness at a sample.
+    /// Bits of the reversed depth at a sample.
     pub(super) fn depth(&self, x: u16, y: u16) -> u32 {
-        nearness(self.row(y, x, x + 1)[0])
+        rev_depth(self.row(y, x, x + 1)[0])
     }
 
     /// Memory in bytes for a screen of this size.
@@ -199,8 +199,8 @@ impl Row {
     }
 }
 
-/// Holds see-through faces against final depths; at equal nearness they are in front. `depth` gives the bits of the
-/// nearness at a sample.
+/// Holds see-through faces against final depths; at equal reversed depth they are in front. `depth` gives the bits of the
+/// reversed depth at a sample.
 pub(super) fn look_through(
     depth: impl Fn(u16, u16) -> u32,
     raster: &mut Raster,

@@ -29,7 +29,7 @@ pub(super) fn push(spans: &mut Vec<CoverSpan>, span: CoverSpan) {
     match spans.last_mut() {
         Some(last) if last.x1 == span.x0 && (last.cell, last.by) == (span.cell, span.by) => {
             last.x1 = span.x1;
-            last.nearness[1] = span.nearness[1];
+            last.rev_depth[1] = span.rev_depth[1];
         }
         _ => spans.push(span),
     }

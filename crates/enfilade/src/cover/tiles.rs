@@ -8,7 +8,7 @@ mod report;
 pub(super) use super::block::TILE_SHIFT;
 use super::block::{Block, TILE};
 use super::raster::{BAND, Band};
-use super::samples::{COVERED, OPEN, lower_half, nearness};
+use super::samples::{COVERED, OPEN, lower_half, rev_depth};
 use super::trace::Trace;
 use super::triangle::Triangle;
 use crate::aperture::Rect;
@@ -58,7 +58,7 @@ impl Default for Tiles {
 #[derive(Clone, Copy)]
 struct Tile {
     state: State,
-    /// Bits of the farthest nearness in it; never nearer than the truth.
+    /// Bits of the farthest reversed depth in it; never nearer than the truth.
     farthest: u32,
     /// May a sample have come nearer since `farthest` was known?
     stale: bool,
@@ -193,7 +193,7 @@ impl Tiles {
             }
         }
         // Linear, so nearest and farthest at corners.
-        let [right, down] = [triangle.nearness.x > 0.0, triangle.nearness.y > 0.0];
+        let [right, down] = [triangle.rev_depth.x > 0.0, triangle.rev_depth.y > 0.0];
         let [top, bottom] = [y0.max(band.y), y1.min(band.y + TILE as u16) - 1];
         let nearest_row = triangle.row(if down { bottom } else { top });
         let farthest_row = triangle.row(if down { top } else { bottom });
@@ -328,13 +328,13 @@ impl Tiles {
         }
     }
 
-    /// Bits of the farthest nearness of a tile that is known without looking at samples; no nearer than the truth.
+    /// Bits of the farthest reversed depth of a tile that is known without looking at samples; no nearer than the truth.
     #[inline(always)]
     pub(super) fn farthest_known(&self, column: usize, row: usize) -> u32 {
         self.tiles[self.index(column, row)].farthest
     }
 
-    /// Bits of the farthest nearness of a tile.
+    /// Bits of the farthest reversed depth of a tile.
     pub(super) fn farthest(&mut self, column: usize, row: usize) -> u32 {
         if row < self.first_row {
             return u32::MAX;
@@ -351,7 +351,7 @@ impl Tiles {
         self.tiles[index].farthest
     }
 
-    /// Bits of the farthest nearness among the samples of a tile inside `rect`.
+    /// Bits of the farthest reversed depth among the samples of a tile inside `rect`.
     pub(super) fn farthest_in(&self, rect: &Rect, column: usize, row: usize) -> u32 {
         let within = self.rect(column, row).intersection(rect);
         if within.is_empty() {
@@ -363,9 +363,9 @@ impl Tiles {
             State::Empty => 0,
             State::Whole(number) => {
                 let triangle = &self.triangles[number as usize];
-                let x = if triangle.nearness.x > 0.0 { x0 } else { x1 - 1 };
+                let x = if triangle.rev_depth.x > 0.0 { x0 } else { x1 - 1 };
                 triangle
-                    .row(if triangle.nearness.y > 0.0 { y0 } else { y1 - 1 })
+                    .row(if triangle.rev_depth.y > 0.0 { y0 } else { y1 - 1 })
                     .bits(i32::from(x))
             }
             State::Written => {
@@ -380,13 +380,13 @@ impl Tiles {
         }
     }
 
-    /// Bits of the nearness at a sample.
+    /// Bits of the reversed depth at a sample.
     pub(super) fn depth(&self, x: u16, y: u16) -> u32 {
         let index = self.index(usize::from(x) >> TILE_SHIFT, usize::from(y) >> TILE_SHIFT);
         match self.tiles[index].state {
             State::Empty => 0,
             State::Whole(number) => self.triangles[number as usize].row(y).bits(i32::from(x)),
-            State::Written => nearness(self.blocks[index].0[usize::from(y) % TILE][usize::from(x) % TILE]),
+            State::Written => rev_depth(self.blocks[index].0[usize::from(y) % TILE][usize::from(x) % TILE]),
         }
     }
 

@@ -8,15 +8,15 @@ use std::cmp::Ordering;
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub(crate) struct Triangle {
-    /// Nearness at a sample is `nearness · (x + ½, y + ½, 1)`, kept within `least` and `greatest`.
+    /// Reversed depth at a sample is `rev_depth · (x + ½, y + ½, 1)`, kept within `least` and `greatest`.
     pub(super) least: f64,
     pub(super) greatest: f64,
     /// The number of its face.
     pub(super) owner: u32,
-    pub(super) nearness: DVec3,
+    pub(super) rev_depth: DVec3,
 }
 
-/// Nearness along one row.
+/// Reversed depth along one row.
 #[derive(Clone, Copy)]
 pub(crate) struct Row {
     base: f64,
@@ -28,28 +28,28 @@ pub(crate) struct Row {
 impl Triangle {
     /// As near everywhere.
     #[inline(always)]
-    pub(super) fn flat(nearness: f32) -> Triangle {
-        let nearness = f64::from(nearness);
+    pub(super) fn flat(rev_depth: f32) -> Triangle {
+        let rev_depth = f64::from(rev_depth);
         Triangle {
             owner: 0,
-            nearness: DVec3::new(0.0, 0.0, nearness),
-            least: nearness,
-            greatest: nearness,
+            rev_depth: DVec3::new(0.0, 0.0, rev_depth),
+            least: rev_depth,
+            greatest: rev_depth,
         }
     }
 
-    /// Bits of the greatest nearness of any sample.
+    /// Bits of the greatest reversed depth of any sample.
     #[inline(always)]
     pub(super) fn nearest(&self) -> u32 {
         (self.greatest as f32).to_bits()
     }
 
-    /// Nearness along row `y`.
+    /// Reversed depth along row `y`.
     #[inline(always)]
     pub(super) fn row(&self, y: u16) -> Row {
         Row {
-            base: self.nearness.y * (f64::from(y) + 0.5) + (self.nearness.x * 0.5 + self.nearness.z),
-            step: self.nearness.x,
+            base: self.rev_depth.y * (f64::from(y) + 0.5) + (self.rev_depth.x * 0.5 + self.rev_depth.z),
+            step: self.rev_depth.x,
             least: self.least,
             greatest: self.greatest,
         }
@@ -82,19 +82,19 @@ impl Triangle {
 }
 
 impl Row {
-    /// Nearness at column `x`.
+    /// Reversed depth at column `x`.
     #[inline(always)]
     pub(super) fn at(&self, x: u16) -> f64 {
         self.within(self.base + self.step * f64::from(x))
     }
 
-    /// The plane's nearness at column `x`, also where the triangle is not.
+    /// The plane's reversed depth at column `x`, also where the triangle is not.
     #[inline(always)]
     pub(super) fn beyond(&self, x: u16) -> f64 {
         self.base + self.step * f64::from(x)
     }
 
-    /// Nearness at column `x`, as bits: those of a positive f32 sort as it does.
+    /// Reversed depth at column `x`, as bits: those of a positive f32 sort as it does.
     #[inline(always)]
     pub(super) fn bits(&self, x: i32) -> u32 {
         (self.within(self.base + self.step * f64::from(x)) as f32).to_bits()
@@ -113,16 +113,16 @@ impl Row {
 
     /// Unlike `clamp`, nothing here can panic.
     #[inline(always)]
-    fn within(&self, nearness: f64) -> f64 {
-        let nearness = if nearness < self.least {
+    fn within(&self, rev_depth: f64) -> f64 {
+        let rev_depth = if rev_depth < self.least {
             self.least
         } else {
-            nearness
+            rev_depth
         };
-        if nearness > self.greatest {
+        if rev_depth > self.greatest {
             self.greatest
         } else {
-            nearness
+            rev_depth
         }
     }
 }

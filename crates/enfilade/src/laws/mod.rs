@@ -37,5 +37,5 @@ pub use walks::views_through;
 /// How far from a sample's centre the other four rays pass, in pixels, along x and y: 2⁻¹⁰.
 pub const DELTA_PX: f64 = 1.0 / 1024.0;
 
-/// Faces whose nearness differs by less than this, relatively, are as near as each other: 2⁻¹⁶.
+/// Faces whose reversed depth differs by less than this, relatively, are as near as each other: 2⁻¹⁶.
 pub const EPSILON: f64 = 1.0 / 65_536.0;

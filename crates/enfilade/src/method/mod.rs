@@ -72,7 +72,7 @@ pub type HierarchicalZ = Paired<OctreeOrder, DepthPyramid>;
 /// scenes of high complexity, section 3.
 pub type HierarchicalS = Paired<OctreeOrder, SpanBuffer>;
 
-/// Masked occlusion culling: a BVH near to far, held against a buffer of two nearnesses for each 8×4 samples that a few
+/// Masked occlusion culling: a BVH near to far, held against a buffer of two reversed depths for each 8×4 samples that a few
 /// chosen occluders and then the faces of what is found go into. Hasselgren, Andersson, Akenine-Möller, HPG 2016.
 pub type Masked = Culled<BvhOrder, MaskedDepth>;
 

@@ -64,7 +64,7 @@ impl Entered {
 /// More than f64 rounds in bounds and measures: a bound must not fall below what it bounds.
 const ROUND_UP: f64 = 1.0 + 1e-9;
 
-/// By how much nearness is rounded up: more than a sum of sides loses of a corner near the eye.
+/// By how much reversed depth is rounded up: more than a sum of sides loses of a corner near the eye.
 const NEARER: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
 
 /// What holds for one choice.

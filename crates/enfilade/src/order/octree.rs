@@ -1,6 +1,6 @@
 //! Octree over items: near to far, box by box, and whole nodes dropped.
 //!
-//! Walks the tree of the geometry's own that other questions go through too, by a queue of boxes by nearness.
+//! Walks the tree of the geometry's own that other questions go through too, by a queue of boxes by reversed depth.
 //! Source: Greene, Kass, Miller, Hierarchical Z-Buffer Visibility, SIGGRAPH 1993, section 3.1; the tree is that of
 //!     Boreskov, Hierarchical s-buffer for scenes of high complexity, its order of children made finer.
 //! Cost: building O(n log n); a walk O(boxes met · log waiting), and what nothing of can be seen ends its subtree.

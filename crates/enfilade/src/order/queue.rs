@@ -1,4 +1,4 @@
-//! A queue of boxes by nearness, over any tree of items.
+//! A queue of boxes by reversed depth, over any tree of items.
 //!
 //! What waits to be entered (nodes of the scene, items, nodes of their meshes, clusters) stands in one queue by how
 //! near its box comes, so that a near wall is met before a far one also where their nodes are entered at once.
@@ -127,7 +127,7 @@ pub(super) fn go_on(
     passage: &Passage,
     queue: &mut Queue,
     visit: &mut impl Visit,
-    nearness: f32,
+    rev_depth: f32,
     wanted: impl Fn(u32) -> bool,
 ) {
     while let Some(&Waiting {
@@ -136,7 +136,7 @@ pub(super) fn go_on(
         what,
     }) = queue.waiting.peek()
     {
-        if nearest < nearness {
+        if nearest < rev_depth {
             break;
         }
         queue.waiting.pop();

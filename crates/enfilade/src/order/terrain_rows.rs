@@ -119,7 +119,7 @@ impl Things<'_> {
     }
 
     /// Hands out those that are at least so near, and were not yet.
-    fn hand_out(&self, nearness: f32, queue: &mut Queue, visit: &mut impl Visit) {
+    fn hand_out(&self, rev_depth: f32, queue: &mut Queue, visit: &mut impl Visit) {
         if self.are_none() {
             return;
         }
@@ -134,7 +134,7 @@ impl Things<'_> {
             self.passage,
             queue,
             visit,
-            nearness,
+            rev_depth,
             is_thing,
         );
     }

@@ -9,9 +9,9 @@ use crate::common::{Lens, SIZE, dye};
 use enfilade::{Alpha, Geometry, ItemId, Owner};
 use glam::DVec3;
 
-/// The classic z-buffer: a nearness at each sample, and nothing else.
+/// The classic z-buffer: a reversed depth at each sample, and nothing else.
 pub(crate) struct Classic {
-    pub(crate) nearness: Vec<f32>,
+    pub(crate) rev_depth: Vec<f32>,
     corners: Vec<DVec3>,
     /// Samples written by faces that hide.
     pub(crate) writes: u64,
@@ -20,7 +20,7 @@ pub(crate) struct Classic {
 impl Classic {
     pub(crate) fn new() -> Classic {
         Classic {
-            nearness: vec![0.0; (SIZE[0] * SIZE[1]) as usize],
+            rev_depth: vec![0.0; (SIZE[0] * SIZE[1]) as usize],
             corners: Vec::new(),
             writes: 0,
         }
@@ -33,7 +33,7 @@ impl Classic {
         lens: &Lens,
         shade: &mut impl FnMut(usize, usize, u32),
     ) {
-        self.nearness.fill(0.0);
+        self.rev_depth.fill(0.0);
         self.writes = 0;
         for hides in [true, false] {
             for item in (0..geometry.items().len() as u32).map(ItemId) {
@@ -135,13 +135,13 @@ impl Classic {
             let row = y * SIZE[0] as usize;
             let start = (slope.y * center + slope.z) + slope.x * (columns.start as f64 + 0.5);
             for (step, x) in columns.enumerate() {
-                let nearness = (start + slope.x * step as f64) as f32;
-                let before = self.nearness[row + x];
-                if hides && nearness > before {
-                    self.nearness[row + x] = nearness;
+                let rev_depth = (start + slope.x * step as f64) as f32;
+                let before = self.rev_depth[row + x];
+                if hides && rev_depth > before {
+                    self.rev_depth[row + x] = rev_depth;
                     self.writes += 1;
                     shade(x, y);
-                } else if !hides && nearness >= before {
+                } else if !hides && rev_depth >= before {
                     shade(x, y);
                 }
             }

@@ -162,9 +162,9 @@ fn count(place: &Place, expected: u64) -> Vec<Counts> {
         });
         seen_through -= classic.writes;
         let visible = classic
-            .nearness
+            .rev_depth
             .iter()
-            .filter(|&&nearness| nearness > 0.0)
+            .filter(|&&rev_depth| rev_depth > 0.0)
             .count() as u64;
         assert!(
             visible.abs_diff(samples) <= samples / 1000

@@ -9,8 +9,8 @@ use enfilade::Rect;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// What must be read of a sub-tile to know that all of it hides something: one nearness.
-pub(super) const NEARNESS_BYTES: u64 = 4;
+/// What must be read of a sub-tile to know that all of it hides something: one reversed depth.
+pub(super) const REV_DEPTH_BYTES: u64 = 4;
 /// How often all boxes are asked about for one figure.
 pub(super) const PASSES: u64 = 32;
 
@@ -82,7 +82,7 @@ impl Work for Boxes {
         };
         Found {
             held,
-            least_bytes: read * NEARNESS_BYTES * PASSES,
+            least_bytes: read * REV_DEPTH_BYTES * PASSES,
             ceiling: Ceiling::L2,
         }
     }

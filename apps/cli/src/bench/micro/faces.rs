@@ -65,7 +65,7 @@ impl Work for Faces {
             ((self.shapes.positions.len() * corner) as u64, Ceiling::L1)
         };
         Found {
-            held: truth.hold(|x, y| screen.cover.nearness_at(x, y)),
+            held: truth.hold(|x, y| screen.cover.rev_depth_at(x, y)),
             least_bytes: least_bytes * self.passes,
             ceiling,
         }

@@ -1,6 +1,6 @@
 //! The row that asks a filled cover about items, by their boxes in space.
 
-use super::boxes::{NEARNESS_BYTES, PASSES, sub_tiles};
+use super::boxes::{PASSES, REV_DEPTH_BYTES, sub_tiles};
 use super::ceilings::Ceiling;
 use super::screen::{BACKDROP, Screen};
 use super::shapes::{Dice, NEAR};
@@ -70,7 +70,7 @@ impl Work for Items {
         }
         Found {
             held,
-            least_bytes: read * NEARNESS_BYTES * PASSES,
+            least_bytes: read * REV_DEPTH_BYTES * PASSES,
             ceiling: Ceiling::L2,
         }
     }

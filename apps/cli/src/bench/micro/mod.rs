@@ -34,7 +34,7 @@ use truth::Held;
 /// The screen of all rows but those of scenes.
 const SIZE: [u32; 2] = [1920, 1080];
 
-/// What one sub-tile of a cover takes: which of 32 samples are open, which are of its nearer layer, and the nearness of
+/// What one sub-tile of a cover takes: which of 32 samples are open, which are of its nearer layer, and the reversed depth of
 /// both.
 const SUB_TILE_BYTES: u64 = 16;
 

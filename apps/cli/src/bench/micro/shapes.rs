@@ -20,7 +20,7 @@ pub(super) enum From {
 /// How far away the farthest and the nearest are.
 pub(super) const FAR: f64 = 1000.0;
 pub(super) const NEAR: f64 = 10.0;
-/// By how much the nearness of a face changes from its middle to its farthest corner, relatively.
+/// By how much the reversed depth of a face changes from its middle to its farthest corner, relatively.
 const TILT: f64 = 0.01;
 /// Faces that cross the near plane stand in this part of the screen, at its left, and the others in the rest: so the first
 /// hide none of the others, whatever the order.
@@ -32,7 +32,7 @@ impl Shapes {
         let mut dice = Dice(1);
         let mut shapes = Shapes::empty(sides, count);
         for number in 0..count {
-            shapes.add(lens, &mut dice, [0.0, 1.0], pixels, nearness_of(number, count));
+            shapes.add(lens, &mut dice, [0.0, 1.0], pixels, rev_depth_of(number, count));
         }
         if from == From::Front {
             shapes = Shapes {
@@ -52,7 +52,7 @@ impl Shapes {
             if number % 10 == 0 {
                 shapes.add_near(lens, &mut dice, pixels);
             } else {
-                shapes.add(lens, &mut dice, [STRIP, 1.0], pixels, nearness_of(number, count));
+                shapes.add(lens, &mut dice, [STRIP, 1.0], pixels, rev_depth_of(number, count));
             }
         }
         shapes
@@ -93,7 +93,7 @@ impl Shapes {
     }
 
     /// Adds a face that is all in these parts of the screen's width.
-    fn add(&mut self, lens: &Lens, dice: &mut Dice, [left, right]: [f64; 2], pixels: f64, nearness: f64) {
+    fn add(&mut self, lens: &Lens, dice: &mut Dice, [left, right]: [f64; 2], pixels: f64, rev_depth: f64) {
         let sides = self.sides as f64;
         let turn = dice.roll();
         let mut around = [[0.0; 2]; 4];
@@ -120,7 +120,7 @@ impl Shapes {
         let tilt = [TILT * steepest.cos(), TILT * steepest.sin()];
         self.positions.extend(around.iter().map(|[x, y]| {
             let pixel = [middle[0] + radius * x, middle[1] + radius * y];
-            lens.point(pixel, 1.0 / (nearness * (1.0 + tilt[0] * x + tilt[1] * y)))
+            lens.point(pixel, 1.0 / (rev_depth * (1.0 + tilt[0] * x + tilt[1] * y)))
         }));
     }
 
@@ -147,7 +147,7 @@ impl Shapes {
 }
 
 /// Of a face in the row of all, the farthest first.
-fn nearness_of(number: usize, count: usize) -> f64 {
+fn rev_depth_of(number: usize, count: usize) -> f64 {
     (FAR / NEAR).powf(number as f64 / count as f64) / FAR
 }
 

@@ -26,7 +26,7 @@ pub(super) const SUB_TILE: [usize; 2] = [8, 4];
 /// What is known of all samples of a screen.
 pub(super) struct Truth {
     lens: Lens,
-    /// The greatest nearness (1 / W) that any ray of a sample meets; 0 where none meets anything.
+    /// The greatest reversed depth (1 / W) that any ray of a sample meets; 0 where none meets anything.
     nearest: Vec<f32>,
     /// A bit for each ray of a sample that meets something.
     met: Vec<u8>,
@@ -110,25 +110,25 @@ impl Truth {
             if from >= to {
                 continue;
             }
-            let [a, b, c] = triangle.nearness;
+            let [a, b, c] = triangle.rev_depth;
             let start = a * (0.5 + dx) + b * (y as f64 + 0.5 + dy) + c;
             let row = y * width;
             let samples = self.nearest[row + from..row + to].iter_mut();
             for (x, (nearest, met)) in (from..).zip(samples.zip(&mut self.met[row + from..row + to])) {
-                let nearness = (a * x as f64 + start) as f32;
-                *nearest = if nearness > *nearest { nearness } else { *nearest };
+                let rev_depth = (a * x as f64 + start) as f32;
+                *nearest = if rev_depth > *nearest { rev_depth } else { *nearest };
                 *met |= 1 << number;
             }
         }
         middles
     }
 
-    /// Holds a cover's nearness at each sample against this.
-    pub(super) fn hold(&self, nearness_at: impl Fn(u16, u16) -> f32) -> Held {
+    /// Holds a cover's reversed depth at each sample against this.
+    pub(super) fn hold(&self, rev_depth_at: impl Fn(u16, u16) -> f32) -> Held {
         let width = self.lens.size[0] as usize;
         let mut held = Held::default();
         for (place, (&nearest, &met)) in self.nearest.iter().zip(&self.met).enumerate() {
-            let known = nearness_at((place % width) as u16, (place / width) as u16);
+            let known = rev_depth_at((place % width) as u16, (place / width) as u16);
             // Written so that what is no number is wrong.
             let right = f64::from(known) <= f64::from(nearest) * (1.0 + SLACK);
             held.wrong += u64::from(!right);
@@ -164,7 +164,7 @@ struct Triangle {
     /// Pixels (x, y) are inside where a·x + b·y + c ≥ 0 for all of these; the last is the near plane, or always holds.
     edges: [[f64; 3]; 4],
     /// 1 / W at a pixel, likewise.
-    nearness: [f64; 3],
+    rev_depth: [f64; 3],
     /// In which rows there may be any of it.
     rows: [usize; 2],
 }
@@ -179,11 +179,11 @@ impl Triangle {
         }
         let [a, b, c] =
             [cross(q, r), cross(r, p), cross(p, q)].map(|line| line.map(|value| value / determinant));
-        let nearness = [0, 1, 2].map(|i| a[i] + b[i] + c[i]);
+        let rev_depth = [0, 1, 2].map(|i| a[i] + b[i] + c[i]);
         let near = lens.near * (1.0 - SLACK);
         let crosses = corners.iter().any(|corner| corner[2] < near);
         let beyond_near = match crosses {
-            true => [-nearness[0], -nearness[1], 1.0 / near - nearness[2]],
+            true => [-rev_depth[0], -rev_depth[1], 1.0 / near - rev_depth[2]],
             false => [0.0, 0.0, 1.0],
         };
         let [top, bottom] = heights(&corners, near)?;
@@ -191,7 +191,7 @@ impl Triangle {
         let rows = [row((top - 1.0).floor()), row((bottom + 1.0).ceil())];
         (rows[0] < rows[1]).then_some(Triangle {
             edges: [a, b, c, beyond_near],
-            nearness,
+            rev_depth,
             rows,
         })
     }

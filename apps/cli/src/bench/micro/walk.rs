@@ -172,7 +172,7 @@ impl Work for Walk {
             let mut truth = Truth::new(look.lens);
             let faces = look.parts.iter().flat_map(|&part| self.parts[part].faces());
             sub_tiles += faces.map(|face| truth.add(&face)).sum::<u64>();
-            held.add(truth.hold(|x, y| screen.cover.nearness_at(x, y)));
+            held.add(truth.hold(|x, y| screen.cover.rev_depth_at(x, y)));
         }
         Found {
             held,

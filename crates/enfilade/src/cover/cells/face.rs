@@ -51,7 +51,7 @@ pub(super) struct Face {
     pub(super) rect: Rect,
     min: [f64; 2],
     max: [f64; 2],
-    /// Nearness is at least slope · (x, y, 1), and at least `least`.
+    /// Reversed depth is at least slope · (x, y, 1), and at least `least`.
     slope: DVec3,
     least: f64,
     nearest: f64,
@@ -66,7 +66,7 @@ const LEVEL: f64 = 1.0 / (1_u64 << 20) as f64;
 /// What the last bits of products and sums of three may come to, relatively to the largest, and ample.
 const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
 
-/// By how much nearness is lowered before it is stored: what rounding to f32 may add, and what multiplying does.
+/// By how much reversed depth is lowered before it is stored: what rounding to f32 may add, and what multiplying does.
 const ROUND_DOWN: f64 = 1.0 - 1.0 / (1_u64 << 22) as f64;
 
 /// As `ROUND_UP` of regions.
@@ -197,14 +197,14 @@ impl Face {
     /// Holds a corner too; gives where it is on the screen.
     #[inline(always)]
     fn reach_to(&mut self, at: DVec3) -> [f64; 2] {
-        let nearness = 1.0 / at.z;
-        let pixel = [at.x * nearness, at.y * nearness];
+        let rev_depth = 1.0 / at.z;
+        let pixel = [at.x * rev_depth, at.y * rev_depth];
         for (axis, value) in pixel.into_iter().enumerate() {
             self.min[axis] = smaller(value, self.min[axis]);
             self.max[axis] = greater(value, self.max[axis]);
         }
-        self.least = smaller(nearness, self.least);
-        self.nearest = greater(nearness, self.nearest);
+        self.least = smaller(rev_depth, self.least);
+        self.nearest = greater(rev_depth, self.nearest);
         pixel
     }
 
@@ -296,7 +296,7 @@ impl Face {
         let lifted = c + (a.abs() + b.abs()) * (0.5 + SLACK) + most * ROUNDING;
         Triangle {
             owner: 0,
-            nearness: DVec3::new(a, b, lifted) * ROUND_UP,
+            rev_depth: DVec3::new(a, b, lifted) * ROUND_UP,
             least: 0.0,
             greatest: self.nearest * ROUND_UP,
         }
@@ -310,13 +310,13 @@ impl Face {
         let lowered = c - (a.abs() + b.abs()) * (0.5 + SLACK) - most * ROUNDING;
         Triangle {
             owner: 0,
-            nearness: DVec3::new(a, b, lowered) * ROUND_DOWN,
+            rev_depth: DVec3::new(a, b, lowered) * ROUND_DOWN,
             least: self.least * ROUND_DOWN,
             greatest: f64::from(f32::MAX),
         }
     }
 
-    /// The least that its nearness may be in a cell that it meets.
+    /// The least that its reversed depth may be in a cell that it meets.
     #[inline(always)]
     pub(super) fn least_in(&self, x: u16, y: u16) -> f32 {
         let DVec3 { x: a, y: b, z: c } = self.slope;
@@ -324,13 +324,13 @@ impl Face {
         let x = f64::from(x) + if a < 0.0 { 1.0 + SLACK } else { -SLACK };
         let y = f64::from(y) + if b < 0.0 { 1.0 + SLACK } else { -SLACK };
         let rounding = (a.abs() * x.abs() + b.abs() * y.abs() + c.abs()) * ROUNDING;
-        let nearness = greater(a * x + (b * y + c) - rounding, self.least) * ROUND_DOWN;
-        let nearness = smaller(nearness, f64::from(f32::MAX)) as f32;
+        let rev_depth = greater(a * x + (b * y + c) - rounding, self.least) * ROUND_DOWN;
+        let rev_depth = smaller(rev_depth, f64::from(f32::MAX)) as f32;
         // Below the least normal number rounding is coarser: that is as far as can be.
-        if nearness < f32::MIN_POSITIVE {
+        if rev_depth < f32::MIN_POSITIVE {
             0.0
         } else {
-            nearness
+            rev_depth
         }
     }
 }

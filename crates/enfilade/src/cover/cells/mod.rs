@@ -11,7 +11,7 @@
 //! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 3, for covers of lower resolution; the
 //!     sums are ours.
 //! Cost: a face O(cells that it meets), a cluster O(cells between its outermost).
-//! Conservative: an edge or face is taken to meet a cell where rounding leaves it open; nearness is the least of all faces
+//! Conservative: an edge or face is taken to meet a cell where rounding leaves it open; reversed depth is the least of all faces
 //! that meet the cell, rounded down. Names are of 64 bits: that those of unlike edges add up to nothing by chance is
 //! less likely than a fault of the machine.
 
@@ -52,7 +52,7 @@ pub struct Surface {
 struct Cell {
     /// The edges that meet it, added up since they last came to nothing.
     edges: u64,
-    /// The least nearness of the faces that met it since then.
+    /// The least reversed depth of the faces that met it since then.
     least: f32,
     /// How near it is covered; 0 where it is not. Each time that the sum comes to nothing something covers it, whatever
     /// lies behind that in the same cluster.
@@ -77,7 +77,7 @@ impl Cell {
 /// things takes half as long for four items in a hundred more.
 const WORTH: u64 = 1;
 
-/// Neighbouring cells whose nearness differs by no more than this factor become one run.
+/// Neighbouring cells whose reversed depth differs by no more than this factor become one run.
 const ALIKE: f32 = 1.0 + 1.0 / 32.0;
 
 impl Surface {
@@ -264,18 +264,21 @@ impl Surface {
         let mut run: Option<(u16, [u16; 2], f32)> = None;
         for place in 0..self.met.len() {
             let [x, y] = self.met[place];
-            let Some(nearness) = self.covered(x, y) else {
+            let Some(rev_depth) = self.covered(x, y) else {
                 continue;
             };
             match &mut run {
                 Some((row, [_, end], known))
-                    if *row == y && *end == x && nearness <= *known * ALIKE && *known <= nearness * ALIKE =>
+                    if *row == y
+                        && *end == x
+                        && rev_depth <= *known * ALIKE
+                        && *known <= rev_depth * ALIKE =>
                 {
                     *end = x + 1;
-                    *known = known.min(nearness);
+                    *known = known.min(rev_depth);
                 }
                 run => {
-                    let last = run.replace((y, [x, x + 1], nearness));
+                    let last = run.replace((y, [x, x + 1], rev_depth));
                     last.into_iter().for_each(|last| cover_run(last, cover));
                 }
             }
@@ -296,18 +299,18 @@ impl Surface {
         let closed = (edges != 0)
             .then(|| self.waiting[place].add(edges, least, self.batch, self.first_batch))
             .flatten();
-        let nearness = closed.map_or(covered, |closed| closed.max(covered));
-        (nearness > 0.0).then_some(nearness)
+        let rev_depth = closed.map_or(covered, |closed| closed.max(covered));
+        (rev_depth > 0.0).then_some(rev_depth)
     }
 }
 
 /// Tells of cells of one row.
 #[inline]
-fn cover_run((y, run, nearness): (u16, [u16; 2], f32), cover: &mut impl Coarse) {
+fn cover_run((y, run, rev_depth): (u16, [u16; 2], f32), cover: &mut impl Coarse) {
     let mut band = Band {
         y: y - y % BAND as u16,
         runs: [[0; 2]; BAND],
     };
     band.runs[usize::from(y - band.y)] = run;
-    cover.cover_cells(&band, &Triangle::flat(nearness));
+    cover.cover_cells(&band, &Triangle::flat(rev_depth));
 }

@@ -23,7 +23,7 @@ impl Default for Waiting {
 }
 
 impl Waiting {
-    /// Takes what cluster `batch` leaves open. Where it closes what waited, gives the least nearness of both. What waited
+    /// Takes what cluster `batch` leaves open. Where it closes what waited, gives the least reversed depth of both. What waited
     /// since before cluster `first` is of another passage.
     #[inline]
     pub(super) fn add(&mut self, edges: u64, least: f32, batch: u32, first: u32) -> Option<f32> {
@@ -40,9 +40,9 @@ impl Waiting {
             self.least[way] = self.least[way].min(least);
         }
         let closed = self.edges.iter().position(|&sum| sum == 0)?;
-        let nearness = self.least[closed];
+        let rev_depth = self.least[closed];
         *self = Waiting::default();
-        Some(nearness)
+        Some(rev_depth)
     }
 }
 

@@ -50,7 +50,7 @@ struct Level {
 
 #[derive(Clone, Copy, Default)]
 struct Cell {
-    /// Bits of the farthest nearness below; never nearer than the truth.
+    /// Bits of the farthest reversed depth below; never nearer than the truth.
     farthest: u32,
     /// May a cell below know better?
     stale: bool,
@@ -128,17 +128,17 @@ impl Coarse for DepthPyramid {
         self.depths.sees(rect, nearest.to_bits())
     }
 
-    fn sees_plane(&mut self, cells: &Band, nearness: &Triangle) -> bool {
+    fn sees_plane(&mut self, cells: &Band, rev_depth: &Triangle) -> bool {
         let tiles = &self.depths.tiles;
         cells.rows().any(|(y, [x0, x1])| {
-            let row = nearness.row(y);
+            let row = rev_depth.row(y);
             (x0..x1).any(|x| row.bits(i32::from(x)) >= tiles.depth(x, y))
         })
     }
 
-    fn cover_cells(&mut self, cells: &Band, nearness: &Triangle) {
+    fn cover_cells(&mut self, cells: &Band, rev_depth: &Triangle) {
         self.depths.tiles.begin_batch();
-        self.depths.band(cells, nearness);
+        self.depths.band(cells, rev_depth);
     }
 }
 

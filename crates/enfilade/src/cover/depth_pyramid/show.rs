@@ -9,7 +9,7 @@ use crate::passage::Passage;
 /// How much nearer than a cell as a whole its tiles may be, for the cell to be shown.
 const NEARLY: f32 = 1.15;
 
-/// The cell that is shown for each tile, by a number, and its farthest nearness.
+/// The cell that is shown for each tile, by a number, and its farthest reversed depth.
 struct Shown {
     cells: u32,
     of_tiles: Vec<(u32, f32)>,
@@ -40,7 +40,7 @@ impl Depths {
                         x1: x + 1,
                         cell,
                         by,
-                        nearness: [farthest; 2],
+                        rev_depth: [farthest; 2],
                     },
                 );
             }

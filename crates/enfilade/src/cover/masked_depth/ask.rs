@@ -52,7 +52,7 @@ impl MaskedDepth {
 
     /// Something is at least as near (1 / distance) as this at a sample of the aperture's rectangle; 0 where nothing is known
     /// to be, infinite where the sample is not one of the aperture.
-    pub fn nearness_at(&self, x: u16, y: u16) -> f32 {
+    pub fn rev_depth_at(&self, x: u16, y: u16) -> f32 {
         self.grid.known(x.into(), y.into())
     }
 }
@@ -110,7 +110,7 @@ impl Grid {
         let Some([x, y]) = sample_at_middle(rect, volume) else {
             return false;
         };
-        outline.nearness_at([x as f64 + 0.5, y as f64 + 0.5]) >= f64::from(self.known(x, y))
+        outline.rev_depth_at([x as f64 + 0.5, y as f64 + 0.5]) >= f64::from(self.known(x, y))
     }
 
     /// The first row of tiles in which a sample of `rect` may show something as near as `nearest`.
@@ -132,7 +132,7 @@ impl Grid {
 
     /// May something as near as `nearest` be seen at a sample of `rect` in a row of tiles?
     fn shows_in_row(&self, row: usize, rect: &Rect, nearest: f32) -> bool {
-        let nearness = [nearest; SUB_TILES_OF_BAND];
+        let rev_depth = [nearest; SUB_TILES_OF_BAND];
         for column in tiles(rect.x0, rect.x1, COLUMNS) {
             let index = row * self.columns + column;
             if nearest < self.farthest[index] {
@@ -141,7 +141,7 @@ impl Grid {
             let columns = columns_within(rect.x0, rect.x1, column * COLUMNS);
             for band in 0..ROWS / BAND {
                 let rows = rows_within(rect.y0, rect.y1, row * ROWS + band * BAND);
-                if self.tiles[index].sees(band, &masks_of_rect(columns, rows), &nearness) {
+                if self.tiles[index].sees(band, &masks_of_rect(columns, rows), &rev_depth) {
                     return true;
                 }
             }
@@ -179,9 +179,9 @@ impl Grid {
                     if nearest < self.farthest[index] {
                         continue;
                     }
-                    let nearness = outline.over_tile([column * COLUMNS, y], rect, nearest);
+                    let rev_depth = outline.over_tile([column * COLUMNS, y], rect, nearest);
                     let asked = across.samples(column);
-                    if self.tiles[index].sees(y % ROWS / BAND, &asked, &nearness) {
+                    if self.tiles[index].sees(y % ROWS / BAND, &asked, &rev_depth) {
                         return true;
                     }
                 }

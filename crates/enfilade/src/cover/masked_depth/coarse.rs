@@ -20,8 +20,8 @@ impl Coarse for MaskedDepth {
         !rect.is_empty() && self.grid.first_seen(&rect, nearest).is_some()
     }
 
-    fn sees_plane(&mut self, cells: &Band, nearness: &Triangle) -> bool {
-        let slope = self.slope(nearness);
+    fn sees_plane(&mut self, cells: &Band, rev_depth: &Triangle) -> bool {
+        let slope = self.slope(rev_depth);
         let across = Across::new(cells);
         let y = usize::from(cells.y);
         across.tiles().any(|column| {
@@ -31,8 +31,8 @@ impl Coarse for MaskedDepth {
         })
     }
 
-    fn cover_cells(&mut self, cells: &Band, nearness: &Triangle) {
-        let slope = self.slope(nearness);
+    fn cover_cells(&mut self, cells: &Band, rev_depth: &Triangle) {
+        let slope = self.slope(rev_depth);
         self.grid.cover(cells, &slope);
     }
 }
@@ -40,6 +40,6 @@ impl Coarse for MaskedDepth {
 impl MaskedDepth {
     fn slope(&self, triangle: &Triangle) -> Slope {
         let between = [triangle.least, triangle.greatest];
-        Slope::new(triangle.nearness, between, &self.grid.rect)
+        Slope::new(triangle.rev_depth, between, &self.grid.rect)
     }
 }

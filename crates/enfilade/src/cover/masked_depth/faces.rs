@@ -36,7 +36,7 @@ impl Sink for OneByOne<'_> {
     #[inline(always)]
     fn begin(&mut self, triangle: &Triangle, _corners: &[DVec3; 3]) {
         let between = [triangle.least, triangle.greatest];
-        let slope = Slope::new(triangle.nearness, between, &self.tiles.rect);
+        let slope = Slope::new(triangle.rev_depth, between, &self.tiles.rect);
         self.waiting.begin(&slope.slopes());
     }
 

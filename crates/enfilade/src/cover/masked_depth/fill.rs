@@ -4,11 +4,11 @@
 //! an edge each sample belongs to exactly one. How near it is, is the least of its plane over a sub-tile.
 //! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, sections 3.1 and 3.3.
 //! Cost: an occluder O(bands of eight rows · corners) + O(tiles it reaches into).
-//! Conservative: nearness is rounded down, and what is before the near distance or the last portal is left out.
+//! Conservative: reversed depth is rounded down, and what is before the near distance or the last portal is left out.
 
 use super::grid::Grid;
 use super::rows::{Slopes, Waiting};
-use super::tile::{ACROSS, Across, COLUMNS, Nearness, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND};
+use super::tile::{ACROSS, Across, COLUMNS, ROWS, RevDepth, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND};
 use crate::aperture::Rect;
 use crate::cover::band::{BAND, Band};
 use crate::cover::half_plane::HalfPlane;
@@ -37,7 +37,7 @@ const BEYOND_ENTRY: f64 = 1.0 + 1.0 / (1_u64 << 8) as f64;
 /// What the last bits of products and sums of three may come to, relatively to the largest, and ample.
 const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
 
-/// By how much nearness is lowered before it is stored: what rounding to f32 may add, and what multiplying does.
+/// By how much reversed depth is lowered before it is stored: what rounding to f32 may add, and what multiplying does.
 const ROUND_DOWN: f64 = 1.0 - 1.0 / (1_u64 << 23) as f64;
 
 /// As `ROUND_UP` of regions.
@@ -45,7 +45,7 @@ const ROUND_UP: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
 
 /// How near an occluder is.
 pub(super) struct Slope {
-    /// Nearness is `at · (x, y, 1)`, up to `rounding`.
+    /// Reversed depth is `at · (x, y, 1)`, up to `rounding`.
     at: DVec3,
     /// And between these.
     least: f64,
@@ -184,11 +184,11 @@ impl Grid {
     /// Something covers the samples of a band from row `y` on in a column of tiles.
     #[inline(always)]
     pub(super) fn cover_in_tile(&mut self, across: &Across, [column, y]: [usize; 2], slope: &Slope) {
-        let nearness = slope.over_band([column * COLUMNS, y]);
+        let rev_depth = slope.over_band([column * COLUMNS, y]);
         let index = y / ROWS * self.columns + column;
         let mut any_nearer = false;
-        for nearness in nearness {
-            any_nearer |= nearness > self.farthest[index];
+        for rev_depth in rev_depth {
+            any_nearer |= rev_depth > self.farthest[index];
         }
         if !any_nearer {
             return;
@@ -196,8 +196,8 @@ impl Grid {
         let tile = &mut self.tiles[index];
         let first = y % ROWS / BAND * SUB_TILES_OF_BAND;
         let covered = across.samples(column);
-        for (sub, (covered, nearness)) in (first..).zip(covered.into_iter().zip(nearness)) {
-            tile.cover(sub, covered, nearness.to_bits());
+        for (sub, (covered, rev_depth)) in (first..).zip(covered.into_iter().zip(rev_depth)) {
+            tile.cover(sub, covered, rev_depth.to_bits());
         }
         self.farthest[index] = tile.farthest();
     }
@@ -219,7 +219,7 @@ impl Slope {
     /// As kernels take it.
     pub(super) fn slopes(&self) -> Slopes {
         let DVec3 { x, y, z } = self.at;
-        let most = |nearness: f64| smaller(nearness, f64::from(f32::MAX));
+        let most = |rev_depth: f64| smaller(rev_depth, f64::from(f32::MAX));
         let least = (most(self.least) * ROUND_DOWN) as f32;
         let greatest = most(self.greatest) as f32 * ROUND_UP as f32;
         Slopes::new(
@@ -229,38 +229,38 @@ impl Slope {
         )
     }
 
-    /// The least nearness over each sub-tile of the band of a tile at column and row `at`, rounded down. Of a plane that is no
+    /// The least reversed depth over each sub-tile of the band of a tile at column and row `at`, rounded down. Of a plane that is no
     /// number: what is known without it, as in [`Slope::most_over_band`].
     #[inline(always)]
-    pub(super) fn over_band(&self, at: [usize; 2]) -> Nearness {
+    pub(super) fn over_band(&self, at: [usize; 2]) -> RevDepth {
         let all = self.at_corners(at, [self.at.x < 0.0, self.at.y < 0.0]);
         let mut rounded = [0.0; SUB_TILES_OF_BAND];
         for (least, rounded) in all.iter().zip(&mut rounded) {
-            let nearness = smaller(greater(*least - self.rounding, self.least), self.greatest) * ROUND_DOWN;
+            let rev_depth = smaller(greater(*least - self.rounding, self.least), self.greatest) * ROUND_DOWN;
             // Below the least normal number rounding is coarser: that is as far as can be.
-            let nearness = smaller(nearness, f64::from(f32::MAX)) as f32;
-            *rounded = if nearness < f32::MIN_POSITIVE {
+            let rev_depth = smaller(rev_depth, f64::from(f32::MAX)) as f32;
+            *rounded = if rev_depth < f32::MIN_POSITIVE {
                 0.0
             } else {
-                nearness
+                rev_depth
             };
         }
         rounded
     }
 
-    /// The greatest nearness over each sub-tile of the band of a tile at column and row `at`, rounded up.
+    /// The greatest reversed depth over each sub-tile of the band of a tile at column and row `at`, rounded up.
     #[inline(always)]
-    pub(super) fn most_over_band(&self, at: [usize; 2]) -> Nearness {
+    pub(super) fn most_over_band(&self, at: [usize; 2]) -> RevDepth {
         let all = self.at_corners(at, [self.at.x > 0.0, self.at.y > 0.0]);
         let mut rounded = [0.0; SUB_TILES_OF_BAND];
         for (most, rounded) in all.iter().zip(&mut rounded) {
-            let nearness = greater(smaller(*most + self.rounding, self.greatest), self.least);
-            *rounded = (nearness * ROUND_UP) as f32;
+            let rev_depth = greater(smaller(*most + self.rounding, self.greatest), self.least);
+            *rounded = (rev_depth * ROUND_UP) as f32;
         }
         rounded
     }
 
-    /// Nearness at one corner of each sub-tile: at the last column or row, or the first. Linear, so least and greatest
+    /// Reversed depth at one corner of each sub-tile: at the last column or row, or the first. Linear, so least and greatest
     /// at a corner.
     #[inline(always)]
     fn at_corners(&self, at: [usize; 2], [last_column, last_row]: [bool; 2]) -> [f64; SUB_TILES_OF_BAND] {
@@ -269,9 +269,9 @@ impl Slope {
         let column = at[0] as f64 + if last_column { last[0] } else { 0.5 };
         let row = at[1] as f64 + if last_row { last[1] } else { 0.5 };
         let mut all = [0.0; SUB_TILES_OF_BAND];
-        for (sub, nearness) in all.iter_mut().enumerate() {
+        for (sub, rev_depth) in all.iter_mut().enumerate() {
             let [across, down] = [sub % ACROSS * SUB_COLUMNS, sub / ACROSS * SUB_ROWS];
-            *nearness = (column + across as f64) * x + ((row + down as f64) * y + z);
+            *rev_depth = (column + across as f64) * x + ((row + down as f64) * y + z);
         }
         all
     }

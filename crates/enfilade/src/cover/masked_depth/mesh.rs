@@ -261,7 +261,7 @@ impl MaskedDepth {
     /// called in or else of the global one.
     ///
     /// Strips share nothing but the mesh: each sorts out by itself what reaches into it. What is hidden then is the same for
-    /// any number of threads. It need not be for another number of strips: the two nearnesses of a sub-tile may be others,
+    /// any number of threads. It need not be for another number of strips: the two reversed depths of a sub-tile may be others,
     /// and neither is ever above the truth.
     pub fn hide_mesh_in_strips(
         &mut self,

@@ -1,4 +1,4 @@
-//! Masked occlusion buffer: for each 8×4 samples two nearnesses, and a mask that says which of them holds where.
+//! Masked occlusion buffer: for each 8×4 samples two reversed depths, and a mask that says which of them holds where.
 //!
 //! Sixteen bytes say of 32 samples what would take a depth buffer 128, and one comparison answers for all of them. It
 //! holds no picture: few chosen occluders go in first, then boxes are held against it, and the faces of what a walk finds

@@ -1,4 +1,4 @@
-//! The outline of a box on the screen, and how near its front sides are: tighter than a rectangle and one nearness.
+//! The outline of a box on the screen, and how near its front sides are: tighter than a rectangle and one reversed depth.
 //!
 //! At most six edges part what is seen of a box from what is not, those between a side that faces the eye and one that
 //! does not; only their directions are taken from there, and each line is put where all eight corners are behind it.
@@ -8,7 +8,7 @@
 //! Cost: O(1), about as much as setting up four triangles.
 //! Conservative: lines are moved outwards and planes towards the eye by more than rounding may come to.
 
-use super::tile::{ACROSS, Nearness, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND};
+use super::tile::{ACROSS, RevDepth, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND};
 use crate::aperture::Rect;
 use crate::cover::half_plane::HalfPlane;
 use crate::cover::part::{greater, smaller};
@@ -19,7 +19,7 @@ use glam::DVec3;
 pub(super) struct Outline {
     lines: [HalfPlane; 6],
     line_count: usize,
-    /// Nearness is at most each of these · (x, y, 1).
+    /// Reversed depth is at most each of these · (x, y, 1).
     fronts: [DVec3; 3],
     front_count: usize,
 }
@@ -143,25 +143,25 @@ impl Outline {
 
     /// The nearest that the box may be at a point of the screen; below zero where it is not.
     #[inline(always)]
-    pub(super) fn nearness_at(&self, [x, y]: [f64; 2]) -> f64 {
-        let mut nearness = f64::INFINITY;
+    pub(super) fn rev_depth_at(&self, [x, y]: [f64; 2]) -> f64 {
+        let mut rev_depth = f64::INFINITY;
         for front in &self.fronts[..self.front_count] {
-            nearness = smaller(x * front.x + (y * front.y + front.z), nearness);
+            rev_depth = smaller(x * front.x + (y * front.y + front.z), rev_depth);
         }
         for line in self.lines() {
-            nearness = if line.holds(x, y) {
-                nearness
+            rev_depth = if line.holds(x, y) {
+                rev_depth
             } else {
                 f64::NEG_INFINITY
             };
         }
-        nearness
+        rev_depth
     }
 
     /// The nearest that the box may be at samples of `rect` in each sub-tile of the band of a tile at column and row `at`, and no
     /// nearer than `nearest`.
     #[inline(always)]
-    pub(super) fn over_tile(&self, at: [usize; 2], rect: &Rect, nearest: f32) -> Nearness {
+    pub(super) fn over_tile(&self, at: [usize; 2], rect: &Rect, nearest: f32) -> RevDepth {
         let mut all = [0.0; SUB_TILES_OF_BAND];
         for (sub, most) in all.iter_mut().enumerate() {
             let [x0, y0] = [
@@ -177,14 +177,14 @@ impl Outline {
                 greater(y0 as f64, f64::from(rect.y0)) + 0.5,
                 smaller((y0 + SUB_ROWS) as f64, f64::from(rect.y1)) - 0.5,
             ];
-            let mut nearness = f64::INFINITY;
+            let mut rev_depth = f64::INFINITY;
             for front in &self.fronts[..self.front_count] {
                 let column = if front.x > 0.0 { columns[1] } else { columns[0] };
                 let row = if front.y > 0.0 { rows[1] } else { rows[0] };
-                nearness = smaller(column * front.x + (row * front.y + front.z), nearness);
+                rev_depth = smaller(column * front.x + (row * front.y + front.z), rev_depth);
             }
-            let nearness = (greater(nearness, 0.0) * ROUND_UP) as f32;
-            *most = if nearness < nearest { nearness } else { nearest };
+            let rev_depth = (greater(rev_depth, 0.0) * ROUND_UP) as f32;
+            *most = if rev_depth < nearest { rev_depth } else { nearest };
         }
         all
     }

@@ -175,9 +175,9 @@ impl Waiting {
             let runs = &runs[of as usize];
             let column = runs.column_of(number, tiles);
             let row = (runs.row * ROWS as u32) as i32;
-            let nearness = slopes[runs.slopes as usize].over_tile(simd, [column, row]);
+            let rev_depth = slopes[runs.slopes as usize].over_tile(simd, [column, row]);
             let (tile, farthest) = tiles.tile(number);
-            cover_whole(simd, tile, farthest, nearness);
+            cover_whole(simd, tile, farthest, rev_depth);
         }
         for (number, of) in self.some.take() {
             let runs = &runs[of as usize];
@@ -185,9 +185,15 @@ impl Waiting {
             let row = (runs.row * ROWS as u32) as i32;
             let starts = i32x16::from_slice(simd, &runs.starts) - column;
             let stops = i32x16::from_slice(simd, &runs.stops) - column;
-            let nearness = slopes[runs.slopes as usize].over_tile(simd, [column, row]);
+            let rev_depth = slopes[runs.slopes as usize].over_tile(simd, [column, row]);
             let (tile, farthest) = tiles.tile(number);
-            cover_tile(simd, tile, farthest, masks_of_rows(simd, starts, stops), nearness);
+            cover_tile(
+                simd,
+                tile,
+                farthest,
+                masks_of_rows(simd, starts, stops),
+                rev_depth,
+            );
         }
     }
 }
@@ -208,7 +214,7 @@ fn cover_tile<S: Simd>(
     tile: &mut Tile,
     farthest: &mut f32,
     covered: u32x16<S>,
-    nearness: u32x16<S>,
+    rev_depth: u32x16<S>,
 ) {
     let all = u32x16::splat(simd, u32::MAX);
     let none = u32x16::splat(simd, 0);
@@ -216,10 +222,10 @@ fn cover_tile<S: Simd>(
     let reference = u32x16::from_slice(simd, &tile.reference);
     let working = u32x16::from_slice(simd, &tile.working);
     let closed = u32x16::from_slice(simd, &tile.closed);
-    let acts = nearness.simd_gt(reference);
+    let acts = rev_depth.simd_gt(reference);
     let fresh = covered | closed;
-    let before = nearness.simd_ge(working);
-    let (near, far) = (nearness.max(working), nearness.min(working));
+    let before = rev_depth.simd_ge(working);
+    let (near, far) = (rev_depth.max(working), rev_depth.min(working));
     let near_mask = before.select(fresh, mask);
     let either = mask | fresh;
     let alone = either.simd_eq(near_mask);
@@ -238,15 +244,15 @@ fn cover_tile<S: Simd>(
 
 /// As [`cover_tile`], where all samples are covered.
 #[inline(always)]
-fn cover_whole<S: Simd>(simd: S, tile: &mut Tile, farthest: &mut f32, nearness: u32x16<S>) {
+fn cover_whole<S: Simd>(simd: S, tile: &mut Tile, farthest: &mut f32, rev_depth: u32x16<S>) {
     let mask = u32x16::from_slice(simd, &tile.mask);
     let reference = u32x16::from_slice(simd, &tile.reference);
     let working = u32x16::from_slice(simd, &tile.working);
-    let before = nearness.simd_ge(working);
+    let before = rev_depth.simd_ge(working);
     let mask = before.select(u32x16::splat(simd, 0), mask);
     mask.store_slice(&mut tile.mask);
-    working.max(nearness).store_slice(&mut tile.working);
-    let next = reference.max(nearness);
+    working.max(rev_depth).store_slice(&mut tile.working);
+    let next = reference.max(rev_depth);
     next.store_slice(&mut tile.reference);
     *farthest = f32::from_bits(next.reduce_min());
 }
@@ -271,7 +277,7 @@ const LARGE: f64 = 1e30;
 const ROUNDING: f32 = 1.0 / (1_u32 << 22) as f32;
 
 impl Slopes {
-    /// Of a plane with nearness `at + by_column · column + by_row · row` at samples, lowered by what rounding to f32 may
+    /// Of a plane with reversed depth `at + by_column · column + by_row · row` at samples, lowered by what rounding to f32 may
     /// add to it, but no less than `least`; nowhere more than `greatest`.
     #[inline(always)]
     pub(super) fn new(at: f64, slopes: [f64; 2], [least, greatest]: [f32; 2]) -> Slopes {
@@ -283,9 +289,9 @@ impl Slopes {
         let down = smaller(by_row * (SUB_ROWS as f64 - 1.0), 0.0);
         let rounding = (by_column.abs() * COLUMNS as f64 + by_row.abs() * ROWS as f64) * f64::from(ROUNDING);
         let mut by_sub_tile = [0.0; SUB_TILES];
-        for (sub, nearness) in by_sub_tile.iter_mut().enumerate() {
+        for (sub, rev_depth) in by_sub_tile.iter_mut().enumerate() {
             let [right, down] = [sub % ACROSS * SUB_COLUMNS, sub / ACROSS * SUB_ROWS];
-            *nearness = right as f32 * by_column as f32 + down as f32 * by_row as f32;
+            *rev_depth = right as f32 * by_column as f32 + down as f32 * by_row as f32;
         }
         Slopes {
             by_sub_tile,

@@ -15,10 +15,10 @@ impl Grid {
                 let index = row * self.columns + column;
                 let tile = &self.tiles[index];
                 let sub = y / SUB_ROWS * ACROSS + within / SUB_COLUMNS;
-                let nearness = tile.known(within, y);
+                let rev_depth = tile.known(within, y);
                 let by = if tile.is_working(within, y) {
                     HiddenBy::Working
-                } else if nearness > 0.0 {
+                } else if rev_depth > 0.0 {
                     HiddenBy::Reference
                 } else {
                     HiddenBy::Nothing
@@ -31,7 +31,7 @@ impl Grid {
                         x1: x + 1,
                         cell,
                         by,
-                        nearness: [nearness; 2],
+                        rev_depth: [rev_depth; 2],
                     },
                 );
             }

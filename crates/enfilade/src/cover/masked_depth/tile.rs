@@ -1,14 +1,14 @@
-//! A tile: sixteen masks of samples with two nearnesses each, and how something new is merged into them.
+//! A tile: sixteen masks of samples with two reversed depths each, and how something new is merged into them.
 //!
 //! A sub-tile knows two things: everywhere in it something is at least as near as `reference`, and at the samples of
 //! its mask something is at least as near as `working`. A third layer has no room, so of two that are not the nearest
 //! of all, one has to give way; whatever gives way, both sentences stay true.
 //! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 3.2. Theirs
 //!     drops the working layer where it is farther from the new one than from the reference, by difference of depths;
-//!     ours by ratio of nearnesses, whichever of the two came first, and never drops where nothing is behind, unless that
+//!     ours by ratio of reversed depths, whichever of the two came first, and never drops where nothing is behind, unless that
 //!     layer is farther than 10¹⁹.
 //! Cost: O(1) for each sub-tile; [`rows`](super::rows) does all sixteen at once.
-//! Conservative: nearness is only ever less than the truth.
+//! Conservative: reversed depth is only ever less than the truth.
 
 use crate::cover::band::{BAND, Band};
 use std::ops::Range;
@@ -29,12 +29,12 @@ pub(super) const SUB_TILES_OF_BAND: usize = SUB_TILES / 2;
 /// One bit for each sample of each sub-tile in the rows of a band: bit 8·y + x.
 pub(super) type Masks = [u32; SUB_TILES_OF_BAND];
 
-/// Nearness for each sub-tile in the rows of a band.
-pub(super) type Nearness = [f32; SUB_TILES_OF_BAND];
+/// Reversed depth for each sub-tile in the rows of a band.
+pub(super) type RevDepth = [f32; SUB_TILES_OF_BAND];
 
 /// 32×16 samples: four lines of the cache.
 ///
-/// Nearness is kept as bits: not being below zero, they sort as it does.
+/// Reversed depth is kept as bits: not being below zero, they sort as it does.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Tile {
@@ -79,21 +79,21 @@ impl Tile {
         f32::from_bits(farthest)
     }
 
-    /// At the samples `covered` of a sub-tile something is at least as near as `nearness` (bits of what is finite). Is the
+    /// At the samples `covered` of a sub-tile something is at least as near as `rev_depth` (bits of what is finite). Is the
     /// reference another than before?
     ///
     /// The specification of [`cover_tile`](super::rows::cover_tile), which does all sixteen.
     #[inline(always)]
-    pub(super) fn cover(&mut self, sub: usize, covered: u32, nearness: u32) -> bool {
+    pub(super) fn cover(&mut self, sub: usize, covered: u32, rev_depth: u32) -> bool {
         let [mask, reference, working] = [self.mask[sub], self.reference[sub], self.working[sub]];
-        if nearness <= reference {
+        if rev_depth <= reference {
             return false;
         }
         let fresh = covered | self.closed[sub];
         // Of the working layer and the new one, the nearer stays as it is. The other has the samples that are left.
-        let before = nearness >= working;
-        let near = if before { nearness } else { working };
-        let far = if before { working } else { nearness };
+        let before = rev_depth >= working;
+        let near = if before { rev_depth } else { working };
+        let far = if before { working } else { rev_depth };
         let near_mask = if before { fresh } else { mask };
         let either = mask | fresh;
         let alone = either == near_mask;
@@ -112,15 +112,15 @@ impl Tile {
         false
     }
 
-    /// May anything that comes as near as `nearness` be seen at any of the samples `asked` of a band, the upper or the
-    /// lower? At equal nearness it may.
+    /// May anything that comes as near as `rev_depth` be seen at any of the samples `asked` of a band, the upper or the
+    /// lower? At equal reversed depth it may.
     #[inline(always)]
-    pub(super) fn sees(&self, band: usize, asked: &Masks, nearness: &Nearness) -> bool {
+    pub(super) fn sees(&self, band: usize, asked: &Masks, rev_depth: &RevDepth) -> bool {
         let mut any = false;
-        for (sub, (asked, &nearness)) in (band * SUB_TILES_OF_BAND..).zip(asked.iter().zip(nearness)) {
+        for (sub, (asked, &rev_depth)) in (band * SUB_TILES_OF_BAND..).zip(asked.iter().zip(rev_depth)) {
             let asked = asked & !self.closed[sub];
-            let beyond_reference = nearness < f32::from_bits(self.reference[sub]);
-            let beyond_working = nearness < f32::from_bits(self.working[sub]);
+            let beyond_reference = rev_depth < f32::from_bits(self.reference[sub]);
+            let beyond_working = rev_depth < f32::from_bits(self.working[sub]);
             let outside_mask = asked & !self.mask[sub] != 0;
             any |= (asked != 0) & !beyond_reference & (outside_mask | !beyond_working);
         }

@@ -176,7 +176,7 @@ impl<A: Asks> Cover for OcclusionTree<A> {
     }
 
     fn sight_of(&mut self, _passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Sight> {
-        // Its lines are the aperture's too: neither the box's samples nor its nearness are needed.
+        // Its lines are the aperture's too: neither the box's samples nor its reversed depth are needed.
         if bounds.is_empty() {
             return None;
         }

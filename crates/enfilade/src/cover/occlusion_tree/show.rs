@@ -23,7 +23,7 @@ impl Tree {
             x1: x + 1,
             cell: 0,
             by: HiddenBy::Nothing,
-            nearness: [0.0; 2],
+            rev_depth: [0.0; 2],
         };
         let mut next = self.root;
         while let Link::Node(number) = next {
@@ -39,11 +39,11 @@ impl Tree {
                 }
                 Plane::Back(back) => {
                     let occluder = self.firsts.partition_point(|&first| first <= number);
-                    let nearness = (back.normal.dot(sample) / back.distance) as f32;
+                    let rev_depth = (back.normal.dot(sample) / back.distance) as f32;
                     span = CoverSpan {
                         cell: leaf,
                         by: HiddenBy::One(occluder as u32),
-                        nearness: [nearness.max(0.0); 2],
+                        rev_depth: [rev_depth.max(0.0); 2],
                         ..span
                     };
                     // What is before it may hold a shadow that is nearer still.

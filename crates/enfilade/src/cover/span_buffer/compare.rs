@@ -230,7 +230,7 @@ impl<'a> Newcomer<'a> {
         old.is_met_by_edge(self.face, edge).then_some(known.order)
     }
 
-    /// Compares nearness at both ends; where they disagree, finds the column at which it turns.
+    /// Compares reversed depth at both ends; where they disagree, finds the column at which it turns.
     #[inline]
     fn by_depth(&self, span: &Span, x0: u16, x1: u16) -> Relation {
         let old = &self.kept[span.face as usize].triangle;

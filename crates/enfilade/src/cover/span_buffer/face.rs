@@ -151,7 +151,7 @@ mod tests {
     fn face(owner: u32, corners: [[f64; 3]; 3]) -> Face {
         let triangle = Triangle {
             owner,
-            nearness: DVec3::ZERO,
+            rev_depth: DVec3::ZERO,
             least: 0.0,
             greatest: 0.0,
         };

@@ -172,10 +172,10 @@ impl Coarse for SpanBuffer {
         })
     }
 
-    fn sees_plane(&mut self, cells: &Band, nearness: &Triangle) -> bool {
+    fn sees_plane(&mut self, cells: &Band, rev_depth: &Triangle) -> bool {
         let (rows, kept) = (&self.rows.rows, &self.kept);
         cells.rows().any(|(y, [x0, x1])| {
-            let mine = nearness.row(y);
+            let mine = rev_depth.row(y);
             rows[usize::from(y)].shows(x0, x1, |span, x0, x1| {
                 let theirs = kept[span.face as usize].triangle.row(y);
                 // Both planes are linear, and so is their difference.
@@ -186,13 +186,13 @@ impl Coarse for SpanBuffer {
         })
     }
 
-    fn cover_cells(&mut self, cells: &Band, nearness: &Triangle) {
+    fn cover_cells(&mut self, cells: &Band, rev_depth: &Triangle) {
         if self.kept.len() > 2 * self.owners + ROOM {
             self.drop_hidden();
         }
         self.turn += 1;
-        // Of no corners: which of two is before the other is told by their nearness alone.
-        let face = Face::new(*nearness, [DVec3::NAN; 3], 0);
+        // Of no corners: which of two is before the other is told by their reversed depth alone.
+        let face = Face::new(*rev_depth, [DVec3::NAN; 3], 0);
         let (kept, answers) = (&mut self.kept, &mut self.answers);
         let mut new = Newcomer::new(&face, self.turn, [0; 3], kept, answers, None);
         let places = self.rows.places(cells);

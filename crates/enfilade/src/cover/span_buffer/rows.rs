@@ -29,7 +29,7 @@ pub(super) struct Row {
     pub(super) spans: Vec<Span>,
     /// The column after the last of each span: searched far faster than the spans themselves.
     ends: Vec<u16>,
-    /// The farthest nearness of any sample within the aperture's rectangle: 0 where one is open.
+    /// The farthest reversed depth of any sample within the aperture's rectangle: 0 where one is open.
     farthest: f32,
     /// May `farthest` have grown?
     stale: bool,
@@ -274,7 +274,7 @@ impl Row {
         true
     }
 
-    /// The farthest nearness in columns `x0..x1`, which all spans lie in.
+    /// The farthest reversed depth in columns `x0..x1`, which all spans lie in.
     fn farthest_in(&self, x0: u16, x1: u16) -> f32 {
         let mut x = x0;
         let mut farthest = f32::INFINITY;

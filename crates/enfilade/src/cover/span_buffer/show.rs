@@ -15,7 +15,7 @@ impl SpanBuffer {
                 x1,
                 cell: 0,
                 by: HiddenBy::Nothing,
-                nearness: [0.0; 2],
+                rev_depth: [0.0; 2],
             };
             let spans = self.rows.rows[usize::from(y)].spans.iter();
             for span in spans.filter(|span| span.face != COVERED && span.x0 < x1 && x0 < span.x1) {
@@ -29,7 +29,7 @@ impl SpanBuffer {
                     x1: span.x1,
                     cell: face.owner + 1,
                     by: HiddenBy::One(face.owner),
-                    nearness: [span.x0, span.x1 - 1].map(|x| row.at(x) as f32),
+                    rev_depth: [span.x0, span.x1 - 1].map(|x| row.at(x) as f32),
                 });
                 x = span.x1;
             }

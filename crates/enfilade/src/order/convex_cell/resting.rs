@@ -3,7 +3,7 @@
 //! What is a slack behind a plane counts as on it. Corners are numbers of f32: each is off by up to √3 · 2⁻²⁴ of the greatest
 //! coordinate from where it was meant, a plane through three of them by up to twice that, and what placing an item rounds
 //! moves both as much again: together less than 2⁻²¹. Trees of planes take corners for coplanar by the same reasoning.
-//! Only an eye nearer to the plane than 2¹⁶ such steps could tell them apart by nearness (which counts as equal within
+//! Only an eye nearer to the plane than 2¹⁶ such steps could tell them apart by reversed depth (which counts as equal within
 //! 2⁻¹⁶), and then on a border no wider than the step, or where two faces lie on one another that little apart.
 //! A small face of a large wall is tilted by much more than that: its plane is turned about it until it rests on
 //! corners far away, and only where that takes it off the face, too, it is found to be no wall.

@@ -41,15 +41,15 @@ impl Coarse for Known {
         true
     }
 
-    fn sees_plane(&mut self, _cells: &Band, _nearness: &Triangle) -> bool {
+    fn sees_plane(&mut self, _cells: &Band, _rev_depth: &Triangle) -> bool {
         true
     }
 
-    fn cover_cells(&mut self, cells: &Band, nearness: &Triangle) {
+    fn cover_cells(&mut self, cells: &Band, rev_depth: &Triangle) {
         for (y, [x0, x1]) in cells.rows() {
             for x in x0..x1 {
                 let known = &mut self.cells[usize::from(y) * self.columns + usize::from(x)];
-                *known = known.max(nearness.row(y).at(x) as f32);
+                *known = known.max(rev_depth.row(y).at(x) as f32);
             }
         }
     }
@@ -126,7 +126,7 @@ fn a_wall_of_many_clusters_and_items_has_no_crack() {
         let open = known
             .cells
             .iter()
-            .filter(|&&nearness| nearness < 1.0 / 4.5)
+            .filter(|&&rev_depth| rev_depth < 1.0 / 4.5)
             .count();
         assert_eq!(open, 0, "of {cells:?}");
     }
@@ -136,13 +136,13 @@ fn a_wall_of_many_clusters_and_items_has_no_crack() {
 fn a_needle_hole_in_a_wall_stays_open() {
     let flat = |x: f64, y: f64| [9.0 * x, 6.0 * y, -4.0];
     let whole = covered(&geometry(&[sheet(40, flat, |_, _| false)], false), [40, 22]).0;
-    assert!(whole.cells.iter().all(|&nearness| nearness > 0.24));
+    assert!(whole.cells.iter().all(|&rev_depth| rev_depth > 0.24));
     let holed = covered(
         &geometry(&[sheet(40, flat, |x, y| (x, y) == (19, 20))], false),
         [40, 22],
     )
     .0;
-    let open = holed.cells.iter().filter(|&&nearness| nearness == 0.0).count();
+    let open = holed.cells.iter().filter(|&&rev_depth| rev_depth == 0.0).count();
     assert!((1..=16).contains(&open), "{open} cells");
 }
 
@@ -154,9 +154,13 @@ fn a_surface_that_turns_over_is_open_where_it_does() {
     let fold = 32.0 - 2.0 / 4.0 * 64.0 * 0.5 * 0.974;
     for y in 2..34 {
         let row = &known.cells[y * 64..][..64];
-        assert!(row[..(fold as usize) - 2].iter().all(|&nearness| nearness == 0.0));
         assert!(
-            row.iter().filter(|&&nearness| nearness > 0.0).count() > 10,
+            row[..(fold as usize) - 2]
+                .iter()
+                .all(|&rev_depth| rev_depth == 0.0)
+        );
+        assert!(
+            row.iter().filter(|&&rev_depth| rev_depth > 0.0).count() > 10,
             "row {y}"
         );
     }
@@ -187,22 +191,22 @@ fn what_covers_a_cell_is_at_every_place_in_it_and_no_farther() {
         let (known, passage) = covered(&geometry, cells);
         let triangles = on_screen(&geometry, &passage, seed % 2 == 0);
         faces += triangles.len();
-        for (place, &nearness) in known
+        for (place, &rev_depth) in known
             .cells
             .iter()
             .enumerate()
-            .filter(|(_, nearness)| **nearness > 0.0)
+            .filter(|(_, rev_depth)| **rev_depth > 0.0)
         {
             let [x, y] = [(place % known.columns) as f64, (place / known.columns) as f64];
             for (i, j) in (0..4).flat_map(|j| (0..4).map(move |i| (i, j))) {
                 let at = DVec2::new(x + (f64::from(i) + 0.5) / 4.0, y + (f64::from(j) + 0.5) / 4.0);
                 let truth = triangles
                     .iter()
-                    .map(|triangle| nearness_at(triangle, at))
+                    .map(|triangle| rev_depth_at(triangle, at))
                     .fold(0.0, f64::max);
                 assert!(
-                    truth >= f64::from(nearness) * (1.0 - 1e-6),
-                    "seed {seed}, {at}: {truth} is farther than {nearness}"
+                    truth >= f64::from(rev_depth) * (1.0 - 1e-6),
+                    "seed {seed}, {at}: {truth} is farther than {rev_depth}"
                 );
                 held += 1;
             }
@@ -232,14 +236,14 @@ fn on_screen(geometry: &Geometry, passage: &Passage, double_sided: bool) -> Vec<
 }
 
 /// How near a triangle is at a place; 0 where it is not, or before the near distance.
-fn nearness_at(&[a, b, c]: &[DVec3; 3], at: DVec2) -> f64 {
+fn rev_depth_at(&[a, b, c]: &[DVec3; 3], at: DVec2) -> f64 {
     let ray = at.extend(1.0);
     let sides = [a.cross(b), b.cross(c), c.cross(a)].map(|plane| plane.dot(ray));
     let inside = sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0);
     let normal = (b - a).cross(c - a);
-    let nearness = normal.dot(ray) / normal.dot(a);
-    if inside && nearness > 0.0 && nearness < 1.0 / 0.001 {
-        nearness
+    let rev_depth = normal.dot(ray) / normal.dot(a);
+    if inside && rev_depth > 0.0 && rev_depth < 1.0 / 0.001 {
+        rev_depth
     } else {
         0.0
     }

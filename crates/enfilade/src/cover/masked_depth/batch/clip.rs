@@ -62,15 +62,15 @@ pub(super) fn clip(
         return false;
     }
     let fields = |corner: &DVec3| {
-        let nearness = 1.0 / corner.z;
+        let rev_depth = 1.0 / corner.z;
         let place = |at: f64, middle: f64| {
-            let units = (at * nearness - middle) * f64::from(ONE);
+            let units = (at * rev_depth - middle) * f64::from(ONE);
             (units + TO_INTEGER).to_bits() as u32
         };
         [
             place(corner.x, x),
             place(corner.y, y),
-            (nearness as f32).to_bits(),
+            (rev_depth as f32).to_bits(),
         ]
     };
     for last in 2..left.len() {

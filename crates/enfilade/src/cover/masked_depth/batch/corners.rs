@@ -11,7 +11,7 @@ use super::{Frame, LANES, ONE};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, f64x8, mask64x8, u32x16};
 
-/// Column, row (in units, from the frame's middle) and the bits of the nearness, above 0, or 0 where odd; then a bit for
+/// Column, row (in units, from the frame's middle) and the bits of the reversed depth, above 0, or 0 where odd; then a bit for
 /// each side of what is in view that an odd corner is surely beyond.
 pub(super) type Corner = [u32; 4];
 
@@ -65,15 +65,15 @@ fn place_sixteen<S: Simd>(simd: S, frame: &Frame, at: &Block, placed: &mut [Corn
     let rows = below[1]
         .bitcast::<u32x16<S>>()
         .unzip_low(above[1].bitcast::<u32x16<S>>());
-    let nearness = below[2].narrow(above[2]).bitcast::<u32x16<S>>();
+    let rev_depth = below[2].narrow(above[2]).bitcast::<u32x16<S>>();
     let zero = u32x16::splat(simd, 0);
-    let outside = if nearness.simd_eq(zero).any_true() {
+    let outside = if rev_depth.simd_eq(zero).any_true() {
         let [below, above] = [eight[0].outside(simd, frame), eight[1].outside(simd, frame)];
         below.unzip_low(above)
     } else {
         zero
     };
-    let (first, second) = (columns.interleave(nearness), rows.interleave(outside));
+    let (first, second) = (columns.interleave(rev_depth), rows.interleave(outside));
     let all = [first.0.interleave(second.0), first.1.interleave(second.1)];
     let placed = placed.as_flattened_mut();
     all[0].0.store_slice(&mut placed[..16]);
@@ -100,14 +100,14 @@ impl<S: Simd> OnScreen<S> {
         }
     }
 
-    /// Column and row with [`TO_INTEGER`] added, and nearness; 0 where odd.
+    /// Column and row with [`TO_INTEGER`] added, and reversed depth; 0 where odd.
     #[inline(always)]
     fn place(&self, simd: S, frame: &Frame) -> [f64x8<S>; 3] {
         let OnScreen { x, y, w } = *self;
         let zero = f64x8::splat(simd, 0.0);
-        let nearness = f64x8::splat(simd, 1.0) / w;
-        let column = (x * nearness - frame.middle[0]) * ONE as f64;
-        let row = (y * nearness - frame.middle[1]) * ONE as f64;
+        let rev_depth = f64x8::splat(simd, 1.0) / w;
+        let column = (x * rev_depth - frame.middle[0]) * ONE as f64;
+        let row = (y * rev_depth - frame.middle[1]) * ONE as f64;
         let farthest = f64x8::splat(simd, FARTHEST);
         let mut sound: mask64x8<S> = w.simd_gt(f64x8::splat(simd, frame.near))
             & column.abs().simd_lt(farthest)
@@ -119,7 +119,7 @@ impl<S: Simd> OnScreen<S> {
         [
             column + TO_INTEGER,
             row + TO_INTEGER,
-            sound.select(nearness, zero),
+            sound.select(rev_depth, zero),
         ]
     }
 

@@ -3,10 +3,10 @@
 //! Of the edges one has the inside to its right, one to its left, and the others either way. Where a row crosses an edge is
 //! computed in f32 from the face's own corner of the screen, and with it how far off that may be: what lies within is not
 //! certain, and goes to f64. A quad is as near as the plane of three of its corners, or farther by what the fourth is.
-//! Source: filtered predicates as in Shewchuk, Adaptive Precision Floating-Point Arithmetic, 1997; the plane of nearness as
+//! Source: filtered predicates as in Shewchuk, Adaptive Precision Floating-Point Arithmetic, 1997; the plane of reversed depth as
 //!     in Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 3.3.
 //! Cost: O(1) for sixteen.
-//! Conservative: nearness is lowered by what rounding may add to it.
+//! Conservative: reversed depth is lowered by what rounding may add to it.
 
 use super::queue::Sixteen;
 use super::sort::{EXACTNESS, Samples};
@@ -77,7 +77,7 @@ impl<S: Simd, const OTHERS: usize> Lanes<S, OTHERS> {
         let Sixteen {
             mut x,
             mut y,
-            mut nearness,
+            mut rev_depth,
             ..
         } = *faces;
         let last = SIDES - 1;
@@ -87,9 +87,9 @@ impl<S: Simd, const OTHERS: usize> Lanes<S, OTHERS> {
         let turned = area.simd_lt(f32x16::splat(simd, 0.0));
         (x[1], x[last]) = (turned.select(x[last], x[1]), turned.select(x[1], x[last]));
         (y[1], y[last]) = (turned.select(y[last], y[1]), turned.select(y[1], y[last]));
-        let ends = (nearness[1], nearness[last]);
-        nearness[1] = turned.select(ends.1, ends.0);
-        nearness[last] = turned.select(ends.0, ends.1);
+        let ends = (rev_depth[1], rev_depth[last]);
+        rev_depth[1] = turned.select(ends.1, ends.0);
+        rev_depth[last] = turned.select(ends.0, ends.1);
 
         let [left_of, above] = [origin[0] << ONE_SHIFT, origin[1] << ONE_SHIFT];
         let zero = f32x16::splat(simd, 0.0);
@@ -117,7 +117,7 @@ impl<S: Simd, const OTHERS: usize> Lanes<S, OTHERS> {
             rows: [rows.first - origin[1], rows.end - origin[1]],
             origin,
             edges: Edges::sorted(simd, &edges, &dy),
-            plane: Plane::new(simd, [px[0], py[0]], [&dx, &dy], &nearness, area.abs(), size),
+            plane: Plane::new(simd, [px[0], py[0]], [&dx, &dy], &rev_depth, area.abs(), size),
             unsure: !rows.sure,
         }
     }
@@ -219,21 +219,21 @@ impl<S: Simd> Plane<S> {
         simd: S,
         [x, y]: [f32x16<S>; 2],
         [dx, dy]: [&[f32x16<S>; SIDES]; 2],
-        nearness: &[f32x16<S>; SIDES],
+        rev_depth: &[f32x16<S>; SIDES],
         area: f32x16<S>,
         size: f32x16<S>,
     ) -> Plane<S> {
         let last = SIDES - 1;
         let [dx1, dy1, dx2, dy2] = [dx[0], dy[0], -dx[last], -dy[last]];
-        let dn1 = nearness[1] - nearness[0];
-        let dn2 = nearness[last] - nearness[0];
+        let dn1 = rev_depth[1] - rev_depth[0];
+        let dn2 = rev_depth[last] - rev_depth[0];
         let per_area = f32x16::splat(simd, 1.0) / area;
         let [a, b, c, d] = [dn1 * dy2, dn2 * dy1, dn2 * dx1, dn1 * dx2];
         let slope = [(a - b) * per_area, (c - d) * per_area];
-        let [mut least, mut greatest] = [nearness[0]; 2];
-        for &nearness in &nearness[1..] {
-            least = least.min(nearness);
-            greatest = greatest.max(nearness);
+        let [mut least, mut greatest] = [rev_depth[0]; 2];
+        for &rev_depth in &rev_depth[1..] {
+            least = least.min(rev_depth);
+            greatest = greatest.max(rev_depth);
         }
         // What the slopes may be off by, over the way from a corner to where they are used; and what moves with corners.
         let spread = (size + 32.0) * 2.0;
@@ -242,11 +242,11 @@ impl<S: Simd> Plane<S> {
         let error = (a.abs() + b.abs() + c.abs() + d.abs()) * per_area * spread * (2.0 * EXACTNESS)
             + sum * (spread * area_off + PER_UNIT)
             + greatest * (2.0 * EXACTNESS);
-        let mut at = nearness[0] - slope[0] * x - slope[1] * y - error;
+        let mut at = rev_depth[0] - slope[0] * x - slope[1] * y - error;
         // A quad's halves are between this plane and one so much beyond it as the third corner is.
         for corner in 2..last {
-            let plane = nearness[0] + slope[0] * (dx[0] + dx[1]) + slope[1] * (dy[0] + dy[1]);
-            let beyond = (nearness[corner] - plane).min(f32x16::splat(simd, 0.0));
+            let plane = rev_depth[0] + slope[0] * (dx[0] + dx[1]) + slope[1] * (dy[0] + dy[1]);
+            let beyond = (rev_depth[corner] - plane).min(f32x16::splat(simd, 0.0));
             // What is off in the plane is so twice more: at that corner, and in how far beyond it is.
             at += beyond - error * 2.0;
         }

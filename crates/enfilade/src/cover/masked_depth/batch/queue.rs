@@ -12,12 +12,12 @@ use fearless_simd::{f32x16, i32x16, mask32x16, u32x16};
 const MOST: usize = 128;
 const ROOM: usize = MOST + 2 * LANES;
 
-/// Faces that wait to be set up: columns, rows and nearness of their corners, and their numbers.
+/// Faces that wait to be set up: columns, rows and reversed depth of their corners, and their numbers.
 pub(super) struct Queue<const SIDES: usize> {
     pub(super) count: usize,
     x: [[u32; ROOM]; SIDES],
     y: [[u32; ROOM]; SIDES],
-    nearness: [[u32; ROOM]; SIDES],
+    rev_depth: [[u32; ROOM]; SIDES],
     number: [u32; ROOM],
 }
 
@@ -27,7 +27,7 @@ impl<const SIDES: usize> Default for Queue<SIDES> {
             count: 0,
             x: [[0; ROOM]; SIDES],
             y: [[0; ROOM]; SIDES],
-            nearness: [[0; ROOM]; SIDES],
+            rev_depth: [[0; ROOM]; SIDES],
             number: [0; ROOM],
         }
     }
@@ -37,7 +37,7 @@ impl<const SIDES: usize> Default for Queue<SIDES> {
 pub(super) struct Sixteen<S: Simd, const SIDES: usize> {
     pub(super) x: [i32x16<S>; SIDES],
     pub(super) y: [i32x16<S>; SIDES],
-    pub(super) nearness: [f32x16<S>; SIDES],
+    pub(super) rev_depth: [f32x16<S>; SIDES],
     pub(super) number: u32x16<S>,
     /// How many there are: the lanes after these are of no meaning.
     pub(super) lanes: usize,
@@ -55,12 +55,12 @@ impl<const SIDES: usize> Queue<SIDES> {
         ROOM - self.count
     }
 
-    /// Lets one face wait: column, row and nearness of its corners.
+    /// Lets one face wait: column, row and reversed depth of its corners.
     pub(super) fn push_one(&mut self, corners: [[u32; 3]; SIDES], number: u32) {
-        for (corner, [x, y, nearness]) in corners.into_iter().enumerate() {
+        for (corner, [x, y, rev_depth]) in corners.into_iter().enumerate() {
             self.x[corner][self.count] = x;
             self.y[corner][self.count] = y;
-            self.nearness[corner][self.count] = nearness;
+            self.rev_depth[corner][self.count] = rev_depth;
         }
         self.number[self.count] = number;
         self.count += 1;
@@ -77,8 +77,8 @@ impl<const SIDES: usize> Queue<SIDES> {
         for corner in 0..SIDES {
             keep(which, faces.x[corner].bitcast(), &mut self.x[corner], start);
             keep(which, faces.y[corner].bitcast(), &mut self.y[corner], start);
-            let kept = &mut self.nearness[corner];
-            keep(which, faces.nearness[corner].bitcast(), kept, start);
+            let kept = &mut self.rev_depth[corner];
+            keep(which, faces.rev_depth[corner].bitcast(), kept, start);
         }
         keep(which, faces.number, &mut self.number, start);
         self.count = start + found;
@@ -92,7 +92,7 @@ impl<const SIDES: usize> Queue<SIDES> {
         for corner in 0..SIDES {
             faces.x[corner] = get(simd, &self.x[corner], start).bitcast();
             faces.y[corner] = get(simd, &self.y[corner], start).bitcast();
-            faces.nearness[corner] = get(simd, &self.nearness[corner], start).bitcast();
+            faces.rev_depth[corner] = get(simd, &self.rev_depth[corner], start).bitcast();
         }
         faces.number = get(simd, &self.number, start);
         faces.lanes = (self.count - from).min(LANES);
@@ -105,7 +105,7 @@ impl<const SIDES: usize> Queue<SIDES> {
         if place == 0 {
             return;
         }
-        let corners = self.x.iter_mut().chain(&mut self.y).chain(&mut self.nearness);
+        let corners = self.x.iter_mut().chain(&mut self.y).chain(&mut self.rev_depth);
         for kept in corners {
             kept.copy_within(place..place + LANES, 0);
         }
@@ -130,7 +130,7 @@ impl<S: Simd, const SIDES: usize> Sixteen<S, SIDES> {
         Sixteen {
             x: [i32x16::splat(simd, 0); SIDES],
             y: [i32x16::splat(simd, 0); SIDES],
-            nearness: [f32x16::splat(simd, 0.0); SIDES],
+            rev_depth: [f32x16::splat(simd, 0.0); SIDES],
             number: u32x16::splat(simd, 0),
             lanes: 0,
         }
@@ -144,7 +144,7 @@ impl<S: Simd> Sixteen<S, 4> {
         Sixteen {
             x: [self.x[0], self.x[a], self.x[b]],
             y: [self.y[0], self.y[a], self.y[b]],
-            nearness: [self.nearness[0], self.nearness[a], self.nearness[b]],
+            rev_depth: [self.rev_depth[0], self.rev_depth[a], self.rev_depth[b]],
             number: self.number,
             lanes: self.lanes,
         }

@@ -1,10 +1,10 @@
-//! What small faces cover: a sub-tile, its samples and a nearness, one after the other.
+//! What small faces cover: a sub-tile, its samples and a reversed depth, one after the other.
 //!
 //! Written without a branch by sixteen faces at once, and merged one by one: two of the sixteen may cover the same
 //! sub-tile.
 //! Source: none but ours.
 //! Cost: O(records).
-//! Conservative: nearness is the least over a sub-tile, lowered, and no less than the least of the corners.
+//! Conservative: reversed depth is the least over a sub-tile, lowered, and no less than the least of the corners.
 
 use super::Frame;
 use super::lanes::Lanes;
@@ -25,7 +25,7 @@ pub(super) struct Records {
     /// Number of the tile, times sixteen, and of the sub-tile in it.
     places: [u32; MOST + 16],
     masks: [u32; MOST + 16],
-    nearness: [u32; MOST + 16],
+    rev_depth: [u32; MOST + 16],
     touched: u32,
 }
 
@@ -35,7 +35,7 @@ impl Default for Records {
             count: 0,
             places: [0; MOST + 16],
             masks: [0; MOST + 16],
-            nearness: [0; MOST + 16],
+            rev_depth: [0; MOST + 16],
             touched: 0,
         }
     }
@@ -53,11 +53,11 @@ impl Records {
         let all = self.places[..count]
             .iter()
             .zip(&self.masks[..count])
-            .zip(&self.nearness[..count]);
-        for ((&place, &mask), &nearness) in all {
+            .zip(&self.rev_depth[..count]);
+        for ((&place, &mask), &rev_depth) in all {
             let index = place as usize / SUB_TILES;
             let (tile, farthest) = tiles.tile(index as u32);
-            if tile.cover(place as usize % SUB_TILES, mask, nearness) {
+            if tile.cover(place as usize % SUB_TILES, mask, rev_depth) {
                 *farthest = tile.farthest();
             }
         }
@@ -71,8 +71,8 @@ pub(super) struct Places<S: Simd> {
     column: u32x16<S>,
     row: u32x16<S>,
     tile_columns: u32,
-    /// Nearness over the first sub-tile, at least; by sub-tile; and at least anywhere.
-    nearness: f32x16<S>,
+    /// Reversed depth over the first sub-tile, at least; by sub-tile; and at least anywhere.
+    rev_depth: f32x16<S>,
     by_column: f32x16<S>,
     by_row: f32x16<S>,
     least: f32x16<S>,
@@ -94,7 +94,7 @@ impl<S: Simd> Places<S> {
             column: ((lanes.origin[0] + frame.middle_sample[0]) >> 3).bitcast(),
             row: (((lanes.origin[1] + frame.middle_sample[1]) >> 2) - frame.first_row * DOWN).bitcast(),
             tile_columns: frame.tile_columns,
-            nearness: lanes.plane.at + by_column * column + by_row * row,
+            rev_depth: lanes.plane.at + by_column * column + by_row * row,
             by_column: by_column * SUB_COLUMNS as f32,
             by_row: by_row * SUB_ROWS as f32,
             least: lanes.plane.least,
@@ -116,17 +116,17 @@ impl<S: Simd> Places<S> {
         let [column, row] = [self.column + right as u32, self.row + down as u32];
         let tile = (row >> 2) * self.tile_columns + (column >> 2);
         let place = (tile << 4) | ((row & 3) << 2) | (column & 3);
-        let nearness = self.nearness + self.by_column * right as f32 + self.by_row * down as f32;
-        let nearness: u32x16<S> = nearness.max(self.least).bitcast();
+        let rev_depth = self.rev_depth + self.by_column * right as f32 + self.by_row * down as f32;
+        let rev_depth: u32x16<S> = rev_depth.max(self.least).bitcast();
         let start = records.count.min(MOST);
         place
             .compress(some)
             .store_slice(&mut records.places[start..start + 16]);
         mask.compress(some)
             .store_slice(&mut records.masks[start..start + 16]);
-        nearness
+        rev_depth
             .compress(some)
-            .store_slice(&mut records.nearness[start..start + 16]);
+            .store_slice(&mut records.rev_depth[start..start + 16]);
         records.count = start + found;
     }
 }

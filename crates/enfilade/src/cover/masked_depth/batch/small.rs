@@ -1,7 +1,7 @@
 //! Small triangles and quads: sixteen side by side, row after row.
 //!
 //! Most faces of a detailed mesh reach into two or three sub-tiles. Here each lane has a face of its own, so that none
-//! waits for a larger one beside it for long; what comes out are records of a sub-tile, its samples and a nearness.
+//! waits for a larger one beside it for long; what comes out are records of a sub-tile, its samples and a reversed depth.
 //! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 3.1, turned: theirs
 //!     has a triangle's rows in the lanes.
 //! Cost: O(rows of the highest) for sixteen.

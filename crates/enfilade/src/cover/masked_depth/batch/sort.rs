@@ -67,11 +67,11 @@ impl<'a, const SIDES: usize> Group<'a, SIDES> {
         let mut beyond = u32x16::splat(simd, u32::MAX);
         let mut least = f32x16::splat(simd, f32::INFINITY);
         for corner in 0..SIDES {
-            let [x, y, nearness, outside] = self.gather(simd, corners, corner);
+            let [x, y, rev_depth, outside] = self.gather(simd, corners, corner);
             faces.x[corner] = x.bitcast();
             faces.y[corner] = y.bitcast();
-            faces.nearness[corner] = nearness.bitcast();
-            least = least.min(faces.nearness[corner]);
+            faces.rev_depth[corner] = rev_depth.bitcast();
+            least = least.min(faces.rev_depth[corner]);
             beyond &= outside;
         }
         faces.number = u32x16::from_slice(simd, &COUNT) + self.first;

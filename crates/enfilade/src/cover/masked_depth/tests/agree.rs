@@ -67,7 +67,7 @@ fn lost(corners: &[[f32; 3]], passage: &Passage) -> (Vec<bool>, Polygon, usize) 
     (lost, polygon, covered)
 }
 
-/// Nearness of a polygon's plane at each sample, and whether that is plainly beyond the near distance.
+/// Reversed depth of a polygon's plane at each sample, and whether that is plainly beyond the near distance.
 fn plainly_there(polygon: &Polygon, passage: &Passage, at: usize) -> bool {
     let [x, y] = [at % passage.size[0] as usize, at / passage.size[0] as usize];
     let ray = DVec3::new(x as f64 + 0.5, y as f64 + 0.5, 1.0);

@@ -95,7 +95,7 @@ fn what_is_as_near_as_a_slanting_occluder_is_seen() {
         let Some(region) = region_of(&passage, &local) else {
             continue;
         };
-        let shows = samples(region.rect).any(|(x, y)| nearness_of(&volume, x, y).is_some());
+        let shows = samples(region.rect).any(|(x, y)| rev_depth_of(&volume, x, y).is_some());
         assert!(!shows || cover.sees(&region) != Sight::Hidden);
     }
 }

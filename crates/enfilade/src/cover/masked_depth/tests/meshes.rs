@@ -9,7 +9,7 @@ use crate::cover::triangle::Triangle;
 /// The nearest that the rasteriser gives each sample, from the corner of the screen; 0 where nothing is.
 pub(super) struct Nearest {
     width: usize,
-    nearness: Vec<f64>,
+    rev_depth: Vec<f64>,
 }
 
 impl Sink for Nearest {
@@ -21,8 +21,8 @@ impl Sink for Nearest {
         for (y, [x0, x1]) in band.rows() {
             let row = triangle.row(y);
             for x in x0..x1 {
-                let nearness = &mut self.nearness[usize::from(y) * self.width + usize::from(x)];
-                *nearness = nearness.max(row.at(x));
+                let rev_depth = &mut self.rev_depth[usize::from(y) * self.width + usize::from(x)];
+                *rev_depth = rev_depth.max(row.at(x));
             }
         }
     }
@@ -32,7 +32,7 @@ pub(super) fn exact(positions: &[[f32; 3]], corners: &[u32], passage: &Passage) 
     let [width, height] = passage.size.map(|side| side as usize);
     let mut nearest = Nearest {
         width,
-        nearness: vec![0.0; width * height],
+        rev_depth: vec![0.0; width * height],
     };
     let faces = Faces::of_triangles(positions, corners, &passage.screen_from_sector);
     Raster::default().run(&faces, passage, &mut nearest, &mut Stats::default());
@@ -88,11 +88,11 @@ pub(super) fn hidden_by(level: Level, mesh: &OccluderMesh, passage: &Passage) ->
 pub(super) fn hold(cover: &MaskedDepth, exact: &Nearest, scene: u64) -> [u64; 2] {
     let [mut covered, mut apart] = [0_u64, 0_u64];
     for (x, y) in samples(cover.grid.rect) {
-        let known = cover.nearness_at(x, y);
+        let known = cover.rev_depth_at(x, y);
         if known == f32::INFINITY {
             continue;
         }
-        let truth = exact.nearness[usize::from(y) * exact.width + usize::from(x)];
+        let truth = exact.rev_depth[usize::from(y) * exact.width + usize::from(x)];
         assert_eq!(
             known > 0.0,
             truth > 0.0,
@@ -169,7 +169,7 @@ fn a_floor_under_the_eye_and_a_wall_that_goes_on_for_miles_need_no_f64() {
     let exact = exact(&positions, &corners, &passage);
     let mut covered = 0;
     for (x, y) in samples(cover.grid.rect) {
-        let truth = exact.nearness[usize::from(y) * exact.width + usize::from(x)];
+        let truth = exact.rev_depth[usize::from(y) * exact.width + usize::from(x)];
         assert_eq!(cover.known(x, y) > 0.0, truth > 0.0, "{x}, {y}");
         covered += u32::from(truth > 0.0);
     }
@@ -261,11 +261,11 @@ fn a_triangle_with_a_corner_that_is_no_number_hides_nothing() {
     let sound = [[-90.0, -90.0, -2.0], [90.0, -90.0, -2.0], [0.0, 90.0, -2.0]];
     let all_hidden = |positions: &[[f32; 3]], corners: &[u32]| {
         let cover = hidden_by_triangles(positions, corners, &passage);
-        samples(cover.grid.rect).all(|(x, y)| cover.nearness_at(x, y) > 0.0)
+        samples(cover.grid.rect).all(|(x, y)| cover.rev_depth_at(x, y) > 0.0)
     };
     let none_hidden = |positions: &[[f32; 3]], corners: &[u32]| {
         let cover = hidden_by_triangles(positions, corners, &passage);
-        samples(cover.grid.rect).all(|(x, y)| cover.nearness_at(x, y) == 0.0)
+        samples(cover.grid.rect).all(|(x, y)| cover.rev_depth_at(x, y) == 0.0)
     };
     assert!(all_hidden(&sound, &[0, 1, 2]));
     assert!(none_hidden(&sound, &[0, 1, 3]), "a corner that is not there");
@@ -292,8 +292,8 @@ fn worlds_as_small_as_atoms_and_as_large_as_the_sky_are_held_as_others() {
             let exact = exact(&positions, &corners, &passage);
             let cover = hidden_by_triangles(&positions, &corners, &passage);
             for (x, y) in samples(cover.grid.rect) {
-                let known = f64::from(cover.nearness_at(x, y));
-                let truth = exact.nearness[usize::from(y) * exact.width + usize::from(x)];
+                let known = f64::from(cover.rev_depth_at(x, y));
+                let truth = exact.rev_depth[usize::from(y) * exact.width + usize::from(x)];
                 assert!(
                     known <= truth,
                     "{x}, {y} of scene {seed} at {scale}: {known} for {truth}"

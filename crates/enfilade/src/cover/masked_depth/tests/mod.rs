@@ -1,4 +1,4 @@
-//! The buffer against a plain array of one nearness for each sample.
+//! The buffer against a plain array of one reversed depth for each sample.
 
 mod agree;
 mod cases;
@@ -66,9 +66,9 @@ fn nothing_is_stored_nearer_than_the_truth() {
             );
             if oracle.open[at] {
                 assert!(
-                    f64::from(stored) <= oracle.nearness[at],
+                    f64::from(stored) <= oracle.rev_depth[at],
                     "{x}, {y} of scene {seed}: {stored} for {}",
-                    oracle.nearness[at]
+                    oracle.rev_depth[at]
                 );
                 known += usize::from(stored > 0.0);
             }
@@ -122,13 +122,13 @@ fn a_box_is_hidden_only_where_no_ray_meets_it_first() {
                 continue;
             };
             let seen = oracle.sees(oracle.all(), |x, y| {
-                let nearness = nearness_of(&region.volume, x, y)?;
+                let rev_depth = rev_depth_of(&region.volume, x, y)?;
                 let ray = DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, 1.0);
                 let beyond = oracle
                     .entry
-                    .is_none_or(|(normal, d)| normal.dot(ray) > d * nearness);
+                    .is_none_or(|(normal, d)| normal.dot(ray) > d * rev_depth);
                 // What is nearer than the near distance is not seen, but the rest of the box may be.
-                beyond.then_some(nearness.min(1.0 / oracle.near))
+                beyond.then_some(rev_depth.min(1.0 / oracle.near))
             });
             known += u32::from(!seen);
             by_rect += u32::from(!cover.sees_rect(&region.rect, region.nearest));

@@ -1,4 +1,4 @@
-//! A plain array of one nearness for each sample, and random things to put into it.
+//! A plain array of one reversed depth for each sample, and random things to put into it.
 
 use super::*;
 use crate::aperture::Rows;
@@ -92,7 +92,7 @@ pub(super) struct Oracle {
     pub(super) near: f64,
     pub(super) entry: Option<(DVec3, f64)>,
     pub(super) open: Vec<bool>,
-    pub(super) nearness: Vec<f64>,
+    pub(super) rev_depth: Vec<f64>,
 }
 
 pub(super) fn samples(rect: Rect) -> impl Iterator<Item = (u16, u16)> {
@@ -115,7 +115,7 @@ impl Oracle {
             size,
             near: f64::from(passage.near),
             entry: passage.entry,
-            nearness: vec![0.0; open.len()],
+            rev_depth: vec![0.0; open.len()],
             open,
         }
     }
@@ -133,7 +133,7 @@ impl Oracle {
         let Polygon { corners, plane } = polygon;
         for (x, y) in samples(self.all()) {
             let ray = DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, 1.0);
-            let nearness = plane.0.dot(ray) / plane.1;
+            let rev_depth = plane.0.dot(ray) / plane.1;
             let sides = (0..corners.len()).map(|i| {
                 let [from, to] = [corners[i], corners[(i + 1) % corners.len()]];
                 let normal = from.cross(to);
@@ -145,28 +145,28 @@ impl Oracle {
                 signs[0] &= distance > -1e-7;
                 signs[1] &= distance < 1e-7;
             }
-            let inside = (signs[0] || signs[1]) && nearness > 0.0 && nearness * self.near < 1.0;
+            let inside = (signs[0] || signs[1]) && rev_depth > 0.0 && rev_depth * self.near < 1.0;
             let beyond = self
                 .entry
-                .is_none_or(|(normal, d)| normal.dot(ray) > d * nearness);
+                .is_none_or(|(normal, d)| normal.dot(ray) > d * rev_depth);
             if inside && beyond {
                 let at = self.at(x, y);
-                self.nearness[at] = self.nearness[at].max(nearness);
+                self.rev_depth[at] = self.rev_depth[at].max(rev_depth);
             }
         }
     }
 
-    /// Does any open sample of `rect` show what is as near as `nearness(x, y)`?
-    pub(super) fn sees(&self, rect: Rect, nearness: impl Fn(u16, u16) -> Option<f64>) -> bool {
+    /// Does any open sample of `rect` show what is as near as `rev_depth(x, y)`?
+    pub(super) fn sees(&self, rect: Rect, rev_depth: impl Fn(u16, u16) -> Option<f64>) -> bool {
         samples(rect).any(|(x, y)| {
             let at = self.at(x, y);
-            self.open[at] && nearness(x, y).is_some_and(|nearness| nearness >= self.nearness[at])
+            self.open[at] && rev_depth(x, y).is_some_and(|rev_depth| rev_depth >= self.rev_depth[at])
         })
     }
 }
 
 /// How near a box is at a sample; `None` where a ray through the sample does not meet it.
-pub(super) fn nearness_of(volume: &Volume, x: u16, y: u16) -> Option<f64> {
+pub(super) fn rev_depth_of(volume: &Volume, x: u16, y: u16) -> Option<f64> {
     let ray = DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, 1.0);
     let [mut enter, mut leave] = [0.0_f64, f64::INFINITY];
     let mut sides = volume.sides;

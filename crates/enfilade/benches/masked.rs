@@ -7,7 +7,7 @@ use enfilade::cover::{Cover, Hides, MaskedDepth};
 use enfilade::order::{BvhOrder, Order, Visit};
 use enfilade::{
     Choice, Faces, Geometry, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Occluder,
-    OccluderRoom, OccluderSet, Passage, Region, SceneBuilder, SectorId, Sight, Stats, Transform, View,
+    OccluderRoom, OccluderSet, Passage, Region, SceneBuilder, SectorId, Visibility, Stats, Transform, View,
     Viewer,
 };
 
@@ -100,9 +100,9 @@ const SAMPLES: [u64; 2] = [176_710, 18_746_320];
 struct Boxes(Vec<Region>);
 
 impl Visit for Boxes {
-    fn enter(&mut self, region: &Region) -> Sight {
+    fn enter(&mut self, region: &Region) -> Visibility {
         self.0.push(*region);
-        Sight::Partly
+        Visibility::Partial
     }
 
     fn first_time(&mut self, _item: ItemId) -> bool {
@@ -128,7 +128,7 @@ fn ask(criterion: &mut Criterion) {
         order.visit(geometry, &passage, &mut Default::default(), &mut boxes);
         let mut hidden = || {
             let each = boxes.0.iter().map(|region| cover.sees(region));
-            each.filter(|&sight| sight == Sight::Hidden).count()
+            each.filter(|&sight| sight == Visibility::Hidden).count()
         };
         assert_eq!([occluders.len(), hidden()], expected, "{name}");
         group.throughput(Throughput::Elements(boxes.0.len() as u64));

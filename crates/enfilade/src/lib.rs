@@ -97,7 +97,7 @@ pub use query::{
     Between, BoxError, Capsule, Cast, Met, Near, Nearby, Nearest, PairChanges, Pairs, Place, Presence,
     Reached, SightLine, Slid, Standpoint, Survey, Walked, survey, survey_hard, survey_in,
 };
-pub use region::{Region, Sight};
+pub use region::{Region, Visibility};
 pub use scene::{
     Edit, EditError, End, Light, LightId, LightShape, NestedId, Portal, PortalId, Scene, SceneBuilder,
     SceneError, SectorId, Way,

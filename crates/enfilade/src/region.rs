@@ -13,13 +13,13 @@ use glam::{DAffine3, DVec3};
 
 /// How much of something can be seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sight {
+pub enum Visibility {
     /// Nothing of it.
     Hidden,
     /// Some of it, or one cannot say.
-    Partly,
+    Partial,
     /// All of it, and so all of what is in it.
-    Fully,
+    Full,
 }
 
 /// A box in space, as a passage sees it: the samples it may touch, and how near it comes.

@@ -15,7 +15,7 @@ mod common;
 use common::{Lens, Place, folder, in_turn, median_of, open};
 use enfilade::geom::BspOptions;
 use enfilade::order::{Bsp, NearToFar, Order, Visit};
-use enfilade::{Alpha, Faces, Geometry, GeometryBuilder, ItemId, MeshId, Of, Passage, Region, Sight, Viewer};
+use enfilade::{Alpha, Faces, Geometry, GeometryBuilder, ItemId, MeshId, Of, Passage, Region, Visibility, Viewer};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -42,8 +42,8 @@ struct Pieces<'a> {
 }
 
 impl Visit for Pieces<'_> {
-    fn enter(&mut self, _region: &Region) -> Sight {
-        Sight::Partly
+    fn enter(&mut self, _region: &Region) -> Visibility {
+        Visibility::Partial
     }
 
     fn first_time(&mut self, _item: ItemId) -> bool {

@@ -16,7 +16,7 @@ use crate::faces::Faces;
 use crate::geometry::Owners;
 use crate::order::Unsorted;
 use crate::passage::Passage;
-use crate::region::{Region, Sight};
+use crate::region::{Region, Visibility};
 use crate::seen::Seen;
 use crate::stats::Stats;
 
@@ -30,8 +30,8 @@ pub struct DepthBuffer {
 impl Cover for DepthBuffer {
     type CullNeeds = Unsorted;
 
-    fn sees(&mut self, _region: &Region) -> Sight {
-        Sight::Partly
+    fn sees(&mut self, _region: &Region) -> Visibility {
+        Visibility::Partial
     }
 
     fn needs_bytes(size: [u32; 2]) -> u64 {

@@ -21,7 +21,7 @@ use crate::faces::Faces;
 use crate::geometry::Owners;
 use crate::order::Unsorted;
 use crate::passage::Passage;
-use crate::region::{Region, Sight};
+use crate::region::{Region, Visibility};
 use crate::seen::Seen;
 use crate::stats::Stats;
 use glam::DVec3;
@@ -57,11 +57,11 @@ const LINES: u16 = 8;
 impl Cover for Horizon {
     type CullNeeds = Unsorted;
 
-    fn sees(&mut self, region: &Region) -> Sight {
+    fn sees(&mut self, region: &Region) -> Visibility {
         if self.known.hides(&region.rect, region.nearest.to_bits()) {
-            Sight::Hidden
+            Visibility::Hidden
         } else {
-            Sight::Partly
+            Visibility::Partial
         }
     }
 

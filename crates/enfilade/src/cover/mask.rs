@@ -17,7 +17,7 @@ use crate::faces::Faces;
 use crate::geometry::Owners;
 use crate::order::NearToFar;
 use crate::passage::Passage;
-use crate::region::{Region, Sight};
+use crate::region::{Region, Visibility};
 use crate::seen::Seen;
 use crate::stats::Stats;
 
@@ -44,11 +44,11 @@ const TILE_ROWS: usize = 8;
 impl Cover for Mask {
     type CullNeeds = NearToFar;
 
-    fn sees(&mut self, region: &Region) -> Sight {
+    fn sees(&mut self, region: &Region) -> Visibility {
         if self.painted.is_full(&region.rect) {
-            Sight::Hidden
+            Visibility::Hidden
         } else {
-            Sight::Partly
+            Visibility::Partial
         }
     }
 

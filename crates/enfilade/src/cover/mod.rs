@@ -42,7 +42,7 @@ use crate::geom::Aabb;
 use crate::geometry::Owners;
 use crate::occluders::{Measure, Occluder};
 use crate::passage::Passage;
-use crate::region::{Region, Sight};
+use crate::region::{Region, Visibility};
 use crate::seen::Seen;
 use crate::stats::Stats;
 use band::Band;
@@ -54,13 +54,13 @@ pub trait Cover: Default + Send + 'static {
     /// What an order must give so that nothing seen is called hidden.
     type CullNeeds;
 
-    /// How much of a box can still be seen. `Partly` when unsure; `Fully` only where nothing that comes later in the
+    /// How much of a box can still be seen. `Partial` when unsure; `Full` only where nothing that comes later in the
     /// same walk can change it.
-    fn sees(&mut self, region: &Region) -> Sight;
+    fn sees(&mut self, region: &Region) -> Visibility;
 
     /// As [`Cover::sees`], of a box given in another space; `None` where it is out of view. A cover that needs neither its
     /// samples nor its reversed depth can say so sooner.
-    fn sight_of(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Sight> {
+    fn sight_of(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Visibility> {
         Region::of(passage, screen_from_local, bounds).map(|region| self.sees(&region))
     }
 
@@ -127,7 +127,7 @@ pub trait Hides: Cover + Sync {
     /// so by a cheap question: no when unsure.
     fn hides(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> bool {
         let sight = self.sight_of(passage, screen_from_local, bounds);
-        sight.is_none_or(|sight| sight == Sight::Hidden)
+        sight.is_none_or(|sight| sight == Visibility::Hidden)
     }
 
     /// Lets an occluder hide what is behind it.

@@ -16,7 +16,7 @@ use crate::faces::Faces;
 use crate::geometry::Owners;
 use crate::order::FarToNear;
 use crate::passage::Passage;
-use crate::region::{Region, Sight};
+use crate::region::{Region, Visibility};
 use crate::seen::Seen;
 use crate::stats::Stats;
 
@@ -33,8 +33,8 @@ struct Painted(Samples);
 impl Cover for Nothing {
     type CullNeeds = FarToNear;
 
-    fn sees(&mut self, _region: &Region) -> Sight {
-        Sight::Partly
+    fn sees(&mut self, _region: &Region) -> Visibility {
+        Visibility::Partial
     }
 
     fn needs_bytes(size: [u32; 2]) -> u64 {

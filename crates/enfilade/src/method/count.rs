@@ -5,7 +5,7 @@ use crate::geometry::{Geometry, ItemId};
 use crate::memory::{Marks, Memory};
 use crate::order::{Order, Visit};
 use crate::passage::Passage;
-use crate::region::{Region, Sight};
+use crate::region::{Region, Visibility};
 
 /// Counts what an order hands out, and hides nothing.
 pub(super) struct Count<'a> {
@@ -20,8 +20,8 @@ impl<'a> Count<'a> {
 }
 
 impl Visit for Count<'_> {
-    fn enter(&mut self, _region: &Region) -> Sight {
-        Sight::Partly
+    fn enter(&mut self, _region: &Region) -> Visibility {
+        Visibility::Partial
     }
 
     fn first_time(&mut self, item: ItemId) -> bool {

@@ -20,7 +20,7 @@ use crate::memory::Memory;
 use crate::occluders::{Choice, OccluderRoom, OccluderSet};
 use crate::order::{Gives, Order};
 use crate::passage::Passage;
-use crate::region::{Region, Sight};
+use crate::region::{Region, Visibility};
 use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface};
 use crate::seen::Seen;
 use crate::stats::Stats;
@@ -123,11 +123,11 @@ pub(super) struct InSamples<'a, C>(pub(super) &'a mut C);
 impl<C: Hides> Against for InSamples<'_, C> {
     const TAKES_FACES: bool = C::TAKES_FACES;
 
-    fn sees(&mut self, region: &Region) -> Sight {
+    fn sees(&mut self, region: &Region) -> Visibility {
         self.0.sees(region)
     }
 
-    fn sight_of(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Sight> {
+    fn sight_of(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Visibility> {
         self.0.sight_of(passage, screen_from_local, bounds)
     }
 

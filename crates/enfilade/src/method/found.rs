@@ -6,7 +6,7 @@ use crate::geometry::{Geometry, ItemId, OpeningId};
 use crate::memory::{Marks, Memory};
 use crate::order::{Order, Visit};
 use crate::passage::Passage;
-use crate::region::{Region, Sight};
+use crate::region::{Region, Visibility};
 use crate::seen::{FoundClusters, Seen};
 use crate::stats::Stats;
 use glam::DAffine3;
@@ -17,10 +17,10 @@ pub(super) trait Against {
     const TAKES_FACES: bool;
 
     /// How much of a box can still be seen.
-    fn sees(&mut self, region: &Region) -> Sight;
+    fn sees(&mut self, region: &Region) -> Visibility;
 
     /// As [`Against::sees`], of a box given in another space; `None` where it is out of view.
-    fn sight_of(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Sight> {
+    fn sight_of(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Visibility> {
         Region::of(passage, screen_from_local, bounds).map(|region| self.sees(&region))
     }
 
@@ -90,9 +90,9 @@ pub(super) struct Walk<'a, A> {
 }
 
 impl<A: Against> Walk<'_, A> {
-    fn count(&mut self, sight: Sight) -> Sight {
+    fn count(&mut self, sight: Visibility) -> Visibility {
         self.stats.boxes_tested += 1;
-        self.stats.boxes_hidden += u64::from(sight == Sight::Hidden);
+        self.stats.boxes_hidden += u64::from(sight == Visibility::Hidden);
         sight
     }
 
@@ -126,7 +126,7 @@ impl<A: Against> Walk<'_, A> {
                 let screen_from_item = self.passage.screen_from(&self.geometry.item(item).transform());
                 let faces = Faces::of_cluster(self.geometry, item, cluster, &screen_from_item);
                 let stays = self.region_of(&faces, item, cluster).is_some_and(|region| {
-                    self.enter(&region) != Sight::Hidden
+                    self.enter(&region) != Visibility::Hidden
                         && self.against.sees_faces(&faces, &region, self.passage, self.stats)
                 });
                 seen = stays.then_some(item).or(seen);
@@ -136,14 +136,14 @@ impl<A: Against> Walk<'_, A> {
                 let screen_from_item = self.passage.screen_from(&self.geometry.item(item).transform());
                 let bounds = self.geometry.mesh_of(item).tree().bounds(node);
                 let region = Region::of(self.passage, &screen_from_item, bounds);
-                region.is_some_and(|region| self.enter(&region) != Sight::Hidden)
+                region.is_some_and(|region| self.enter(&region) != Visibility::Hidden)
             });
         }
         openings.retain(|opening| {
             let outline = &self.geometry.openings()[usize::from(opening.0)].outline;
             let region = self.passage.region_around_openings(&outline.bounds());
             region.is_some_and(|region| {
-                self.passage.is_before_near(&region) || self.enter(&region) != Sight::Hidden
+                self.passage.is_before_near(&region) || self.enter(&region) != Visibility::Hidden
             })
         });
         *self.found = Found { clusters, openings };
@@ -151,15 +151,15 @@ impl<A: Against> Walk<'_, A> {
 }
 
 impl<A: Against> Visit for Walk<'_, A> {
-    fn enter(&mut self, region: &Region) -> Sight {
+    fn enter(&mut self, region: &Region) -> Visibility {
         let sight = self.against.sees(region);
         self.count(sight)
     }
 
-    fn enter_box(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Sight {
+    fn enter_box(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Visibility {
         match self.against.sight_of(passage, screen_from_local, bounds) {
             Some(sight) => self.count(sight),
-            None => Sight::Hidden,
+            None => Visibility::Hidden,
         }
     }
 

@@ -20,7 +20,7 @@ use crate::geometry::{Changes, Geometry, ItemId, Opening};
 use crate::memory::Memory;
 use crate::order::Order;
 use crate::passage::Passage;
-use crate::region::{Region, Sight};
+use crate::region::{Region, Visibility};
 use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface as FaceSurface};
 use crate::seen::Seen;
 use crate::stats::Stats;
@@ -46,11 +46,11 @@ struct Cells<'a, C> {
 impl<C: Coarse> Against for Cells<'_, C> {
     const TAKES_FACES: bool = true;
 
-    fn sees(&mut self, region: &Region) -> Sight {
+    fn sees(&mut self, region: &Region) -> Visibility {
         if self.cover.sees_cells(&region.rect, region.nearest) {
-            Sight::Partly
+            Visibility::Partial
         } else {
-            Sight::Hidden
+            Visibility::Hidden
         }
     }
 

@@ -10,7 +10,7 @@ use crate::geometry::{ItemId, Opening};
 use crate::memory::Memory;
 use crate::order::Visit;
 use crate::passage::Passage;
-use crate::region::{Region, Sight};
+use crate::region::{Region, Visibility};
 use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface};
 use crate::seen::Seen;
 use crate::stats::Stats;
@@ -55,10 +55,10 @@ struct Walk<'a> {
 }
 
 impl Visit for Walk<'_> {
-    fn enter(&mut self, region: &Region) -> Sight {
+    fn enter(&mut self, region: &Region) -> Visibility {
         self.stats.boxes_tested += 1;
         let sight = self.cover.sees(region);
-        self.stats.boxes_hidden += u64::from(sight == Sight::Hidden);
+        self.stats.boxes_hidden += u64::from(sight == Visibility::Hidden);
         sight
     }
 

@@ -15,7 +15,7 @@ use crate::geometry::{Changes, Geometry, ItemId, Opening};
 use crate::memory::Memory;
 use crate::order::Order;
 use crate::passage::Passage;
-use crate::region::{Region, Sight};
+use crate::region::{Region, Visibility};
 use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface};
 use crate::seen::Seen;
 use crate::stats::Stats;
@@ -50,8 +50,8 @@ struct Open;
 impl Against for Open {
     const TAKES_FACES: bool = false;
 
-    fn sees(&mut self, _region: &Region) -> Sight {
-        Sight::Partly
+    fn sees(&mut self, _region: &Region) -> Visibility {
+        Visibility::Partial
     }
 
     fn take_faces(&mut self, _: &Faces, _: &Region, _: &Passage, _: &mut Stats) -> bool {

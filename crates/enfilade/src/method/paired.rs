@@ -13,7 +13,7 @@ use crate::geometry::{Alpha, Changes, Geometry, ItemId, Opening};
 use crate::memory::{Marks, Memory};
 use crate::order::{Gives, Order, Visit};
 use crate::passage::Passage;
-use crate::region::{Region, Sight};
+use crate::region::{Region, Visibility};
 use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface};
 use crate::seen::Seen;
 use crate::stats::Stats;
@@ -122,7 +122,7 @@ where
             let screen_from_item = passage.screen_from(&self.geometry.item(item).transform());
             let bounds = self.geometry.mesh_of(item).clusters()[cluster as usize].bounds;
             let region = Region::of(passage, &screen_from_item, &bounds);
-            if region.is_some_and(|region| !C::KEEPS_DEPTHS || cover.sees(&region) != Sight::Hidden) {
+            if region.is_some_and(|region| !C::KEEPS_DEPTHS || cover.sees(&region) != Visibility::Hidden) {
                 let faces = Faces::of_cluster(&self.geometry, item, cluster, &screen_from_item);
                 cover.look_through(&faces, passage, &mut memory.stats, seen);
             }
@@ -198,10 +198,10 @@ impl<C: Paints> Walk<'_, C> {
 }
 
 impl<C: Paints> Visit for Walk<'_, C> {
-    fn enter(&mut self, region: &Region) -> Sight {
+    fn enter(&mut self, region: &Region) -> Visibility {
         self.stats.boxes_tested += 1;
         let sight = self.cover.sees(region);
-        self.stats.boxes_hidden += u64::from(sight == Sight::Hidden);
+        self.stats.boxes_hidden += u64::from(sight == Visibility::Hidden);
         sight
     }
 

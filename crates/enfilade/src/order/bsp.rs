@@ -14,7 +14,7 @@ use crate::faces::{Cut, Faces};
 use crate::geom::{Aabb, BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
 use crate::geometry::{Alpha, Geometry, ItemId, OpeningId, Owner, Owners};
 use crate::passage::Passage;
-use crate::region::{Region, Sight};
+use crate::region::{Region, Visibility};
 use crate::sector::Built;
 use glam::{DAffine3, DMat3, DVec3};
 use std::marker::PhantomData;
@@ -256,7 +256,7 @@ impl<D: Direction> Order for Bsp<D> {
             .tree
             .walk(passage.eye(), D::NEAR_FIRST, stack, &mut |step| match step {
                 BspStep::Node(bounds) => {
-                    region(bounds).is_some_and(|region| visit.enter(&region) != Sight::Hidden)
+                    region(bounds).is_some_and(|region| visit.enter(&region) != Visibility::Hidden)
                 }
                 BspStep::Coplanar(pieces) => {
                     // Of faces in one plane the lowest is seen: it comes first near to far, and last far to near.

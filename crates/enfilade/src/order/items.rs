@@ -6,7 +6,7 @@ use crate::geom::{Aabb, Enter, Step};
 use crate::geometry::{Alpha, Geometry, ItemId, OpeningId};
 use crate::opening_view::may_touch_eye;
 use crate::passage::{Passage, eye_in};
-use crate::region::Sight;
+use crate::region::Visibility;
 
 /// Hands out what may be seen of one item, unless that was done already.
 pub(super) fn hand_out(geometry: &Geometry, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
@@ -17,8 +17,8 @@ pub(super) fn hand_out(geometry: &Geometry, passage: &Passage, item: ItemId, vis
     }
     let screen_from_item = passage.screen_from(&geometry.item(item).transform());
     match sight(passage, &screen_from_item, &mesh.bounds(), visit) {
-        Sight::Hidden => return,
-        Sight::Partly if clusters.len() > 1 => {}
+        Visibility::Hidden => return,
+        Visibility::Partial if clusters.len() > 1 => {}
         _ => return visit.whole(geometry, item, &screen_from_item),
     }
     visit.go_within();
@@ -30,12 +30,12 @@ pub(super) fn hand_out(geometry: &Geometry, passage: &Passage, item: ItemId, vis
             // It has the box of the whole mesh.
             Step::Node(_) if std::mem::take(&mut is_root) => Enter::Ask,
             Step::Node(bounds) => match sight(passage, &screen_from_item, bounds, visit) {
-                Sight::Hidden => Enter::Skip,
-                Sight::Partly => {
+                Visibility::Hidden => Enter::Skip,
+                Visibility::Partial => {
                     partly = *bounds;
                     Enter::Ask
                 }
-                Sight::Fully => Enter::All,
+                Visibility::Full => Enter::All,
             },
             Step::Thing(cluster) => {
                 let bounds = &clusters[cluster as usize].bounds;
@@ -114,7 +114,7 @@ pub(super) fn may_be_seen(
     bounds: &Aabb,
     visit: &mut impl Visit,
 ) -> bool {
-    sight(passage, screen_from_local, bounds, visit) != Sight::Hidden
+    sight(passage, screen_from_local, bounds, visit) != Visibility::Hidden
 }
 
 /// How much of a box can be seen; nothing where it is out of view.
@@ -123,6 +123,6 @@ pub(super) fn sight(
     screen_from_local: &glam::DAffine3,
     bounds: &Aabb,
     visit: &mut impl Visit,
-) -> Sight {
+) -> Visibility {
     visit.enter_box(passage, screen_from_local, bounds)
 }

@@ -11,7 +11,7 @@ use super::{NodesNearToFar, Order, Refusal, Visit};
 use crate::geom::{Aabb, KdTree};
 use crate::geometry::{Geometry, ItemId, Moved};
 use crate::passage::Passage;
-use crate::region::Sight;
+use crate::region::Visibility;
 
 /// Items parted by planes across the axes.
 pub struct KdTreeOrder {
@@ -149,9 +149,9 @@ impl KdTreeOrder {
         }
         let bounds = self.tree.bounds(of.node);
         match sight(passage, &passage.screen_from_sector, bounds, visit) {
-            Sight::Hidden => None,
-            Sight::Partly => Some(false),
-            Sight::Fully => Some(true),
+            Visibility::Hidden => None,
+            Visibility::Partial => Some(false),
+            Visibility::Full => Some(true),
         }
     }
 }

@@ -12,7 +12,7 @@ use super::terrain_rows::near_to_far;
 use crate::faces::{Faces, Of};
 use crate::geometry::{Alpha, ItemId};
 use crate::passage::Passage;
-use crate::region::Sight;
+use crate::region::Visibility;
 use crate::terrain::{LargeTerrain, Workplace};
 
 /// What a walk goes by.
@@ -51,7 +51,7 @@ impl Way<'_> {
             eye,
         } = *self;
         let bounds = terrain.bounds_of(level, square);
-        if visit.enter_box(passage, &passage.screen_from_sector, &bounds) == Sight::Hidden {
+        if visit.enter_box(passage, &passage.screen_from_sector, &bounds) == Visibility::Hidden {
             return;
         }
         let Some(below) = level.checked_sub(1) else {
@@ -90,7 +90,7 @@ impl Way<'_> {
             for column in columns.clone() {
                 let square = terrain.square(block, [column, row]);
                 let bounds = terrain.bounds_in(&square, block, workplace);
-                if visit.enter_box(passage, &passage.screen_from_sector, &bounds) == Sight::Hidden {
+                if visit.enter_box(passage, &passage.screen_from_sector, &bounds) == Visibility::Hidden {
                     continue;
                 }
                 let (positions, corners) = terrain.triangles(&square, block, workplace);

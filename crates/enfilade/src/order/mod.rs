@@ -27,7 +27,7 @@ use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::{Geometry, ItemId, Moved, Owner};
 use crate::passage::Passage;
-use crate::region::{Region, Sight};
+use crate::region::{Region, Visibility};
 use crate::sector::Built;
 use glam::DAffine3;
 
@@ -157,11 +157,11 @@ pub trait Order: Send + Sync + Sized + 'static {
 /// What walks along with an order.
 pub trait Visit {
     /// How much of this box can still be seen? Of what is in a box that is fully seen, an order need not ask again.
-    fn enter(&mut self, region: &Region) -> Sight;
+    fn enter(&mut self, region: &Region) -> Visibility;
 
     /// As [`Visit::enter`], of a box given in another space; nothing of it where it is out of view.
-    fn enter_box(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Sight {
-        Region::of(passage, screen_from_local, bounds).map_or(Sight::Hidden, |region| self.enter(&region))
+    fn enter_box(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Visibility {
+        Region::of(passage, screen_from_local, bounds).map_or(Visibility::Hidden, |region| self.enter(&region))
     }
 
     /// From now on all boxes lie in the one that was entered last.

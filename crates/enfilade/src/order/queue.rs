@@ -12,7 +12,7 @@ use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::{Geometry, ItemId};
 use crate::passage::Passage;
-use crate::region::{BOXES, EightBoxes, Region, Sight};
+use crate::region::{BOXES, EightBoxes, Region, Visibility};
 use glam::DAffine3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -141,7 +141,7 @@ pub(super) fn go_on(
         }
         queue.waiting.pop();
         queue.free.push(region);
-        if visit.enter(&queue.regions[region as usize]) == Sight::Hidden {
+        if visit.enter(&queue.regions[region as usize]) == Visibility::Hidden {
             continue;
         }
         match what {
@@ -338,12 +338,12 @@ mod tests {
     }
 
     impl Visit for Met {
-        fn enter(&mut self, region: &Region) -> Sight {
+        fn enter(&mut self, region: &Region) -> Visibility {
             self.boxes += 1;
             if region.nearest < self.farthest {
-                Sight::Hidden
+                Visibility::Hidden
             } else {
-                Sight::Partly
+                Visibility::Partial
             }
         }
 

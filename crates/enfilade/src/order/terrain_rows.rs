@@ -16,7 +16,7 @@ use super::{NodesNearToFar, Order, Refusal, Visit};
 use crate::geom::Aabb;
 use crate::geometry::{Geometry, ItemId, Moved};
 use crate::passage::{Passage, eye_in};
-use crate::region::{Region, Sight};
+use crate::region::{Region, Visibility};
 use crate::terrain::Terrain;
 use glam::DAffine3;
 
@@ -189,7 +189,7 @@ impl Ground {
             hand_out(geometry, passage, item, visit);
             return;
         }
-        if visit.enter(&region) == Sight::Hidden {
+        if visit.enter(&region) == Visibility::Hidden {
             return;
         }
         let below = &self.levels[level - 1];

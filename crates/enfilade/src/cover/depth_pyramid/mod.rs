@@ -20,7 +20,7 @@ use crate::faces::Faces;
 use crate::geometry::Owners;
 use crate::order::Unsorted;
 use crate::passage::Passage;
-use crate::region::{Region, Sight};
+use crate::region::{Region, Visibility};
 use crate::seen::Seen;
 use crate::stats::Stats;
 
@@ -59,12 +59,12 @@ struct Cell {
 impl Cover for DepthPyramid {
     type CullNeeds = Unsorted;
 
-    fn sees(&mut self, region: &Region) -> Sight {
+    fn sees(&mut self, region: &Region) -> Visibility {
         let bits = region.nearest.to_bits();
         if self.depths.sees(&region.rect, bits) {
-            Sight::Partly
+            Visibility::Partial
         } else {
-            Sight::Hidden
+            Visibility::Hidden
         }
     }
 

@@ -34,7 +34,7 @@ use crate::faces::Faces;
 use crate::occluders::{Measure, Occluder};
 use crate::order::Unsorted;
 use crate::passage::Passage;
-use crate::region::{Region, Sight};
+use crate::region::{Region, Visibility};
 use crate::simd::level;
 use crate::stats::Stats;
 use fearless_simd::{Level, dispatch};
@@ -82,9 +82,9 @@ impl MaskedDepth {
 impl Cover for MaskedDepth {
     type CullNeeds = Unsorted;
 
-    fn sees(&mut self, region: &Region) -> Sight {
+    fn sees(&mut self, region: &Region) -> Visibility {
         let seen = dispatch!(self.level, simd => self.grid.sees(simd, region, self.near));
-        if seen { Sight::Partly } else { Sight::Hidden }
+        if seen { Visibility::Partial } else { Visibility::Hidden }
     }
 
     fn needs_bytes(size: [u32; 2]) -> u64 {

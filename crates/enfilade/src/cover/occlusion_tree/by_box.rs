@@ -8,7 +8,7 @@
 
 use super::corners::{ALL, Bits, Corners};
 use super::{Link, OcclusionTree, Plane, Tree};
-use crate::region::{Sight, Volume};
+use crate::region::{Visibility, Volume};
 use fearless_simd::dispatch;
 use fearless_simd::prelude::*;
 
@@ -27,8 +27,8 @@ pub(super) enum Wanted {
     /// Is anything lit?
     Lit,
     /// Is anything lit, and anything in shadow?
-    Sight,
-    /// As `Sight`, and where some of both, is any corner lit for certain?
+    Visibility,
+    /// As `Visibility`, and where some of both, is any corner lit for certain?
     Certain,
 }
 
@@ -45,11 +45,11 @@ pub(super) struct Start {
 pub(super) type Waiting = (Link, Bits);
 
 impl Found {
-    pub(super) fn sight(&self) -> Sight {
+    pub(super) fn sight(&self) -> Visibility {
         match (self.lit, self.shadow) {
-            (true, true) => Sight::Partly,
-            (true, false) => Sight::Fully,
-            (false, _) => Sight::Hidden,
+            (true, true) => Visibility::Partial,
+            (true, false) => Visibility::Full,
+            (false, _) => Visibility::Hidden,
         }
     }
 
@@ -57,7 +57,7 @@ impl Found {
     fn is_enough(&self, wanted: Wanted) -> bool {
         match wanted {
             Wanted::Lit => self.lit,
-            Wanted::Sight => self.lit && self.shadow,
+            Wanted::Visibility => self.lit && self.shadow,
             Wanted::Certain => self.lit_for_certain && self.shadow,
         }
     }
@@ -83,9 +83,9 @@ impl<A> OcclusionTree<A> {
 
     /// How much of the box can be seen, as far as the box alone tells.
     #[cfg(test)]
-    pub(super) fn sees_box(&mut self, volume: &Volume) -> Sight {
-        self.ask(volume, Wanted::Sight)
-            .map_or(Sight::Hidden, |found| found.sight())
+    pub(super) fn sees_box(&mut self, volume: &Volume) -> Visibility {
+        self.ask(volume, Wanted::Visibility)
+            .map_or(Visibility::Hidden, |found| found.sight())
     }
 }
 

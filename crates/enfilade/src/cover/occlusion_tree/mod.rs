@@ -45,7 +45,7 @@ use crate::geom::Aabb;
 use crate::occluders::{Measure, Occluder};
 use crate::order::Unsorted;
 use crate::passage::Passage;
-use crate::region::{Region, Sight, Volume};
+use crate::region::{Region, Visibility, Volume};
 use crate::stats::Stats;
 use above::Above;
 use by_box::{Start, Waiting, Wanted};
@@ -148,34 +148,34 @@ struct Edge {
 /// How a tree is asked after a box.
 pub trait Asks: Default + Send + Sized + 'static {
     /// How much of a box can be seen; `None` where it is out of view.
-    fn sight(tree: &mut OcclusionTree<Self>, volume: &Volume) -> Option<Sight>;
+    fn sight(tree: &mut OcclusionTree<Self>, volume: &Volume) -> Option<Visibility>;
 }
 
 impl Asks for ByFaces {
-    fn sight(tree: &mut OcclusionTree<ByFaces>, volume: &Volume) -> Option<Sight> {
+    fn sight(tree: &mut OcclusionTree<ByFaces>, volume: &Volume) -> Option<Visibility> {
         let found = tree.ask(volume, Wanted::Certain)?;
         let unsure = found.lit && found.shadow && !found.lit_for_certain;
         if unsure && !tree.sees_faces(volume) {
-            return Some(Sight::Hidden);
+            return Some(Visibility::Hidden);
         }
         Some(found.sight())
     }
 }
 
 impl Asks for ByBox {
-    fn sight(tree: &mut OcclusionTree<ByBox>, volume: &Volume) -> Option<Sight> {
-        Some(tree.ask(volume, Wanted::Sight)?.sight())
+    fn sight(tree: &mut OcclusionTree<ByBox>, volume: &Volume) -> Option<Visibility> {
+        Some(tree.ask(volume, Wanted::Visibility)?.sight())
     }
 }
 
 impl<A: Asks> Cover for OcclusionTree<A> {
     type CullNeeds = Unsorted;
 
-    fn sees(&mut self, region: &Region) -> Sight {
-        A::sight(self, &region.volume).unwrap_or(Sight::Hidden)
+    fn sees(&mut self, region: &Region) -> Visibility {
+        A::sight(self, &region.volume).unwrap_or(Visibility::Hidden)
     }
 
-    fn sight_of(&mut self, _passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Sight> {
+    fn sight_of(&mut self, _passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Visibility> {
         // Its lines are the aperture's too: neither the box's samples nor its reversed depth are needed.
         if bounds.is_empty() {
             return None;

@@ -25,7 +25,7 @@ use crate::geometry::Owners;
 use crate::mesh::NONE;
 use crate::order::Unsorted;
 use crate::passage::Passage;
-use crate::region::{Region, Sight};
+use crate::region::{Region, Visibility};
 use crate::seen::Seen;
 use crate::stats::{SpanStats, Stats};
 use compare::{Answer, Newcomer};
@@ -68,11 +68,11 @@ const ROOM: usize = 1 << 16;
 impl Cover for SpanBuffer {
     type CullNeeds = Unsorted;
 
-    fn sees(&mut self, region: &Region) -> Sight {
+    fn sees(&mut self, region: &Region) -> Visibility {
         if self.rows.sees(&region.rect, region.nearest) {
-            Sight::Partly
+            Visibility::Partial
         } else {
-            Sight::Hidden
+            Visibility::Hidden
         }
     }
 

@@ -21,7 +21,7 @@ use super::{FarToNear, Order, Refusal, Visit};
 use crate::faces::Faces;
 use crate::geometry::{Alpha, Geometry, ItemId, Moved, OpeningId};
 use crate::passage::Passage;
-use crate::region::Sight;
+use crate::region::Visibility;
 use glam::{DAffine3, DVec3};
 use walls::Walls;
 
@@ -124,9 +124,9 @@ impl ConvexCell {
         }
         let screen_from_item = passage.screen_from(&geometry.item(item).transform());
         let whole = match sight(passage, &screen_from_item, &mesh.bounds(), visit) {
-            Sight::Hidden => return,
-            Sight::Partly => clusters.len() == 1,
-            Sight::Fully => true,
+            Visibility::Hidden => return,
+            Visibility::Partial => clusters.len() == 1,
+            Visibility::Full => true,
         };
         for (number, cluster) in (0..clusters.len() as u32).zip(clusters).rev() {
             if !whole && !may_be_seen(passage, &screen_from_item, &cluster.bounds, visit) {

@@ -6,7 +6,7 @@ use crate::cover::Cover;
 use crate::geom::Transform;
 use crate::geometry::{Geometry, GeometryBuilder, ItemId, Material, MaterialId};
 use crate::mesh::Mesh;
-use crate::region::{Region, Sight};
+use crate::region::{Region, Visibility};
 use crate::scene::SectorId;
 use crate::view::View;
 use glam::{DVec2, DVec3};
@@ -21,8 +21,8 @@ struct Known {
 impl Cover for Known {
     type CullNeeds = crate::order::Unsorted;
 
-    fn sees(&mut self, _region: &Region) -> Sight {
-        Sight::Partly
+    fn sees(&mut self, _region: &Region) -> Visibility {
+        Visibility::Partial
     }
 
     fn needs_bytes(_size: [u32; 2]) -> u64 {

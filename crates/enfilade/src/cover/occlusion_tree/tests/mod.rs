@@ -117,11 +117,11 @@ impl Both {
         self.boxes.insert(occluder, near, entry, 0.0);
     }
 
-    fn see(&mut self, volume: &Volume) -> [Sight; 2] {
+    fn see(&mut self, volume: &Volume) -> [Visibility; 2] {
         let by_box = self.boxes.sees_box(volume);
         let by_faces = match (self.faces.sees_faces(volume), by_box) {
-            (false, _) => Sight::Hidden,
-            (true, Sight::Hidden) => Sight::Partly,
+            (false, _) => Visibility::Hidden,
+            (true, Visibility::Hidden) => Visibility::Partial,
             (true, sight) => sight,
         };
         [by_faces, by_box]

@@ -11,10 +11,10 @@ fn a_wall_does_not_hide_itself_or_what_hangs_on_it() {
         let [low, high] = [-0.3 * scale, 0.3 * scale];
         for thickness in [0.0, 1e-3] {
             let on_it = volume([low, low, 2.0 * scale], [high, high, (2.0 + thickness) * scale]);
-            assert!(!both.see(&on_it).contains(&Sight::Hidden), "at {scale}");
+            assert!(!both.see(&on_it).contains(&Visibility::Hidden), "at {scale}");
         }
         let behind = volume([low, low, 2.000_001 * scale], [high, high, 2.5 * scale]);
-        assert_eq!(both.see(&behind), [Sight::Hidden; 2], "at {scale}");
+        assert_eq!(both.see(&behind), [Visibility::Hidden; 2], "at {scale}");
     }
 }
 
@@ -40,7 +40,7 @@ fn what_the_eye_is_in_the_plane_of_hides_nothing() {
                 };
                 both.hide(&occluder, NEAR, None);
                 let behind = volume([-1.0, -0.1, 10.0], [1.0, 0.1, 11.0]);
-                assert!(!both.see(&behind).contains(&Sight::Hidden), "{height}");
+                assert!(!both.see(&behind).contains(&Visibility::Hidden), "{height}");
             }
         }
     }
@@ -72,14 +72,14 @@ fn an_eye_in_the_corner_of_a_room_sees_its_walls_and_no_further() {
             volume([-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]),
         ] {
             let sights = both.see(&inside);
-            assert!(!sights.contains(&Sight::Hidden), "{sights:?}: {inside:?}");
+            assert!(!sights.contains(&Visibility::Hidden), "{sights:?}: {inside:?}");
         }
         for beyond in [
             volume([-9.0, -9.0, 6.0], [9.0, 9.0, 9.0]),
             volume([4.5, 0.0, 1.0], [9.0, 2.0, 9.0]),
             volume([-9.0, -3.0, 0.1], [9.0, -0.1, 9.0]),
         ] {
-            assert_eq!(both.see(&beyond)[0], Sight::Hidden, "{beyond:?}");
+            assert_eq!(both.see(&beyond)[0], Visibility::Hidden, "{beyond:?}");
         }
     }
 }
@@ -97,7 +97,7 @@ fn what_is_before_the_near_distance_or_the_entry_plane_does_not_hide() {
     ] {
         let mut both = Both::new(&[]);
         both.hide(&wall.occluder(), near, entry);
-        let expected = if hides { Sight::Hidden } else { Sight::Fully };
+        let expected = if hides { Visibility::Hidden } else { Visibility::Full };
         assert_eq!(both.see(&behind), [expected; 2], "{near} {entry:?}");
     }
     // A floor from behind the eye to the horizon hides as much as if it began where it comes into view.
@@ -110,11 +110,11 @@ fn what_is_before_the_near_distance_or_the_entry_plane_does_not_hide() {
     let mut both = Both::new(&[floor.expect("the eye is above it")]);
     assert_eq!(
         both.see(&volume([-2.0, -3.0, 5.0], [2.0, -1.001, 9.0])),
-        [Sight::Hidden; 2]
+        [Visibility::Hidden; 2]
     );
     assert_eq!(
         both.see(&volume([-2.0, -3.0, 5.0], [2.0, -0.9, 9.0])),
-        [Sight::Partly; 2]
+        [Visibility::Partial; 2]
     );
 }
 
@@ -131,12 +131,12 @@ fn only_what_is_in_the_aperture_is_seen() {
     let mut both = Both::default();
     both.fill(&outline, &[]);
     let see = |both: &mut Both, x: [f64; 2]| both.see(&volume([x[0], -0.9, 8.0], [x[1], 0.9, 8.1]));
-    assert_eq!(see(&mut both, [0.0, 1.0]), [Sight::Fully; 2]);
-    assert_eq!(see(&mut both, [-3.0, -2.5]), [Sight::Hidden; 2]);
-    assert_eq!(see(&mut both, [-3.0, 0.0]), [Sight::Partly; 2]);
+    assert_eq!(see(&mut both, [0.0, 1.0]), [Visibility::Full; 2]);
+    assert_eq!(see(&mut both, [-3.0, -2.5]), [Visibility::Hidden; 2]);
+    assert_eq!(see(&mut both, [-3.0, 0.0]), [Visibility::Partial; 2]);
     let mut both = Both::default();
     both.fill(&outline, &[square([0.0, 0.0, 5.0], 2.0)]);
-    assert_eq!(see(&mut both, [-9.0, 9.0]), [Sight::Hidden; 2]);
+    assert_eq!(see(&mut both, [-9.0, 9.0]), [Visibility::Hidden; 2]);
 }
 
 #[test]
@@ -179,11 +179,11 @@ fn a_box_that_was_flattened_is_seen_where_it_looks_over_a_wall() {
         let sights = both.see(&flat);
         if over > 1e-9 {
             assert!(
-                !sights.contains(&Sight::Hidden),
+                !sights.contains(&Visibility::Hidden),
                 "round {round}: {sights:?} of {flat:?}"
             );
         }
-        tally[usize::from(over > 1e-9)] += usize::from((sights[0] == Sight::Hidden) == (over < -1e-9));
+        tally[usize::from(over > 1e-9)] += usize::from((sights[0] == Visibility::Hidden) == (over < -1e-9));
     }
     assert!(tally[0] > 1000 && tally[1] > 200, "{tally:?}");
 }
@@ -194,14 +194,14 @@ fn odd_boxes_and_occluders_are_no_trouble() {
     let mut both = Both::new(std::slice::from_ref(&wall));
     let dot = |z: f64| volume([0.0, 0.0, z], [0.0, 0.0, z]);
     let rod = |z: f64| volume([-0.1, 0.0, z], [0.1, 0.0, z]);
-    assert!(!both.see(&dot(1.0)).contains(&Sight::Hidden));
-    assert!(!both.see(&rod(1.0)).contains(&Sight::Hidden));
-    assert!(!both.see(&dot(0.0)).contains(&Sight::Hidden));
+    assert!(!both.see(&dot(1.0)).contains(&Visibility::Hidden));
+    assert!(!both.see(&rod(1.0)).contains(&Visibility::Hidden));
+    assert!(!both.see(&dot(0.0)).contains(&Visibility::Hidden));
     let odd = Volume {
         origin: DVec3::new(f64::NAN, 0.0, 1.0),
         sides: [DVec3::X; 3],
     };
-    assert!(!both.see(&odd).contains(&Sight::Hidden));
+    assert!(!both.see(&odd).contains(&Visibility::Hidden));
     let behind = volume([-0.1, -0.1, 5.0], [0.1, 0.1, 6.0]);
     for corners in [
         vec![],
@@ -217,6 +217,6 @@ fn odd_boxes_and_occluders_are_no_trouble() {
         };
         let mut both = Both::new(&[]);
         both.hide(&occluder, NEAR, None);
-        assert_eq!(both.see(&behind), [Sight::Fully; 2], "{corners:?}");
+        assert_eq!(both.see(&behind), [Visibility::Full; 2], "{corners:?}");
     }
 }

@@ -21,31 +21,31 @@ fn check(occluders: &[Polygon], volumes: &[Volume], chance: &mut Chance, tally: 
             let is_hidden = |place: &&DVec3| occluders.iter().any(|polygon| polygon.hides(**place, slack));
             places.iter().filter(is_hidden).count()
         };
-        if by_faces == Sight::Hidden {
+        if by_faces == Visibility::Hidden {
             assert_eq!(
                 hidden(1e-4),
                 places.len(),
                 "seen, but called hidden: {volume:?} behind {occluders:?}"
             );
         }
-        if by_box == Sight::Hidden {
+        if by_box == Visibility::Hidden {
             assert_eq!(
                 by_faces,
-                Sight::Hidden,
+                Visibility::Hidden,
                 "hidden by box only: {volume:?} behind {occluders:?}"
             );
         }
-        if by_faces == Sight::Fully || by_box == Sight::Fully {
+        if by_faces == Visibility::Full || by_box == Visibility::Full {
             assert_eq!(
                 hidden(-1e-4),
                 0,
                 "hidden, but called seen: {volume:?} behind {occluders:?}"
             );
         }
-        tally.by_faces += usize::from(by_faces == Sight::Hidden);
-        tally.by_box += usize::from(by_box == Sight::Hidden);
+        tally.by_faces += usize::from(by_faces == Visibility::Hidden);
+        tally.by_box += usize::from(by_box == Visibility::Hidden);
         tally.hidden += usize::from(!places.is_empty() && hidden(0.0) == places.len());
-        tally.fully += usize::from(by_faces == Sight::Fully);
+        tally.fully += usize::from(by_faces == Visibility::Full);
     }
 }
 
@@ -119,7 +119,7 @@ fn the_order_of_insertion_changes_the_cost_only() {
             let mut both = Both::new(&shuffled(&occluders, &mut chance));
             least = least.min(both.faces.tree.nodes.len());
             most = most.max(both.faces.tree.nodes.len());
-            let hidden = |volume| both.see(volume)[0] == Sight::Hidden;
+            let hidden = |volume| both.see(volume)[0] == Visibility::Hidden;
             let hidden: Vec<bool> = volumes.iter().map(hidden).collect();
             assert_eq!(before.get_or_insert_with(|| hidden.clone()), &hidden);
         }
@@ -138,7 +138,7 @@ fn a_full_tree_hides_less_and_is_still_right() {
     assert!(both.faces.tree.nodes.len() <= MOST_NODES && both.faces.tree.nodes.len() + 9 > MOST_NODES);
     for _ in 0..200 {
         let volume = chance.volume([0.5, 50.0]);
-        if both.see(&volume)[0] == Sight::Hidden {
+        if both.see(&volume)[0] == Visibility::Hidden {
             for place in chance.places(&volume).iter().filter(|place| in_view(place)) {
                 assert!(occluders.iter().any(|polygon| polygon.hides(*place, 1e-4)));
             }

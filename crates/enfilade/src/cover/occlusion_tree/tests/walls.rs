@@ -81,9 +81,9 @@ fn walls_of_tiles_have_no_cracks_at_any_scale_and_slope() {
                         let [min, max] = [-1.0, 1.0].map(|s| [x + half * s, y + half * s, 14.0 + half * s]);
                         let volume = volume(min.map(|v| v * scale), max.map(|v| v * scale));
                         let [by_faces, by_box] = both.see(&volume);
-                        assert_eq!(by_faces, Sight::Hidden, "{what}: a box of {half} at {off:?}");
+                        assert_eq!(by_faces, Visibility::Hidden, "{what}: a box of {half} at {off:?}");
                         asked += 1;
-                        by_box_too += usize::from(by_box == Sight::Hidden);
+                        by_box_too += usize::from(by_box == Visibility::Hidden);
                     }
                 }
             }
@@ -113,16 +113,16 @@ fn a_needle_hole_shows_what_is_behind_it() {
         // It is seen through the hole whole, in part, or not at all.
         assert_eq!(
             both.see(&volume([-hole, -hole, 9.0], [hole, hole, 9.0])),
-            [Sight::Fully; 2],
+            [Visibility::Full; 2],
             "{hole}"
         );
         assert_eq!(
             both.see(&volume([-1.0, -1.0, 9.0], [1.0, 1.0, 10.0])),
-            [Sight::Partly; 2],
+            [Visibility::Partial; 2],
             "{hole}"
         );
         let beside = volume([-1.0, 9.5 * hole, 9.0], [1.0, 1.0, 9.1]);
-        assert_eq!(both.see(&beside), [Sight::Hidden; 2], "{hole}");
+        assert_eq!(both.see(&beside), [Visibility::Hidden; 2], "{hole}");
     }
 }
 
@@ -140,10 +140,10 @@ fn a_slit_between_two_walls_shows_a_slice() {
     let mut both = Both::new(&halves);
     assert_eq!(
         both.see(&volume([-1.0, -1.0, 5.0], [1.0, 1.0, 6.0])),
-        [Sight::Partly; 2]
+        [Visibility::Partial; 2]
     );
     assert_eq!(
         both.see(&volume([0.1, -1.0, 5.0], [1.0, 1.0, 6.0])),
-        [Sight::Hidden; 2]
+        [Visibility::Hidden; 2]
     );
 }

@@ -7,8 +7,8 @@ use enfilade::cover::{Cover, Hides, MaskedDepth};
 use enfilade::order::{BvhOrder, Order, Visit};
 use enfilade::{
     Choice, Faces, Geometry, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Occluder,
-    OccluderRoom, OccluderSet, Passage, Region, SceneBuilder, SectorId, Visibility, Stats, Transform, View,
-    Viewer,
+    OccluderRoom, OccluderSet, Passage, Region, SceneBuilder, SectorId, Stats, Transform, View, Viewer,
+    Visibility,
 };
 
 const SIZE: [u32; 2] = [1280, 720];

@@ -94,7 +94,7 @@ pub use method::{
 pub use occluders::{Choice, Chosen, Measure, Occluder, OccluderRoom, OccluderSet, OccluderSummary};
 pub use passage::{Passage, PassageId};
 pub use query::{
-    Between, BoxError, Capsule, Cast, Met, Near, Nearby, Nearest, PairChanges, Pairs, Place, Presence,
+    Between, BoxError, Capsule, Cast, Location, Met, Near, Nearby, Nearest, PairChanges, Pairs, Presence,
     Reached, SightLine, Slid, Standpoint, Survey, Walked, survey, survey_hard, survey_in,
 };
 pub use region::{Region, Visibility};

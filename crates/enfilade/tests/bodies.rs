@@ -2,8 +2,8 @@
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    ConvexPolygon, Geometry, GeometryBuilder, Limits, Material, MaterialId, Mesh, Method, OpeningId, Place,
-    Scene, SceneBuilder, SectorId, Transform, View, Viewer,
+    ConvexPolygon, Geometry, GeometryBuilder, Limits, Location, Material, MaterialId, Mesh, Method,
+    OpeningId, Scene, SceneBuilder, SectorId, Transform, View, Viewer,
 };
 
 /// Where the space of the other room lies: it has another origin, and is turned.
@@ -76,7 +76,7 @@ fn a_body_in_a_doorway_is_seen_in_both_rooms() {
     let empty = rooms([&[], &[]]);
     let mut halves = 0;
     for z in [-3.2_f32, -3.7, -4.0, -4.3, -4.8] {
-        let start = Place {
+        let start = Location {
             sector: SectorId(0),
             position: [0.1, 1.2, -2.0],
         };
@@ -139,11 +139,11 @@ fn a_camera_on_a_boom_follows_its_player_through_a_portal() {
     let scene = rooms([&[], &[]]);
     let there = there_from_here();
     // Where things are if the other room is carried back to the first: walls do not matter, only the door.
-    let carried = |place: &Place| match place.sector.0 {
+    let carried = |place: &Location| match place.sector.0 {
         0 => place.position,
         _ => there.inverse().expect("rigid").point(place.position),
     };
-    let mut player = Place {
+    let mut player = Location {
         sector: SectorId(0),
         position: [0.3, 1.2, 1.0],
     };

@@ -3,8 +3,9 @@
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
     Capsule, Cast, ConvexPolygon, GeometryBuilder, GeometryError, HeightField, HeightFieldError, Light,
-    Limits, MAX_COORDINATE, Material, MaterialId, Mesh, MeshError, Met, Method, Place, PortalId, Ray, Scene,
-    SceneBuilder, SceneError, SectorId, Transform, View, ViewError, Viewer, Walked, geom::PolygonError,
+    Limits, Location, MAX_COORDINATE, Material, MaterialId, Mesh, MeshError, Met, Method, PortalId, Ray,
+    Scene, SceneBuilder, SceneError, SectorId, Transform, View, ViewError, Viewer, Walked,
+    geom::PolygonError,
 };
 
 /// A room whose opening fills the view, and shows the room itself from the same eye, a little smaller: so the opening
@@ -77,7 +78,7 @@ fn loop_of(scale: f32) -> Scene {
     scene.build().expect("one room")
 }
 
-const START: Place = Place {
+const START: Location = Location {
     sector: SectorId(0),
     position: [0.0; 3],
 };
@@ -99,7 +100,7 @@ fn a_walk_through_a_teleport_that_enlarges_ends_at_a_place_and_reports_that_it_w
         let slid = scene.slide(START, Capsule::new(0.3, 1.8), [1e5, 0.0, 0.0]);
         assert!(is_place(slid.place.position), "scale {scale}: {:?}", slid.place);
         for presence in scene.stands_in(
-            Place {
+            Location {
                 position: [9.9, 0.0, 0.0],
                 ..START
             },
@@ -134,7 +135,7 @@ fn what_a_lamp_reaches_has_numbers_however_portals_scale() {
             assert!(reached.there_from_here.is_finite());
             assert!(reached.origin.iter().all(|value| value.is_finite()));
         }
-        let nowhere = Place {
+        let nowhere = Location {
             position: [f32::NAN; 3],
             ..START
         };

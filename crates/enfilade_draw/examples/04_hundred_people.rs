@@ -11,7 +11,7 @@ const FRAMES: u32 = 48;
 const UP_TO_MIDDLE: Vec3 = vec3(0.0, 0.95, 0.0);
 
 struct Person {
-    place: Place,
+    place: Location,
     goal: Vec3,
     /// It is an item of each sector that it stands in.
     items: Vec<(SectorId, ItemId)>,
@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let middle = Vec3::from(scene.bounds(sector).center()) * vec3(1.0, 0.0, 1.0);
         let at = goal.with_y(0.0).lerp(middle, 0.2 + 0.006 * number as f32) + UP_TO_MIDDLE;
         let (position, items) = (at.into(), Vec::new());
-        let place = Place { sector, position };
+        let place = Location { sector, position };
         Person { place, goal, items }
     };
     let mut people: Vec<Person> = (0..100).map(start).collect();
@@ -68,7 +68,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         for (number, somebody) in people.iter_mut().enumerate() {
             let before = std::mem::take(&mut somebody.items);
             for presence in walls.stands_in(somebody.place, 0.4) {
-                let Place { sector, position } = presence.place;
+                let Location { sector, position } = presence.place;
                 let (way, feet) = (
                     somebody.goal - Vec3::from(position),
                     Vec3::from(position) - UP_TO_MIDDLE,

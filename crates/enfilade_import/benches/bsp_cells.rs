@@ -15,7 +15,9 @@ mod common;
 use common::{Lens, Place, folder, in_turn, median_of, open};
 use enfilade::geom::BspOptions;
 use enfilade::order::{Bsp, NearToFar, Order, Visit};
-use enfilade::{Alpha, Faces, Geometry, GeometryBuilder, ItemId, MeshId, Of, Passage, Region, Visibility, Viewer};
+use enfilade::{
+    Alpha, Faces, Geometry, GeometryBuilder, ItemId, MeshId, Of, Passage, Region, Viewer, Visibility,
+};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;

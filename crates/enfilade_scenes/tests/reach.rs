@@ -1,7 +1,7 @@
 //! What reaches where through portals, held against all chains of portals tried one by one.
 
 use enfilade::laws::{chains, goes_straight};
-use enfilade::{Light, Limits, Met, Place, PortalId, Ray, Scene, SectorId, Transform};
+use enfilade::{Light, Limits, Location, Met, PortalId, Ray, Scene, SectorId, Transform};
 use enfilade_scenes::{BuiltIn, built_in};
 use glam::Vec3;
 
@@ -36,7 +36,7 @@ fn a_beam_holds_what_a_straight_line_through_the_same_openings_leads_to() {
         let BuiltIn { scene, cameras } = built_in(name).expect("it is built in");
         for camera in &cameras {
             let sector = scene.locate(camera.eye, camera.toward).expect("a room");
-            let from = Place {
+            let from = Location {
                 sector,
                 position: camera.eye,
             };
@@ -77,7 +77,7 @@ fn one_place_sees_another_where_no_face_is_on_the_straight_line_between() {
         let BuiltIn { scene, cameras } = built_in(name).expect("it is built in");
         let camera = &cameras[0];
         let sector = scene.locate(camera.eye, camera.toward).expect("a room");
-        let from = Place {
+        let from = Location {
             sector,
             position: camera.eye,
         };
@@ -96,7 +96,7 @@ fn one_place_sees_another_where_no_face_is_on_the_straight_line_between() {
                 if !expected && answers.contains(&None) {
                     continue;
                 }
-                let place = Place {
+                let place = Location {
                     sector: to,
                     position: point,
                 };
@@ -137,7 +137,7 @@ fn a_lamp_reaches_no_farther_than_its_range() {
         .expect("a door");
     let outline = &scene.sector(sector).openings()[usize::from(portal.opening.0)].outline;
     let [middle, normal] = [outline.bounds().center(), outline.normal()];
-    let place = Place {
+    let place = Location {
         sector,
         position: std::array::from_fn(|axis| middle[axis] + 1.5 * normal[axis]),
     };
@@ -160,7 +160,7 @@ fn what_is_behind_a_door_is_near_by_the_way_through_it_and_not_when_it_is_closed
     let ids: Vec<PortalId> = (0..scene.portals().len() as u32).map(PortalId).collect();
     let [here, there] = [scene.portals()[0].from, scene.portals()[0].to];
     // Beside the door, at the wall in which it is: the way to the box beyond bends at the post.
-    let place = Place {
+    let place = Location {
         sector: here,
         position: [-0.6, 1.0, -2.0],
     };

@@ -1,6 +1,6 @@
 //! Walking through the built-in scenes: nobody leaks through an edge or a corner, and everybody knows where they are.
 
-use enfilade::{Place, Ray, Scene, SectorId, Transform};
+use enfilade::{Location, Ray, Scene, SectorId, Transform};
 use enfilade_scenes::{BuiltIn, built_in};
 
 /// Numbers by chance, the same every time. Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, 2014.
@@ -27,7 +27,13 @@ fn holders(scene: &Scene, position: [f32; 3]) -> Vec<SectorId> {
 }
 
 /// Wanders about in the free space that rays find; gives how many portals were crossed.
-fn wander(scene: &Scene, from: Place, steps: usize, seed: u64, check: impl Fn(&Place, &Place)) -> usize {
+fn wander(
+    scene: &Scene,
+    from: Location,
+    steps: usize,
+    seed: u64,
+    check: impl Fn(&Location, &Location),
+) -> usize {
     let mut chance = Chance(seed);
     let (mut place, mut crossings) = (from, 0);
     for step in 0..steps {
@@ -75,7 +81,7 @@ fn a_hundred_thousand_steps_through_the_palace_never_leak() {
     let mut crossings = 0;
     for (camera, seed) in cameras.iter().zip(0..) {
         let sector = scene.locate(camera.eye, camera.toward).expect("there are rooms");
-        let place = Place {
+        let place = Location {
             sector,
             position: camera.eye,
         };
@@ -103,7 +109,7 @@ fn steps_through_teleports_mirrors_and_other_scales_go_where_rays_go() {
         let BuiltIn { scene, cameras } = built_in(name).expect("it is built in");
         for (camera, seed) in cameras.iter().zip(0..) {
             let sector = scene.locate(camera.eye, camera.toward).expect("a room");
-            let place = Place {
+            let place = Location {
                 sector,
                 position: camera.eye,
             };
@@ -118,7 +124,7 @@ fn steps_through_edges_and_corners_of_neighbouring_openings_never_leak() {
     // A block of 3 × 3 × 3 rooms whose walls are all openings: everywhere edges meet four to four, corners eight to eight.
     let scene = honeycomb();
     let mut chance = Chance(7);
-    let mut place = Place {
+    let mut place = Location {
         sector: SectorId(13),
         position: [1.5; 3],
     };
@@ -197,7 +203,7 @@ fn honeycomb() -> Scene {
 #[test]
 fn who_walks_through_a_mirror_stands_before_it_again_turned_over() {
     let BuiltIn { scene, .. } = built_in("mirror").expect("it is built in");
-    let before = Place {
+    let before = Location {
         sector: SectorId(0),
         position: [0.3, 1.5, -2.0],
     };
@@ -218,7 +224,7 @@ fn a_ball_in_a_doorway_stands_in_both_rooms_and_one_in_a_room_in_that_alone() {
     let door = &scene.sector(portal.from).openings()[usize::from(portal.opening.0)].outline;
     let middle: [f32; 3] = door.bounds().center();
     let normal = door.normal();
-    let at = |off: f32| Place {
+    let at = |off: f32| Location {
         sector: portal.from,
         position: std::array::from_fn(|axis| middle[axis] + normal[axis] * off),
     };
@@ -232,7 +238,7 @@ fn a_ball_in_a_doorway_stands_in_both_rooms_and_one_in_a_room_in_that_alone() {
         }
     }
     let sector = scene.locate(cameras[0].eye, cameras[0].toward).expect("a room");
-    let far = Place {
+    let far = Location {
         sector,
         position: cameras[0].eye,
     };

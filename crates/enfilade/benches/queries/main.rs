@@ -8,8 +8,8 @@
 mod pairs;
 
 use enfilade::{
-    Aabb, Between, Capsule, Geometry, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method,
-    OccluderSet, Place, Ray, Scene, SceneBuilder, SectorId, Transform, View,
+    Aabb, Between, Capsule, Geometry, GeometryBuilder, ItemId, Location, Material, MaterialId, Mesh, Method,
+    OccluderSet, Ray, Scene, SceneBuilder, SectorId, Transform, View,
 };
 use enfilade_scenes::{Random, built_in};
 use pairs::pairs;
@@ -295,7 +295,7 @@ fn between(bench: &Bench, place: &str, geometry: &Geometry) {
     );
 }
 
-fn capsule(bench: &Bench, place: &str, scene: &Scene, from: Place) {
+fn capsule(bench: &Bench, place: &str, scene: &Scene, from: Location) {
     let mut chance = Random::new(6);
     let mut capsule = Capsule::new(0.25, 1.2);
     let (mut place_now, mut course, mut touched) = (from, [0.0; 3], 0_u64);
@@ -358,7 +358,7 @@ fn main() {
     let palace = built_in("enfilade").expect("it is built in");
     let camera = &palace.cameras[0];
     let sector = palace.scene.locate(camera.eye, camera.toward).expect("a hall");
-    let place = Place {
+    let place = Location {
         sector,
         position: camera.eye,
     };
@@ -366,7 +366,7 @@ fn main() {
     let mut streets = SceneBuilder::new();
     streets.add("city", city, Method::ZBuffer);
     let streets = streets.build().expect("one sector");
-    let corner = Place {
+    let corner = Location {
         sector: SectorId(0),
         position: [499.5, 1.0, 499.5],
     };

@@ -60,7 +60,12 @@ pub trait Cover: Default + Send + 'static {
 
     /// As [`Cover::sees`], of a box given in another space; `None` where it is out of view. A cover that needs neither its
     /// samples nor its reversed depth can say so sooner.
-    fn sight_of(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Visibility> {
+    fn sight_of(
+        &mut self,
+        passage: &Passage,
+        screen_from_local: &DAffine3,
+        bounds: &Aabb,
+    ) -> Option<Visibility> {
         Region::of(passage, screen_from_local, bounds).map(|region| self.sees(&region))
     }
 

@@ -1,7 +1,7 @@
 //! Straight lines through chains of portals, tried one by one, and the lamplight that comes along them: what beams and
 //! lit pictures are held against.
 
-use crate::query::Place;
+use crate::query::Location;
 use crate::scene::{Light, LightShape, PortalId, Scene, SectorId};
 use glam::{DAffine3, DVec3};
 
@@ -31,7 +31,7 @@ const CLEAR: f64 = 1e-4;
 
 /// Does the straight line from a place go through all openings of a chain, in their order, to a point of the last
 /// sector? `None` where that is a matter of rounding.
-pub fn goes_straight(scene: &Scene, from: Place, chain: &[PortalId], to: [f64; 3]) -> Option<bool> {
+pub fn goes_straight(scene: &Scene, from: Location, chain: &[PortalId], to: [f64; 3]) -> Option<bool> {
     let portals: Vec<_> = chain.iter().map(|id| &scene.portals()[id.0 as usize]).collect();
     // The origin in each space, from the first on, and the target in each, from the last back.
     let mut origins = vec![DVec3::from(from.position.map(f64::from))];
@@ -132,7 +132,7 @@ impl Lamplight<'_> {
     pub fn at(&self, sector: SectorId, point: [f64; 3], normal: [f64; 3]) -> Option<[f64; 3]> {
         let mut sum = DVec3::ZERO;
         for way in self.ways.iter().filter(|way| way.sector == sector) {
-            let from = Place {
+            let from = Location {
                 sector: way.light.sector,
                 position: way.light.position,
             };

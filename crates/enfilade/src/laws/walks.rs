@@ -1,6 +1,6 @@
 //! Walks through portals, frame by frame: before the plane, in it, behind it.
 
-use crate::query::Place;
+use crate::query::Location;
 use crate::scene::{PortalId, Scene};
 use crate::view::View;
 use glam::DVec3;
@@ -35,7 +35,7 @@ pub fn views_through(scene: &Scene, portal: PortalId, size: [u32; 2]) -> Vec<Vie
     let start = at(FRAMES[0]);
     let mut views = Vec::new();
     for frame in FRAMES {
-        let place = Place {
+        let place = Location {
             sector: here.from,
             position: start.into(),
         };

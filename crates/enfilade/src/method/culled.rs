@@ -127,7 +127,12 @@ impl<C: Hides> Against for InSamples<'_, C> {
         self.0.sees(region)
     }
 
-    fn sight_of(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Visibility> {
+    fn sight_of(
+        &mut self,
+        passage: &Passage,
+        screen_from_local: &DAffine3,
+        bounds: &Aabb,
+    ) -> Option<Visibility> {
         self.0.sight_of(passage, screen_from_local, bounds)
     }
 

@@ -20,7 +20,12 @@ pub(super) trait Against {
     fn sees(&mut self, region: &Region) -> Visibility;
 
     /// As [`Against::sees`], of a box given in another space; `None` where it is out of view.
-    fn sight_of(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Visibility> {
+    fn sight_of(
+        &mut self,
+        passage: &Passage,
+        screen_from_local: &DAffine3,
+        bounds: &Aabb,
+    ) -> Option<Visibility> {
         Region::of(passage, screen_from_local, bounds).map(|region| self.sees(&region))
     }
 

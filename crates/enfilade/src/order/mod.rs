@@ -161,7 +161,8 @@ pub trait Visit {
 
     /// As [`Visit::enter`], of a box given in another space; nothing of it where it is out of view.
     fn enter_box(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Visibility {
-        Region::of(passage, screen_from_local, bounds).map_or(Visibility::Hidden, |region| self.enter(&region))
+        Region::of(passage, screen_from_local, bounds)
+            .map_or(Visibility::Hidden, |region| self.enter(&region))
     }
 
     /// From now on all boxes lie in the one that was entered last.

@@ -4,7 +4,7 @@
 //! Source: RenderWare, Portal culling: lights reach through portals, transformed.
 //! Cost: O(openings) for each sector that it reaches, once for each chain of portals.
 
-use super::place::{Place, corners, slack};
+use super::place::{Location, corners, slack};
 use crate::geom::{Transform, nearest_in};
 use crate::scene::{PortalId, Scene, SectorId};
 use crate::viewer::Limits;
@@ -59,7 +59,7 @@ impl Scene {
     /// A sector that is reached in several ways is there several times. Where `limits` bite, the rest is left out, and so
     /// is what is behind portals that enlarge or shrink again and again until 64-bit numbers end. A position that is not
     /// finite reaches its own sector only.
-    pub fn reach(&self, from: Place, range: f32, limits: &Limits) -> Vec<Reached> {
+    pub fn reach(&self, from: Location, range: f32, limits: &Limits) -> Vec<Reached> {
         let mut all = vec![Reached {
             parent: None,
             portal: None,

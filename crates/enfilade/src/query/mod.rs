@@ -20,7 +20,7 @@ pub use capsule::{Capsule, Slid};
 pub use near::{Near, Nearby};
 pub use nearest::Nearest;
 pub use pairs::{BoxError, PairChanges, Pairs};
-pub use place::{Place, Presence, Walked};
+pub use place::{Location, Presence, Walked};
 pub use ray::{Cast, Met};
 pub use sees::SightLine;
 pub use survey::{Standpoint, Survey, survey, survey_hard, survey_in};

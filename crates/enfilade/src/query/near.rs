@@ -8,7 +8,7 @@
 //! Cost: for each chain kept, the items within what is left of the radius; at most [`Nearby::MOST_CHAINS`] chains.
 //! Mirrors cost nothing: no way by a mirror is shorter than the one without it.
 
-use super::place::{Place, corners};
+use super::place::{Location, corners};
 use crate::geom::{Aabb, nearest_in};
 use crate::geometry::ItemId;
 use crate::scene::{PortalId, Scene, SectorId};
@@ -64,7 +64,7 @@ impl Scene {
     ///
     /// A position that is not finite, or a radius that is negative or NaN, finds nothing. Where a limit of [`Nearby`] ends
     /// the search, [`Nearby::complete`] is `false`.
-    pub fn near(&self, place: Place, radius: f32) -> Nearby {
+    pub fn near(&self, place: Location, radius: f32) -> Nearby {
         let mut search = Search {
             scene: self,
             start: DVec3::from(place.position.map(f64::from)),

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 /// A position in a sector's space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct Location {
     /// Where it is.
     pub sector: SectorId,
     /// Where in it, in its own space.
@@ -20,7 +20,7 @@ pub struct Place {
 #[non_exhaustive]
 pub struct Walked {
     /// Where it ends.
-    pub place: Place,
+    pub place: Location,
     /// From the space that it began in to the one that it ends in: turns a body and its course.
     pub there_from_here: Transform,
     /// The portals that it went through, in order.
@@ -41,7 +41,7 @@ impl Walked {
 #[non_exhaustive]
 pub struct Presence {
     /// Where its middle is, as seen from that sector; it may lie outside.
-    pub place: Place,
+    pub place: Location,
     /// Its radius there.
     pub radius: f32,
     /// From the space of the sector that its middle is in.
@@ -56,7 +56,7 @@ impl Scene {
     /// ends beyond [`MAX_COORDINATE`](crate::MAX_COORDINATE), is none.
     ///
     /// Cost: O(openings) for each sector on the way.
-    pub fn walk(&self, from: Place, step: [f32; 3]) -> Walked {
+    pub fn walk(&self, from: Location, step: [f32; 3]) -> Walked {
         let mut walked = Walked {
             place: from,
             there_from_here: Transform::IDENTITY,
@@ -86,7 +86,7 @@ impl Scene {
                 break;
             }
             ends = [there[0], rounded.as_dvec3()];
-            walked.place = Place {
+            walked.place = Location {
                 sector: portal.to,
                 position: rounded.into(),
             };
@@ -155,7 +155,7 @@ impl Scene {
     ///
     /// A position beyond [`MAX_COORDINATE`](crate::MAX_COORDINATE) is in its own sector only, and the sphere is in at most
     /// 64 sectors. It may say one too many: where the sphere reaches an opening, but not through the one before it.
-    pub fn stands_in(&self, place: Place, radius: f32) -> Vec<Presence> {
+    pub fn stands_in(&self, place: Location, radius: f32) -> Vec<Presence> {
         let mut all = vec![Presence {
             place,
             radius,
@@ -182,7 +182,7 @@ impl Scene {
                 let mut crossed = here.crossed.clone();
                 crossed.push(portal_id);
                 all.push(Presence {
-                    place: Place {
+                    place: Location {
                         sector: portal.to,
                         position,
                     },

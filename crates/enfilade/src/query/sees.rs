@@ -1,7 +1,7 @@
 //! Whether one place sees another.
 
 use super::beam::Reached;
-use super::place::Place;
+use super::place::Location;
 use super::ray::{Cast, Met};
 use crate::scene::{PortalId, Scene};
 use crate::sector::Ray;
@@ -22,7 +22,7 @@ impl Scene {
     /// portals; `None` where no line is, or none within the default [`Limits`], or a position is not finite. Faces of glass stop it as others do.
     ///
     /// Cost: O(beams that reach the other's sector) rays.
-    pub fn sees(&self, from: Place, to: Place) -> Option<SightLine> {
+    pub fn sees(&self, from: Location, to: Location) -> Option<SightLine> {
         if !from
             .position
             .iter()
@@ -37,7 +37,13 @@ impl Scene {
         beams.find_map(|beam| self.line_through(from, to, beam, &reached))
     }
 
-    fn line_through(&self, from: Place, to: Place, beam: &Reached, all: &[Reached]) -> Option<SightLine> {
+    fn line_through(
+        &self,
+        from: Location,
+        to: Location,
+        beam: &Reached,
+        all: &[Reached],
+    ) -> Option<SightLine> {
         // Where a line ends before the other place, by rounding, it ends there.
         const THERE: f64 = 1.0 - 1e-5;
         let up = |beam: &&Reached| beam.parent.map(|parent| &all[parent as usize]);

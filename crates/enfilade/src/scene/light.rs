@@ -2,7 +2,7 @@
 
 use super::{Scene, SceneError, SectorId};
 use crate::geom::{Aabb, is_in_range};
-use crate::query::{Place, Reached};
+use crate::query::{Location, Reached};
 use crate::viewer::Limits;
 use glam::DVec3;
 
@@ -120,7 +120,7 @@ impl Light {
     }
 
     /// Where its light comes from: of a sun a place far outside.
-    fn source(&self, held: &Aabb) -> Place {
+    fn source(&self, held: &Aabb) -> Location {
         let position = match self.shape {
             LightShape::Sun { direction } if !held.is_empty() => {
                 let onwards = DVec3::from(direction.map(f64::from)).normalize_or(DVec3::NEG_Y);
@@ -131,7 +131,7 @@ impl Light {
             }
             _ => self.position,
         };
-        Place {
+        Location {
             sector: self.sector,
             position,
         }

@@ -2,8 +2,8 @@
 
 use crate::{CUBE_SIDES, affine, triangles};
 use enfilade::{
-    Aabb, Capsule, ConvexPolygon, Geometry, GeometryBuilder, Material, MaterialId, Mesh, Method, OpeningId,
-    Place, PortalId, Scene, SceneBuilder, SectorId, Transform,
+    Aabb, Capsule, ConvexPolygon, Geometry, GeometryBuilder, Location, Material, MaterialId, Mesh, Method,
+    OpeningId, PortalId, Scene, SceneBuilder, SectorId, Transform,
 };
 use enfilade_scenes::{Random, built_in};
 use glam::DVec3;
@@ -88,7 +88,7 @@ fn off([from, to]: [DVec3; 2], triangle: [DVec3; 3]) -> f64 {
     at(0.5 * (low + high)).min(at(0.0)).min(at(1.0))
 }
 
-fn axis(place: &Place, capsule: &Capsule) -> [DVec3; 2] {
+fn axis(place: &Location, capsule: &Capsule) -> [DVec3; 2] {
     let middle = DVec3::from(place.position.map(f64::from));
     let up = DVec3::from(capsule.up.map(f64::from)).normalize();
     let half = (0.5 * f64::from(capsule.height) - f64::from(capsule.radius)).max(0.0);
@@ -96,7 +96,14 @@ fn axis(place: &Place, capsule: &Capsule) -> [DVec3; 2] {
 }
 
 /// Walks about by chance; gives how often something was touched, and how far it came in all.
-fn walk(scene: &Scene, from: Place, capsule: Capsule, steps: usize, longest: f32, seed: u64) -> (usize, f64) {
+fn walk(
+    scene: &Scene,
+    from: Location,
+    capsule: Capsule,
+    steps: usize,
+    longest: f32,
+    seed: u64,
+) -> (usize, f64) {
     let mut chance = Random::new(seed);
     let mut place = from;
     let mut course = chance.point(1.0);
@@ -147,7 +154,7 @@ fn walk(scene: &Scene, from: Place, capsule: Capsule, steps: usize, longest: f32
 #[test]
 fn a_hundred_thousand_steps_in_a_closed_room_never_lead_into_a_wall() {
     let scene = room();
-    let from = Place {
+    let from = Location {
         sector: SectorId(0),
         position: [5.0, 1.5, 1.5],
     };
@@ -169,7 +176,7 @@ fn a_hundred_thousand_steps_in_a_closed_room_never_lead_into_a_wall() {
 #[test]
 fn it_slides_along_a_wall_into_a_corner_and_stands_on_the_floor() {
     let scene = room();
-    let from = Place {
+    let from = Location {
         sector: SectorId(0),
         position: [1.0, 1.5, 5.0],
     };
@@ -215,7 +222,7 @@ fn it_climbs_steps_that_are_low_enough_and_no_higher_ones() {
         let scene = scene.build().expect("stairs");
         let mut capsule = Capsule::new(0.3, 1.8);
         capsule.climb = climb;
-        let mut place = Place {
+        let mut place = Location {
             sector: SectorId(0),
             position: [0.0, 0.95, 0.0],
         };
@@ -239,7 +246,7 @@ fn it_walks_through_the_doors_of_a_palace_and_nowhere_else() {
     let mut crossings = 0;
     for (camera, seed) in built.cameras.iter().zip(0..) {
         let sector = scene.locate(camera.eye, camera.toward).expect("a room");
-        let mut place = Place {
+        let mut place = Location {
             sector,
             position: camera.eye,
         };
@@ -275,7 +282,7 @@ fn it_walks_through_the_doors_of_a_palace_and_nowhere_else() {
 #[test]
 fn what_is_no_step_or_no_capsule_goes_nowhere() {
     let scene = room();
-    let from = Place {
+    let from = Location {
         sector: SectorId(0),
         position: [5.0, 1.5, 1.5],
     };
@@ -296,7 +303,7 @@ fn what_is_no_step_or_no_capsule_goes_nowhere() {
     let still = scene.slide(from, sound, [0.0; 3]);
     assert_eq!(still.place, from);
     // Begun in a wall, it is pushed out.
-    let inside = Place {
+    let inside = Location {
         position: [0.1, 1.5, 5.0],
         ..from
     };
@@ -337,7 +344,7 @@ fn two_rooms(here: [f32; 3], there: [f32; 3]) -> Scene {
 #[test]
 fn in_a_doorway_it_is_stopped_by_what_stands_beyond_and_not_by_what_lies_there_in_its_own_room() {
     const AWAY: [f32; 3] = [4.0, 0.0, 5.0];
-    let from = Place {
+    let from = Location {
         sector: SectorId(0),
         position: [0.0, 0.95, 1.0],
     };
@@ -361,7 +368,7 @@ fn in_a_doorway_it_is_stopped_by_what_stands_beyond_and_not_by_what_lies_there_i
         let scene = two_rooms(AWAY, AWAY);
         let position = [x, 0.95, 1.0];
         let course = [0.0, 0.0, -1.0];
-        let slid = scene.slide(Place { position, ..from }, capsule, course);
+        let slid = scene.slide(Location { position, ..from }, capsule, course);
         assert_eq!(slid.touched.is_empty(), through, "{slid:?}");
     }
     let mut scene = two_rooms(AWAY, AWAY);

@@ -2,7 +2,7 @@
 
 use enfilade::laws::chains;
 use enfilade::{
-    ConvexPolygon, Geometry, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Nearby, Place,
+    ConvexPolygon, Geometry, GeometryBuilder, ItemId, Location, Material, MaterialId, Mesh, Method, Nearby,
     PortalId, Scene, SceneBuilder, SectorId, Transform,
 };
 use enfilade_scenes::{Random, built_in, random_scene};
@@ -37,7 +37,7 @@ fn samples(outline: &ConvexPolygon) -> Vec<DVec3> {
 
 /// The shortest ways to items over the samples of all openings, by all chains of a few portals: never shorter than the
 /// shortest, and hardly longer.
-fn sampled(scene: &Scene, place: Place) -> BTreeMap<(SectorId, ItemId), f64> {
+fn sampled(scene: &Scene, place: Location) -> BTreeMap<(SectorId, ItemId), f64> {
     let mut all = BTreeMap::new();
     for (chain, to) in chains(scene, place.sector, MOST_CROSSED) {
         let Some(geometry) = scene.geometry(to) else {
@@ -76,7 +76,7 @@ fn sampled(scene: &Scene, place: Place) -> BTreeMap<(SectorId, ItemId), f64> {
 }
 
 /// Compares the items near a place with those that ways over samples lead to; returns how many are behind portals.
-fn agrees(name: &str, scene: &Scene, place: Place, radius: f32) -> usize {
+fn agrees(name: &str, scene: &Scene, place: Location, radius: f32) -> usize {
     let near = scene.near(place, radius);
     assert!(
         near.complete && near.searched == f64::from(radius),
@@ -140,7 +140,7 @@ fn items_near_a_place_are_those_that_the_shortest_way_through_openings_leads_to(
             let Some(sector) = scene.locate(camera.eye, camera.toward) else {
                 continue;
             };
-            let at = |position| Place { sector, position };
+            let at = |position| Location { sector, position };
             through += agrees(name, scene, at(camera.eye), 1.0 + 11.0 * chance.unit());
             let bounds = scene.bounds(sector);
             let position = crate::about(&mut chance, &bounds);
@@ -162,7 +162,7 @@ fn mirrors_and_teleports_do_not_multiply_the_ways_to_an_item() {
         let built = built_in(name).expect("it is built in");
         for camera in &built.cameras {
             let sector = built.scene.locate(camera.eye, camera.toward).expect("a room");
-            let place = Place {
+            let place = Location {
                 sector,
                 position: camera.eye,
             };
@@ -196,7 +196,7 @@ fn loops(scale: f32) -> Scene {
     scene.build().expect("one room")
 }
 
-const START: Place = Place {
+const START: Location = Location {
     sector: SectorId(0),
     position: [0.0; 3],
 };
@@ -220,7 +220,7 @@ fn a_search_through_loops_that_shrink_or_enlarge_ends_and_reports_how_far_it_is_
 #[test]
 fn nothing_is_near_a_place_that_is_none_or_within_a_radius_that_is_none() {
     let scene = loops(1e6);
-    let at = |position| Place { position, ..START };
+    let at = |position| Location { position, ..START };
     for (place, radius) in [
         (at([f32::NAN; 3]), 1.0),
         (at([0.0, f32::INFINITY, 0.0]), 1e9),

@@ -1,6 +1,6 @@
 //! A person walks through the rooms of a real villa, and never gets into a wall.
 
-use enfilade::{Aabb, Capsule, MaterialId, Mesh, Met, Method, Place, Ray, Scene, SectorId, Transform};
+use enfilade::{Aabb, Capsule, Location, MaterialId, Mesh, Met, Method, Ray, Scene, SectorId, Transform};
 use enfilade_import::{ReadOptions, read};
 use enfilade_scenes::Random;
 use std::collections::BTreeSet;
@@ -56,7 +56,7 @@ fn apart(a: [f32; 3], b: [f32; 3]) -> f64 {
 }
 
 /// How near the nearest face is that level rays from the axis of a person meet, from its feet, middle and head; and the ray.
-fn nearest_wall(scene: &Scene, place: Place, person: &Capsule) -> (f64, String) {
+fn nearest_wall(scene: &Scene, place: Location, person: &Capsule) -> (f64, String) {
     let half = 0.5 * person.height - person.radius;
     let mut nearest = (f64::INFINITY, String::new());
     for up in [-half, 0.0, half] {
@@ -77,7 +77,7 @@ fn nearest_wall(scene: &Scene, place: Place, person: &Capsule) -> (f64, String) 
 }
 
 /// Some way to go, pulled down all the while. In the garden, which has an end, rather back to the house.
-fn any_course(scene: &Scene, place: &Place, chance: &mut Random) -> [f32; 3] {
+fn any_course(scene: &Scene, place: &Location, chance: &mut Random) -> [f32; 3] {
     const DOOR: [f32; 3] = [7.0, 1.0, -1.0];
     let is_out = scene.sector_name(place.sector) == "Garden-room" && !chance.once_in(3);
     let angle = if is_out {
@@ -90,7 +90,7 @@ fn any_course(scene: &Scene, place: &Place, chance: &mut Random) -> [f32; 3] {
 }
 
 /// Is a place in the box of its room, or that far from it?
-fn is_in_its_room(scene: &Scene, place: &Place, slack: f32) -> bool {
+fn is_in_its_room(scene: &Scene, place: &Location, slack: f32) -> bool {
     let Aabb { min, max } = scene.sector(place.sector).bounds();
     (0..3).all(|axis| (min[axis] - slack..=max[axis] + slack).contains(&place.position[axis]))
 }
@@ -106,7 +106,7 @@ fn a_person_walks_through_a_villa_for_thousands_of_steps_and_never_into_a_wall()
     let mut visited: BTreeSet<&str> = BTreeSet::new();
     let (mut crossings, mut touched, mut length) = (0, 0, 0.0);
     for (seed, (start, position)) in (0..).zip(STARTS) {
-        let mut place = Place {
+        let mut place = Location {
             sector: room(&scene, start),
             position,
         };

@@ -84,7 +84,11 @@ impl Cover for MaskedDepth {
 
     fn sees(&mut self, region: &Region) -> Visibility {
         let seen = dispatch!(self.level, simd => self.grid.sees(simd, region, self.near));
-        if seen { Visibility::Partial } else { Visibility::Hidden }
+        if seen {
+            Visibility::Partial
+        } else {
+            Visibility::Hidden
+        }
     }
 
     fn needs_bytes(size: [u32; 2]) -> u64 {

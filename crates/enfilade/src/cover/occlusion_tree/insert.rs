@@ -6,7 +6,7 @@
 use super::above::Above;
 use super::line::{Back, Line, SLIT};
 use super::pieces::{Piece, Pieces, Reach};
-use super::{Edge, Link, MOST_NODES, OcclusionTree, Place, Plane, Side, Tree};
+use super::{Edge, Link, Location, MOST_NODES, OcclusionTree, Plane, Side, Tree};
 use crate::occluders::Occluder;
 use fearless_simd::dispatch;
 use fearless_simd::prelude::*;
@@ -94,7 +94,7 @@ impl<A> OcclusionTree<A> {
 
     /// Sends a piece past a node: where what of it is to go on with comes to. What else there is waits.
     #[inline]
-    fn pass(&mut self, node: u32, piece: Piece) -> Option<(Place, Piece)> {
+    fn pass(&mut self, node: u32, piece: Piece) -> Option<(Location, Piece)> {
         let [inside, outside] = [Side::Inside, Side::Outside].map(|side| Some((node, side)));
         match &self.tree.nodes[node as usize].plane {
             Plane::Line(line) => {
@@ -144,7 +144,7 @@ pub(super) fn clip(aperture: &[Line], pieces: &mut Pieces, mut piece: Piece) -> 
 /// Puts the occluder's planes where its piece came to a lit leaf.
 // No closures here: what runs in one does not run at the SIMD level.
 #[inline(always)]
-fn settle<S: Simd>(simd: S, tree: &mut Tree, edges: &[Edge], back: Back, place: Place, piece: &[DVec3]) {
+fn settle<S: Simd>(simd: S, tree: &mut Tree, edges: &[Edge], back: Back, place: Location, piece: &[DVec3]) {
     if piece.len() < 3 {
         return;
     }

@@ -66,7 +66,7 @@ pub struct OcclusionTree<A> {
     /// Polygons at work.
     pieces: Pieces,
     edges: Vec<Edge>,
-    entering: Vec<(Place, Piece)>,
+    entering: Vec<(Location, Piece)>,
     waiting: Vec<(Link, Piece)>,
     links: Vec<Waiting>,
     asks: PhantomData<fn() -> A>,
@@ -109,7 +109,7 @@ struct Node {
     /// Of a line inside, of an occluder's plane beyond.
     inside: Link,
     outside: Link,
-    above: Place,
+    above: Location,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -129,7 +129,7 @@ enum Link {
 }
 
 /// Where something hangs: on which node, and on which side; or at the top.
-type Place = Option<(u32, Side)>;
+type Location = Option<(u32, Side)>;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Side {
@@ -175,7 +175,12 @@ impl<A: Asks> Cover for OcclusionTree<A> {
         A::sight(self, &region.volume).unwrap_or(Visibility::Hidden)
     }
 
-    fn sight_of(&mut self, _passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Visibility> {
+    fn sight_of(
+        &mut self,
+        _passage: &Passage,
+        screen_from_local: &DAffine3,
+        bounds: &Aabb,
+    ) -> Option<Visibility> {
         // Its lines are the aperture's too: neither the box's samples nor its reversed depth are needed.
         if bounds.is_empty() {
             return None;
@@ -322,7 +327,7 @@ impl Tree {
         self.nodes.clone_from(&from.nodes);
     }
 
-    fn at(&self, place: Place) -> Link {
+    fn at(&self, place: Location) -> Link {
         match place {
             None => self.root,
             Some((node, Side::Inside)) => self.nodes[node as usize].inside,
@@ -331,7 +336,7 @@ impl Tree {
     }
 
     /// Hangs a new node at a place; what hung there is forgotten.
-    fn hang(&mut self, place: Place, plane: Plane, inside: Link) -> u32 {
+    fn hang(&mut self, place: Location, plane: Plane, inside: Link) -> u32 {
         let number = self.nodes.len() as u32;
         self.nodes.push(Node {
             plane,
@@ -349,7 +354,7 @@ impl Tree {
     }
 
     /// Gathers the lines that bound a place, turned so that the place is inside: the lowest first, the aperture's last.
-    fn gather_above(&mut self, place: Place) {
+    fn gather_above(&mut self, place: Location) {
         self.above.clear();
         let mut next = place;
         while let Some((number, side)) = next {

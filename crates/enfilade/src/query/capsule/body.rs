@@ -10,7 +10,7 @@
 
 use super::obstacles::{Contact, Obstacles};
 use crate::geom::Transform;
-use crate::query::place::Place;
+use crate::query::place::Location;
 use crate::scene::{PortalId, Scene};
 use glam::DVec3;
 
@@ -34,7 +34,7 @@ impl Body {
 #[derive(Clone)]
 pub(super) struct Mover<'a> {
     pub(super) scene: &'a Scene,
-    pub(super) place: Place,
+    pub(super) place: Location,
     pub(super) body: Body,
     pub(super) there_from_here: Transform,
     pub(super) crossed: Vec<PortalId>,

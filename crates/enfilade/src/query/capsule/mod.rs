@@ -9,7 +9,7 @@
 mod body;
 mod obstacles;
 
-use super::place::Place;
+use super::place::Location;
 use crate::geom::Transform;
 use crate::scene::{PortalId, Scene};
 use body::{Body, Mover};
@@ -34,7 +34,7 @@ pub struct Capsule {
 #[non_exhaustive]
 pub struct Slid {
     /// Where its middle is.
-    pub place: Place,
+    pub place: Location,
     /// The capsule as it is there: turned, and grown or shrunk, as the portals have it.
     pub capsule: Capsule,
     /// From the space that it began in to the one that it is in: turns its course, too.
@@ -84,7 +84,7 @@ impl Scene {
     ///
     /// It keeps a thousandth of its radius away from faces, or as much as f32 loses there. A step, a place or a capsule that
     /// is not finite, and a capsule without radius, go nowhere.
-    pub fn slide(&self, from: Place, capsule: Capsule, step: [f32; 3]) -> Slid {
+    pub fn slide(&self, from: Location, capsule: Capsule, step: [f32; 3]) -> Slid {
         let goes_nowhere = Slid {
             place: from,
             capsule,

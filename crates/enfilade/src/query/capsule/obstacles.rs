@@ -9,7 +9,7 @@
 use super::body::Body;
 use crate::geom::{Aabb, ConvexPolygon, Step, Transform, nearest_points};
 use crate::geometry::{Geometry, ItemId, OpeningId};
-use crate::query::place::{Place, corners, slack};
+use crate::query::place::{Location, corners, slack};
 use crate::scene::{Scene, SectorId};
 use glam::{DAffine3, DVec3};
 
@@ -55,7 +55,7 @@ pub(super) struct Contact {
 
 impl Obstacles {
     /// All that is within `reach` of a body.
-    pub(super) fn about(scene: &Scene, place: Place, body: &Body, reach: f64) -> Obstacles {
+    pub(super) fn about(scene: &Scene, place: Location, body: &Body, reach: f64) -> Obstacles {
         let middle = DVec3::from(place.position.map(f64::from));
         let around = body.radius + reach;
         let axis = body.axis(middle);

@@ -97,7 +97,11 @@ fn what_is_before_the_near_distance_or_the_entry_plane_does_not_hide() {
     ] {
         let mut both = Both::new(&[]);
         both.hide(&wall.occluder(), near, entry);
-        let expected = if hides { Visibility::Hidden } else { Visibility::Full };
+        let expected = if hides {
+            Visibility::Hidden
+        } else {
+            Visibility::Full
+        };
         assert_eq!(both.see(&behind), [expected; 2], "{near} {entry:?}");
     }
     // A floor from behind the eye to the horizon hides as much as if it began where it comes into view.

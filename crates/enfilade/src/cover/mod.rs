@@ -31,7 +31,7 @@ pub use horizon::Horizon;
 pub use mask::Mask;
 pub use masked_depth::MaskedDepth;
 pub use masked_depth::OccluderMesh;
-pub use nothing::Nothing;
+pub use nothing::PaintersBuffer;
 pub use occlusion_tree::{Asks, ByBox, ByFaces, OcclusionTree};
 pub use span_buffer::SpanBuffer;
 

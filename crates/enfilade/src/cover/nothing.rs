@@ -22,7 +22,7 @@ use crate::stats::Stats;
 
 /// Hides nothing: paints over.
 #[derive(Default)]
-pub struct Nothing {
+pub struct PaintersBuffer {
     raster: Raster,
     painted: Painted,
 }
@@ -30,7 +30,7 @@ pub struct Nothing {
 #[derive(Default)]
 struct Painted(Samples);
 
-impl Cover for Nothing {
+impl Cover for PaintersBuffer {
     type CullNeeds = FarToNear;
 
     fn sees(&mut self, _region: &Region) -> Visibility {
@@ -42,7 +42,7 @@ impl Cover for Nothing {
     }
 }
 
-impl Paints for Nothing {
+impl Paints for PaintersBuffer {
     type DrawNeeds = FarToNear;
     const PRIMES: bool = false;
 

@@ -23,8 +23,8 @@ pub use unsuited::{FaceName, NoTerrain, NotBaked, NotConvex, TooLarge, Unsuited}
 
 use crate::canvas::CoverShape;
 use crate::cover::{
-    ByBox, ByFaces, Cover, DepthBuffer, DepthPyramid, Horizon, Mask, MaskedDepth, Nothing, OcclusionTree,
-    SpanBuffer, Surface,
+    ByBox, ByFaces, Cover, DepthBuffer, DepthPyramid, Horizon, Mask, MaskedDepth, OcclusionTree,
+    PaintersBuffer, SpanBuffer, Surface,
 };
 use crate::geometry::Geometry;
 use crate::order::{
@@ -42,17 +42,17 @@ use std::sync::Arc;
 ///
 /// Wrong where a face reaches nearer than another that hides it (`@tetrahedron`, `@overlap`), in cycles (`@cycle`) and
 /// where faces cross (`@crossing-triangles`).
-pub type PainterMin = Paired<DepthSort<Min>, Nothing>;
+pub type PainterMin = Paired<DepthSort<Min>, PaintersBuffer>;
 
 /// Painter's algorithm, sorted by each face's mean distance. As [`PainterMin`].
 ///
 /// Right more often than by the nearest corner, but not on long faces beside small ones (`@overlap` from its second
 /// camera), in cycles (`@cycle`) and where faces cross (`@crossing-triangles`).
-pub type PainterMean = Paired<DepthSort<Mean>, Nothing>;
+pub type PainterMean = Paired<DepthSort<Mean>, PaintersBuffer>;
 
 /// BSP tree, far to near: every face is painted. Fuchs, Kedem, Naylor, SIGGRAPH 1980; thesis Painter's Algorithm and
 /// Binary Space Partitioning, 1.2.
-pub type BspPainter = Paired<Bsp<FarToNear>, Nothing>;
+pub type BspPainter = Paired<Bsp<FarToNear>, PaintersBuffer>;
 
 /// BSP tree, near to far: every sample is painted once. Boreskov, Using portals.
 pub type BspFront = Paired<Bsp<NearToFar>, Mask>;
@@ -97,7 +97,7 @@ pub type Pvs = Ordered<BakedCellsOrder>;
 ///
 /// Takes faces, openings included, that bound a convex space, seen from inside or outside; what hides nothing (glass,
 /// cut-outs, items that never hide) may stand anywhere. An edit that leaves it convex no more is refused.
-pub type Cell = Paired<ConvexCell, Nothing>;
+pub type Cell = Paired<ConvexCell, PaintersBuffer>;
 
 /// Floating horizon: terrain near to far, and what stands on it, under a horizon that rises. Only for geometries that have a
 /// height field ([`GeometryBuilder::terrain`](crate::GeometryBuilder::terrain)). Anderson, ACM TOG 1982; Boreskov, Using
@@ -295,7 +295,7 @@ impl Method {
         match self {
             Method::BspFront => Mask::needs_bytes(size),
             Method::PainterMin | Method::PainterMean | Method::Bsp | Method::Cell => {
-                Nothing::needs_bytes(size)
+                PaintersBuffer::needs_bytes(size)
             }
             Method::ZBuffer | Method::Pvs => DepthBuffer::needs_bytes(size),
             Method::SBuffer | Method::HierarchicalS => SpanBuffer::needs_bytes(size),
@@ -313,7 +313,7 @@ impl Method {
     pub fn cover_shape(self) -> Option<CoverShape> {
         match self {
             Method::BspFront => Mask::SHAPE,
-            Method::PainterMin | Method::PainterMean | Method::Bsp | Method::Cell => Nothing::SHAPE,
+            Method::PainterMin | Method::PainterMean | Method::Bsp | Method::Cell => PaintersBuffer::SHAPE,
             Method::ZBuffer | Method::Pvs => DepthBuffer::SHAPE,
             Method::SBuffer | Method::HierarchicalS => SpanBuffer::SHAPE,
             Method::HierarchicalZ => DepthPyramid::SHAPE,

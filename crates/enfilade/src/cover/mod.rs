@@ -24,7 +24,7 @@ mod tiles;
 mod trace;
 mod triangle;
 
-pub use cells::Surface;
+pub use cells::CoarseCoverage;
 pub use depth_buffer::DepthBuffer;
 pub use depth_pyramid::DepthPyramid;
 pub use horizon::Horizon;

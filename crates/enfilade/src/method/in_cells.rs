@@ -13,7 +13,7 @@ use super::gathered::draw_gathered;
 use super::ours::{Edited, Ours};
 use crate::aperture::CellRoom;
 use crate::canvas::Canvas;
-use crate::cover::{Coarse, Cover, Surface};
+use crate::cover::{Coarse, CoarseCoverage, Cover};
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::{Changes, Geometry, ItemId, Opening};
@@ -21,7 +21,7 @@ use crate::memory::Memory;
 use crate::order::Order;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface as FaceSurface};
+use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface};
 use crate::seen::Seen;
 use crate::stats::Stats;
 use std::sync::Arc;
@@ -40,7 +40,7 @@ pub(super) struct InCells<M>(pub(super) M);
 /// A walk is held against a cover in cells, and the surfaces that go into it.
 struct Cells<'a, C> {
     cover: &'a mut C,
-    surface: &'a mut Surface,
+    surface: &'a mut CoarseCoverage,
 }
 
 impl<C: Coarse> Against for Cells<'_, C> {
@@ -56,14 +56,14 @@ impl<C: Coarse> Against for Cells<'_, C> {
 
     fn take_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool {
         let seen = self.sees_faces(faces, region, passage, stats);
-        if seen && faces.may_be_chosen && Surface::is_worth(faces, region) {
+        if seen && faces.may_be_chosen && CoarseCoverage::is_worth(faces, region) {
             self.surface.add(faces, passage, stats, self.cover);
         }
         seen
     }
 
     fn sees_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, _stats: &mut Stats) -> bool {
-        !Surface::is_worth(faces, region) || self.surface.may_show(faces, passage, self.cover)
+        !CoarseCoverage::is_worth(faces, region) || self.surface.may_show(faces, passage, self.cover)
     }
 }
 
@@ -79,7 +79,7 @@ impl<M: InParts> InCells<M> {
         let geometry = self.0.geometry();
         let mut room = memory.take::<CellRoom>();
         let mut cover = memory.take::<M::Cover>();
-        let mut surface = memory.take::<Surface>();
+        let mut surface = memory.take::<CoarseCoverage>();
         let passage = whole.in_cells(cells, &mut room);
         cover.clear_cells(&passage);
         surface.clear(&passage);
@@ -138,7 +138,7 @@ impl<M: InParts> Sector for InCells<M> {
         self.0.cast(ray)
     }
 
-    fn surface(&self, item: ItemId, face: u32) -> FaceSurface {
+    fn surface(&self, item: ItemId, face: u32) -> Surface {
         self.0.surface(item, face)
     }
 

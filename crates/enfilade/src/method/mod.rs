@@ -23,8 +23,8 @@ pub use unsuited::{FaceName, NoTerrain, NotBaked, NotConvex, TooLarge, Unsuited}
 
 use crate::canvas::CoverShape;
 use crate::cover::{
-    ByBox, ByFaces, Cover, DepthBuffer, DepthPyramid, Horizon, Mask, MaskedDepth, OcclusionTree,
-    PaintersBuffer, SpanBuffer, Surface,
+    ByBox, ByFaces, CoarseCoverage, Cover, DepthBuffer, DepthPyramid, Horizon, Mask, MaskedDepth,
+    OcclusionTree, PaintersBuffer, SpanBuffer,
 };
 use crate::geometry::Geometry;
 use crate::order::{
@@ -285,7 +285,7 @@ impl Method {
         match cover_size.filter(|&cells| self.takes_cover_size() && cells != size) {
             // Draws by a z-buffer.
             Some(cells) => {
-                self.cover_bytes(cells) + Surface::needs_bytes(cells) + DepthBuffer::needs_bytes(size)
+                self.cover_bytes(cells) + CoarseCoverage::needs_bytes(cells) + DepthBuffer::needs_bytes(size)
             }
             None => self.cover_bytes(size),
         }

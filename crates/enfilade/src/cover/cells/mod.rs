@@ -33,7 +33,7 @@ use waiting::Waiting;
 
 /// What the faces that came so far cover.
 #[derive(Default)]
-pub struct Surface {
+pub struct CoarseCoverage {
     rect: Rect,
     columns: usize,
     /// By row and column of the screen in cells.
@@ -80,7 +80,7 @@ const WORTH: u64 = 1;
 /// Neighbouring cells whose reversed depth differs by no more than this factor become one run.
 const ALIKE: f32 = 1.0 + 1.0 / 32.0;
 
-impl Surface {
+impl CoarseCoverage {
     /// Memory in bytes for so many cells.
     pub(crate) fn needs_bytes(cells: [u32; 2]) -> u64 {
         u64::from(cells[0]) * u64::from(cells[1]) * (size_of::<Cell>() + size_of::<Waiting>()) as u64

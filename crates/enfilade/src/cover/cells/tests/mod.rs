@@ -71,7 +71,7 @@ impl Dice {
 fn covered(geometry: &Geometry, cells: [u32; 2]) -> (Known, Passage) {
     let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [320, 180]);
     let passage = Passage::at_the_eye(&view, SectorId(0), false).in_cells(cells, &mut CellRoom::default());
-    let (mut known, mut surface) = (Known::default(), Surface::default());
+    let (mut known, mut surface) = (Known::default(), CoarseCoverage::default());
     known.clear_cells(&passage);
     surface.clear(&passage);
     for item in (0..geometry.items().len() as u32).map(ItemId) {

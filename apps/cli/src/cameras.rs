@@ -8,7 +8,7 @@ use crate::read::read_file;
 use crate::text::{plural, short};
 use crate::values::among;
 use anyhow::{Context, Result, anyhow, bail};
-use enfilade::{Ray, Scene, SectorId, Standpoint, Survey, View, Viewer, survey_hard};
+use enfilade::{Ray, Scene, SectorId, Survey, SurveyView, View, Viewer, survey_hard};
 use glam::DVec3;
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -220,7 +220,7 @@ fn hard(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>> {
     Ok(found.iter().map(|place| at(args, place)).collect())
 }
 
-fn at(args: &CameraArgs, place: &Standpoint) -> View {
+fn at(args: &CameraArgs, place: &SurveyView) -> View {
     plain(args, place.eye, place.toward)
 }
 
@@ -262,7 +262,7 @@ fn first_picture(args: &CameraArgs, opened: &Opened) -> Result<View> {
 }
 
 /// Is nothing above a place?
-fn is_under_sky(scene: &Scene, place: &Standpoint) -> bool {
+fn is_under_sky(scene: &Scene, place: &SurveyView) -> bool {
     let up = Ray {
         origin: place.eye,
         direction: [0.0, 1.0, 0.0],

@@ -94,8 +94,9 @@ pub use method::{
 pub use occluders::{Choice, Chosen, Measure, Occluder, OccluderRoom, OccluderSet, OccluderSummary};
 pub use passage::{Passage, PassageId};
 pub use query::{
-    Between, BoxError, Capsule, Cast, Location, Met, Near, Nearby, Nearest, PairChanges, Pairs, Presence,
-    Reached, SightLine, Slid, Standpoint, Survey, Walked, survey, survey_hard, survey_in,
+    BodyInSector, BoxError, BoxVisibility, Capsule, LightReach, Location, MoveResult, NearItem, NearItems,
+    NearestItem, PairChanges, Pairs, RayCast, RayEnd, SightLine, SlideResult, Survey, SurveyView, survey,
+    survey_hard, survey_in,
 };
 pub use region::{Region, Visibility};
 pub use scene::{

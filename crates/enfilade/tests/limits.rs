@@ -2,9 +2,9 @@
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    Capsule, Cast, ConvexPolygon, GeometryBuilder, GeometryError, HeightField, HeightFieldError, Light,
-    Limits, Location, MAX_COORDINATE, Material, MaterialId, Mesh, MeshError, Met, Method, PortalId, Ray,
-    Scene, SceneBuilder, SceneError, SectorId, Transform, View, ViewError, Viewer, Walked,
+    Capsule, ConvexPolygon, GeometryBuilder, GeometryError, HeightField, HeightFieldError, Light, Limits,
+    Location, MAX_COORDINATE, Material, MaterialId, Mesh, MeshError, Method, MoveResult, PortalId, Ray,
+    RayCast, RayEnd, Scene, SceneBuilder, SceneError, SectorId, Transform, View, ViewError, Viewer,
     geom::PolygonError,
 };
 
@@ -96,7 +96,7 @@ fn a_walk_through_a_teleport_that_enlarges_ends_at_a_place_and_reports_that_it_w
             walked.place
         );
         assert!(!walked.complete, "scale {scale}");
-        assert!(!walked.crossed.is_empty() && walked.crossed.len() <= Walked::MOST_CROSSED);
+        assert!(!walked.crossed.is_empty() && walked.crossed.len() <= MoveResult::MOST_CROSSED);
         let slid = scene.slide(START, Capsule::new(0.3, 1.8), [1e5, 0.0, 0.0]);
         assert!(is_place(slid.place.position), "scale {scale}: {:?}", slid.place);
         for presence in scene.stands_in(
@@ -119,8 +119,12 @@ fn a_ray_through_a_teleport_that_scales_again_and_again_ends_at_a_limit() {
             direction: [1.0, 0.0, 0.0],
         };
         let cast = loop_of(scale).cast(SectorId(0), &ray);
-        assert!(matches!(cast.met, Met::Limit(_)), "scale {scale}: {:?}", cast.met);
-        assert!(!cast.crossed.is_empty() && cast.crossed.len() <= Cast::MOST_CROSSED);
+        assert!(
+            matches!(cast.end, RayEnd::Limit(_)),
+            "scale {scale}: {:?}",
+            cast.end
+        );
+        assert!(!cast.crossed.is_empty() && cast.crossed.len() <= RayCast::MOST_CROSSED);
         assert!(cast.there_from_here.is_finite());
     }
 }

@@ -1,7 +1,7 @@
 //! Where the light of a scene's lamps and suns goes: into which sectors, through which openings, and how much of it is
 //! sent back there by walls.
 
-use enfilade::{Aabb, Light, LightId, LightShape, Limits, Passage, Ray, Reached, Scene, SectorId};
+use enfilade::{Aabb, Light, LightId, LightReach, LightShape, Limits, Passage, Ray, Scene, SectorId};
 use glam::{DVec3, Vec3};
 
 /// Sectors that one lamp is followed into at most: two mirrors face to face would go on for ever.
@@ -23,7 +23,7 @@ pub(crate) struct Lamps {
 struct Lamp {
     light: usize,
     lamp: Light,
-    reached: Reached,
+    reached: LightReach,
     /// Where the middle of its light goes, of unit length; zero of a point.
     onwards: DVec3,
     /// Lengths in the sector for one where the lamp hangs.
@@ -288,7 +288,7 @@ fn usual_distance(scene: &Scene, lamp: &Light) -> f64 {
 
 /// Adds what a light does in a sector that it reaches. What comes through an opening counts by how large that is beside
 /// the walls; what fills a small part of a large sector, by that part.
-fn brighten(scene: &Scene, rooms: &mut [Brightness], lamp: &Light, reached: &Reached, usual: f64) {
+fn brighten(scene: &Scene, rooms: &mut [Brightness], lamp: &Light, reached: &LightReach, usual: f64) {
     const SENT_BACK: f32 = 0.35;
     let size = DVec3::from(scene.sector(reached.sector).bounds().size().map(f64::from));
     let walls = 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);

@@ -1,7 +1,7 @@
 //! Pictures by lamplight, held against light that is followed along every chain of portals one by one.
 
 use enfilade::laws::Lamplight;
-use enfilade::{Light, LightId, Met, Ray, Scene, View, Viewer};
+use enfilade::{Light, LightId, Ray, RayEnd, Scene, View, Viewer};
 use enfilade_draw::{RgbImage, Settings, Stage};
 use enfilade_scenes::{BuiltIn, Camera, built_in};
 use glam::DVec3;
@@ -56,7 +56,7 @@ fn lamplight_along(scene: &Scene, lamplight: &Lamplight, view: &View, direction:
         direction: direction.as_vec3().into(),
     };
     let cast = scene.cast(sector, &ray);
-    let Met::Face(hit) = cast.met else { return None };
+    let RayEnd::Face(hit) = cast.end else { return None };
     let surface = scene.sector(cast.sector).surface(hit.item, hit.face);
     // A face of one side is not seen from behind, and glass does not stop the eye.
     if hit.from_behind || surface.alpha != enfilade::Alpha::Opaque {

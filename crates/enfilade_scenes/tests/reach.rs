@@ -1,7 +1,7 @@
 //! What reaches where through portals, held against all chains of portals tried one by one.
 
 use enfilade::laws::{chains, goes_straight};
-use enfilade::{Light, Limits, Location, Met, PortalId, Ray, Scene, SectorId, Transform};
+use enfilade::{Light, Limits, Location, PortalId, Ray, RayEnd, Scene, SectorId, Transform};
 use enfilade_scenes::{BuiltIn, built_in};
 use glam::Vec3;
 
@@ -122,7 +122,7 @@ fn is_free(scene: &Scene, from: [f32; 3], sector: SectorId, chain: &[PortalId], 
         direction: (target - Vec3::from(from)).into(),
     };
     let cast = scene.cast(sector, &ray);
-    assert!(cast.distance < 0.999 || cast.met == Met::Nothing || cast.crossed.starts_with(chain));
+    assert!(cast.distance < 0.999 || cast.end == RayEnd::Nothing || cast.crossed.starts_with(chain));
     cast.distance >= 0.9999
 }
 

@@ -8,8 +8,8 @@
 mod pairs;
 
 use enfilade::{
-    Aabb, Between, Capsule, Geometry, GeometryBuilder, ItemId, Location, Material, MaterialId, Mesh, Method,
-    OccluderSet, Ray, Scene, SceneBuilder, SectorId, Transform, View,
+    Aabb, BoxVisibility, Capsule, Geometry, GeometryBuilder, ItemId, Location, Material, MaterialId, Mesh,
+    Method, OccluderSet, Ray, Scene, SceneBuilder, SectorId, Transform, View,
 };
 use enfilade_scenes::{Random, built_in};
 use pairs::pairs;
@@ -276,13 +276,13 @@ fn between(bench: &Bench, place: &str, geometry: &Geometry) {
     let mut chance = Random::new(5);
     let mut item = || geometry.items()[(chance.unit() * geometry.items().len() as f32) as usize].bounds;
     let boxes: Vec<[Aabb; 2]> = (0..bench.questions).map(|_| [item(), item()]).collect();
-    let answers: Vec<Between> = boxes
+    let answers: Vec<BoxVisibility> = boxes
         .iter()
         .map(|[a, b]| geometry.between(a, b, &occluders))
         .collect();
     let known = answers
         .iter()
-        .filter(|&&answer| answer != Between::Unknown)
+        .filter(|&&answer| answer != BoxVisibility::Unknown)
         .count();
     assert!(known > 0, "nothing is known of {place}");
     let ours = bench.ns(|i| hold(geometry.between(&boxes[i][0], &boxes[i][1], &occluders)));

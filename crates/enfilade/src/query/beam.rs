@@ -14,7 +14,7 @@ use smallvec::SmallVec;
 /// A sector that a point reaches into, through zero or more portals.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Reached {
+pub struct LightReach {
     /// Where it comes from, by its place in the list; `None` for the sector that the point is in.
     pub parent: Option<u32>,
     /// The portal through which it leaves its parent.
@@ -33,7 +33,7 @@ pub struct Reached {
     planes: SmallVec<[(DVec3, f64); 8]>,
 }
 
-impl Reached {
+impl LightReach {
     /// The planes that the beam is between: it holds points with n · x ≥ d for all (n, d), in the sector's space. None
     /// where the point is.
     pub fn planes(&self) -> impl Iterator<Item = ([f64; 3], f64)> {
@@ -59,8 +59,8 @@ impl Scene {
     /// A sector that is reached in several ways is there several times. Where `limits` bite, the rest is left out, and so
     /// is what is behind portals that enlarge or shrink again and again until 64-bit numbers end. A position that is not
     /// finite reaches its own sector only.
-    pub fn reach(&self, from: Location, range: f32, limits: &Limits) -> Vec<Reached> {
-        let mut all = vec![Reached {
+    pub fn reach(&self, from: Location, range: f32, limits: &Limits) -> Vec<LightReach> {
+        let mut all = vec![LightReach {
             parent: None,
             portal: None,
             sector: from.sector,
@@ -89,11 +89,11 @@ impl Scene {
     /// What of a beam goes on through a portal; `None` if nothing does.
     pub(super) fn beam_through(
         &self,
-        beam: &Reached,
+        beam: &LightReach,
         number: u32,
         portal_id: PortalId,
         range: f64,
-    ) -> Option<Reached> {
+    ) -> Option<LightReach> {
         if (beam.portal).is_some_and(|came| self.leads_back(came, portal_id)) {
             return None;
         }
@@ -125,7 +125,7 @@ impl Scene {
         if !(moved(origin).is_finite() && there_from_start.inverse().is_some()) {
             return None;
         }
-        let mut child = Reached {
+        let mut child = LightReach {
             parent: Some(number),
             portal: Some(portal_id),
             sector: portal.to,

@@ -15,7 +15,7 @@ use glam::DVec3;
 /// What is known of all straight lines from the points of one box to those of another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Between {
+pub enum BoxVisibility {
     /// Nothing stops this one, from a point of the first to a point of the second.
     Visible([[f32; 3]; 2]),
     /// Every line is stopped.
@@ -31,27 +31,27 @@ impl Geometry {
     ///
     /// `occluders` are those of this geometry ([`OccluderSet::build`]): only they can prove that something is hidden. Boxes
     /// that are empty or not finite are unknown.
-    pub fn between(&self, from: &Aabb, to: &Aabb, occluders: &OccluderSet) -> Between {
+    pub fn between(&self, from: &Aabb, to: &Aabb, occluders: &OccluderSet) -> BoxVisibility {
         let sound = |bounds: &Aabb| {
             !bounds.is_empty() && bounds.min.iter().chain(&bounds.max).all(|side| side.is_finite())
         };
         if !(sound(from) && sound(to)) {
-            return Between::Unknown;
+            return BoxVisibility::Unknown;
         }
         let both = from.intersection(to);
         if !both.is_empty() {
-            return Between::Visible([both.center(); 2]);
+            return BoxVisibility::Visible([both.center(); 2]);
         }
         let mut lines = lines(from, to);
         let first = lines.next();
         if let Some(line) = first.filter(|line| self.is_free(line, from, to)) {
-            return Between::Visible(line);
+            return BoxVisibility::Visible(line);
         }
         if self.is_walled_off(from, to, occluders) {
-            return Between::Hidden;
+            return BoxVisibility::Hidden;
         }
         let free = lines.find(|line| self.is_free(line, from, to));
-        free.map_or(Between::Unknown, Between::Visible)
+        free.map_or(BoxVisibility::Unknown, BoxVisibility::Visible)
     }
 
     /// Does nothing opaque stand in the way from one box to the other?

@@ -5,7 +5,7 @@
 //! Source: Mitchell, Mount, Papadimitriou, The Discrete Geodesic Problem, 1987, for the order and the dominance; a
 //!     shortest way through given convex outlines is found by moving one bend at a time to its best point, for the
 //!     length is convex.
-//! Cost: for each chain kept, the items within what is left of the radius; at most [`Nearby::MOST_CHAINS`] chains.
+//! Cost: for each chain kept, the items within what is left of the radius; at most [`NearItems::MOST_CHAINS`] chains.
 //! Mirrors cost nothing: no way by a mirror is shorter than the one without it.
 
 use super::place::{Location, corners};
@@ -19,7 +19,7 @@ use std::collections::{BTreeMap, BinaryHeap};
 /// An item near a location.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Near {
+pub struct NearItem {
     /// The sector that it stands in.
     pub sector: SectorId,
     /// Which.
@@ -34,9 +34,9 @@ pub struct Near {
 /// The items near a location, and how far the search for them went.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Nearby {
+pub struct NearItems {
     /// Each item once, by its shortest way: the nearest first, then by sector and number.
-    pub items: Vec<Near>,
+    pub items: Vec<NearItem>,
     /// Whether every way within the radius was searched.
     pub complete: bool,
     /// The radius, or less if a limit ended the search. All items within this distance are listed, at their right
@@ -44,7 +44,7 @@ pub struct Nearby {
     pub searched: f64,
 }
 
-impl Nearby {
+impl NearItems {
     /// Maximum number of chains of portals that one search follows.
     pub const MOST_CHAINS: usize = 1024;
 
@@ -62,9 +62,9 @@ impl Scene {
     /// Finds the items whose boxes are within `radius` of a place, by ways through open portals. Walls and items within a
     /// sector are no obstacles; custom sectors report no items.
     ///
-    /// A position that is not finite, or a radius that is negative or NaN, finds nothing. Where a limit of [`Nearby`] ends
-    /// the search, [`Nearby::complete`] is `false`.
-    pub fn near(&self, place: Location, radius: f32) -> Nearby {
+    /// A position that is not finite, or a radius that is negative or NaN, finds nothing. Where a limit of [`NearItems`] ends
+    /// the search, [`NearItems::complete`] is `false`.
+    pub fn near(&self, place: Location, radius: f32) -> NearItems {
         let mut search = Search {
             scene: self,
             start: DVec3::from(place.position.map(f64::from)),
@@ -78,9 +78,9 @@ impl Scene {
         } else {
             true
         };
-        let mut items: Vec<Near> = search.found.into_values().collect();
+        let mut items: Vec<NearItem> = search.found.into_values().collect();
         items.sort_by(|a, b| a.distance.total_cmp(&b.distance));
-        Nearby {
+        NearItems {
             items,
             complete,
             searched: search.searched,
@@ -110,7 +110,7 @@ struct Search<'a> {
     start: DVec3,
     radius: f64,
     chains: Vec<Chain>,
-    found: BTreeMap<(SectorId, ItemId), Near>,
+    found: BTreeMap<(SectorId, ItemId), NearItem>,
     searched: f64,
 }
 
@@ -138,7 +138,7 @@ impl Search<'_> {
             if self.returns(number) || self.is_dominated(number, rivals) {
                 continue;
             }
-            if kept == Nearby::MOST_CHAINS {
+            if kept == NearItems::MOST_CHAINS {
                 self.searched = self.searched.min(self.chains[number].length);
                 return false;
             }
@@ -180,10 +180,10 @@ impl Search<'_> {
                 portal.there_from_here.0
             };
             let scale = chain.scale * portal.there_from_here.scale();
-            let in_range = (1.0 / Nearby::MOST_SCALE..=Nearby::MOST_SCALE).contains(&scale);
+            let in_range = (1.0 / NearItems::MOST_SCALE..=NearItems::MOST_SCALE).contains(&scale);
             if !in_range
-                || chain.crossings == Nearby::MOST_CROSSED
-                || self.chains.len() + longer.len() == Nearby::MOST_MEASURED
+                || chain.crossings == NearItems::MOST_CROSSED
+                || self.chains.len() + longer.len() == NearItems::MOST_MEASURED
             {
                 complete = false;
                 searched = searched.min(length);
@@ -316,7 +316,7 @@ impl Search<'_> {
             };
             let (distance, _) = way(self.start, &windows, nearest);
             if distance <= self.radius && known.is_none_or(|known| distance < known) {
-                let near = Near {
+                let near = NearItem {
                     sector: chain.sector,
                     item,
                     distance,

@@ -15,24 +15,24 @@ use std::collections::BinaryHeap;
 
 /// An item and how far it is. The nearer comes first, at one distance the lower.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Nearest {
+pub struct NearestItem {
     /// Which.
     pub item: ItemId,
     /// From the point to its box, in scene units; 0 within.
     pub distance: f64,
 }
 
-impl Eq for Nearest {}
+impl Eq for NearestItem {}
 
-impl Ord for Nearest {
-    fn cmp(&self, other: &Nearest) -> Ordering {
+impl Ord for NearestItem {
+    fn cmp(&self, other: &NearestItem) -> Ordering {
         let by_distance = self.distance.total_cmp(&other.distance);
         by_distance.then(self.item.cmp(&other.item))
     }
 }
 
-impl PartialOrd for Nearest {
-    fn partial_cmp(&self, other: &Nearest) -> Option<Ordering> {
+impl PartialOrd for NearestItem {
+    fn partial_cmp(&self, other: &NearestItem) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
@@ -43,7 +43,7 @@ impl Geometry {
     ///
     /// `usize::MAX` and infinity ask for all. None are within a radius that is negative or NaN, or of a point that is not
     /// finite. Walls are not in the way, and openings lead nowhere: [`Scene::near`](crate::Scene::near) goes through those.
-    pub fn nearest_items(&self, point: [f32; 3], count: usize, radius: f32, found: &mut Vec<Nearest>) {
+    pub fn nearest_items(&self, point: [f32; 3], count: usize, radius: f32, found: &mut Vec<NearestItem>) {
         found.clear();
         let point = DVec3::from(point.map(f64::from));
         let mut reach = f64::from(radius);
@@ -59,7 +59,7 @@ impl Geometry {
                 let distance = nearest_squared(&self.item(item).bounds, point).sqrt();
                 if distance <= reach {
                     let full = best.len() == count;
-                    let one = Nearest { item, distance };
+                    let one = NearestItem { item, distance };
                     if !full {
                         best.push(one);
                     } else if let Some(mut last) = best.peek_mut().filter(|last| one < **last) {

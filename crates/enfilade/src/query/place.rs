@@ -18,7 +18,7 @@ pub struct Location {
 /// Where a step leads.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Walked {
+pub struct MoveResult {
     /// Where it ends.
     pub place: Location,
     /// From the space that it began in to the one that it ends in: turns a body and its course.
@@ -26,12 +26,12 @@ pub struct Walked {
     /// The portals that it went through, in order.
     pub crossed: Vec<PortalId>,
     /// Whether it went through every portal on the way. If not, it ends behind the opening of the first one that it did not
-    /// go through, in the space before it: that was one more than [`Walked::MOST_CROSSED`], or led beyond
+    /// go through, in the space before it: that was one more than [`MoveResult::MOST_CROSSED`], or led beyond
     /// [`MAX_COORDINATE`](crate::MAX_COORDINATE), as portals that enlarge again and again do.
     pub complete: bool,
 }
 
-impl Walked {
+impl MoveResult {
     /// Portals that one step goes through at most.
     pub const MOST_CROSSED: usize = 256;
 }
@@ -39,7 +39,7 @@ impl Walked {
 /// A sector that a body stands in.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Presence {
+pub struct BodyInSector {
     /// Where its middle is, as seen from that sector; it may lie outside.
     pub place: Location,
     /// Its radius there.
@@ -56,8 +56,8 @@ impl Scene {
     /// ends beyond [`MAX_COORDINATE`](crate::MAX_COORDINATE), is none.
     ///
     /// Cost: O(openings) for each sector on the way.
-    pub fn walk(&self, from: Location, step: [f32; 3]) -> Walked {
-        let mut walked = Walked {
+    pub fn walk(&self, from: Location, step: [f32; 3]) -> MoveResult {
+        let mut walked = MoveResult {
             place: from,
             there_from_here: Transform::IDENTITY,
             crossed: Vec::new(),
@@ -72,7 +72,7 @@ impl Scene {
         let mut ends = [from.position, end].map(|point| DVec3::from(point.map(f64::from)));
         let mut at = 0.0;
         while let Some((portal_id, pierced)) = self.next_crossed(&walked, ends, at) {
-            if walked.crossed.len() == Walked::MOST_CROSSED {
+            if walked.crossed.len() == MoveResult::MOST_CROSSED {
                 walked.complete = false;
                 break;
             }
@@ -97,7 +97,7 @@ impl Scene {
     }
 
     /// The next portal that a step crosses, if any.
-    fn next_crossed(&self, walked: &Walked, ends: [DVec3; 2], at: f64) -> Option<(PortalId, Pierced)> {
+    fn next_crossed(&self, walked: &MoveResult, ends: [DVec3; 2], at: f64) -> Option<(PortalId, Pierced)> {
         let sector = walked.place.sector;
         let mut first: Option<(PortalId, Pierced)> = None;
         for (portal_id, outline) in self.ways_out(sector) {
@@ -155,8 +155,8 @@ impl Scene {
     ///
     /// A position beyond [`MAX_COORDINATE`](crate::MAX_COORDINATE) is in its own sector only, and the sphere is in at most
     /// 64 sectors. It may say one too many: where the sphere reaches an opening, but not through the one before it.
-    pub fn stands_in(&self, place: Location, radius: f32) -> Vec<Presence> {
-        let mut all = vec![Presence {
+    pub fn stands_in(&self, place: Location, radius: f32) -> Vec<BodyInSector> {
+        let mut all = vec![BodyInSector {
             place,
             radius,
             there_from_here: Transform::IDENTITY,
@@ -181,7 +181,7 @@ impl Scene {
                 }
                 let mut crossed = here.crossed.clone();
                 crossed.push(portal_id);
-                all.push(Presence {
+                all.push(BodyInSector {
                     place: Location {
                         sector: portal.to,
                         position,

@@ -9,11 +9,11 @@ use glam::DVec3;
 /// Where a ray ends.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Cast {
+pub struct RayCast {
     /// In which sector.
     pub sector: SectorId,
     /// What stops it there.
-    pub met: Met,
+    pub end: RayEnd,
     /// How far that is, over all portals, in lengths of the ray's direction.
     pub distance: f64,
     /// From the space that the ray begins in to that of `sector`.
@@ -25,12 +25,12 @@ pub struct Cast {
 /// What stops a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Met {
+pub enum RayEnd {
     /// A face; its distance is counted from the last portal.
     Face(Hit),
     /// An opening, from its front, that is closed or leads nowhere.
     Closed(OpeningId),
-    /// An opening that is not followed: it would be one more than [`Cast::MOST_CROSSED`], or leads beyond
+    /// An opening that is not followed: it would be one more than [`RayCast::MOST_CROSSED`], or leads beyond
     /// [`MAX_COORDINATE`](crate::MAX_COORDINATE), or to where the ray's direction is too short or too long for 32-bit
     /// numbers, as portals that enlarge or shrink again and again do.
     Limit(OpeningId),
@@ -38,7 +38,7 @@ pub enum Met {
     Nothing,
 }
 
-impl Cast {
+impl RayCast {
     /// Portals that one ray goes through at most.
     pub const MOST_CROSSED: usize = 256;
 }
@@ -47,15 +47,15 @@ impl Scene {
     /// Follows a ray through every open portal that it crosses, to the first thing that stops it.
     ///
     /// Cost: for each sector on the way that of its own [`Sector::cast`](crate::Sector::cast), and O(openings).
-    pub fn cast(&self, from: SectorId, ray: &Ray) -> Cast {
+    pub fn cast(&self, from: SectorId, ray: &Ray) -> RayCast {
         self.cast_until(from, ray, f64::INFINITY)
     }
 
     /// As [`Scene::cast`], but follows no opening that is farther than `limit`.
-    pub(super) fn cast_until(&self, from: SectorId, ray: &Ray, limit: f64) -> Cast {
-        let mut cast = Cast {
+    pub(super) fn cast_until(&self, from: SectorId, ray: &Ray, limit: f64) -> RayCast {
+        let mut cast = RayCast {
             sector: from,
-            met: Met::Nothing,
+            end: RayEnd::Nothing,
             distance: 0.0,
             there_from_here: Transform::IDENTITY,
             crossed: Vec::new(),
@@ -66,18 +66,18 @@ impl Scene {
             let opening = self.next_opening(cast.sector, &ray, cast.crossed.last().copied());
             let Some((opening, at)) = opening.filter(|&(_, at)| hit.is_none_or(|hit| at <= hit.distance))
             else {
-                cast.met = hit.map_or(Met::Nothing, Met::Face);
+                cast.end = hit.map_or(RayEnd::Nothing, RayEnd::Face);
                 cast.distance += hit.map_or(f64::INFINITY, |hit| hit.distance);
                 return cast;
             };
             cast.distance += at;
             let way = self.portal_of(cast.sector, opening);
             let Some(portal_id) = way.filter(|id| self.portals()[id.0 as usize].open) else {
-                cast.met = Met::Closed(opening);
+                cast.end = RayEnd::Closed(opening);
                 return cast;
             };
-            if cast.crossed.len() == Cast::MOST_CROSSED || cast.distance > limit {
-                cast.met = Met::Limit(opening);
+            if cast.crossed.len() == RayCast::MOST_CROSSED || cast.distance > limit {
+                cast.end = RayEnd::Limit(opening);
                 return cast;
             }
             let portal = &self.portals()[portal_id.0 as usize];
@@ -88,7 +88,7 @@ impl Scene {
                 direction: there.direction(ray.direction),
             };
             if !is_followed(&beyond) {
-                cast.met = Met::Limit(opening);
+                cast.end = RayEnd::Limit(opening);
                 return cast;
             }
             ray = beyond;

@@ -1,8 +1,8 @@
 //! Whether one place sees another.
 
-use super::beam::Reached;
+use super::beam::LightReach;
 use super::place::Location;
-use super::ray::{Cast, Met};
+use super::ray::{RayCast, RayEnd};
 use crate::scene::{PortalId, Scene};
 use crate::sector::Ray;
 use crate::viewer::Limits;
@@ -32,7 +32,7 @@ impl Scene {
             return None;
         }
         let reached = self.reach(from, f32::INFINITY, &Limits::default());
-        let reaches = |beam: &&Reached| beam.sector == to.sector && beam.holds(to.position.map(f64::from));
+        let reaches = |beam: &&LightReach| beam.sector == to.sector && beam.holds(to.position.map(f64::from));
         let mut beams = reached.iter().filter(reaches);
         beams.find_map(|beam| self.line_through(from, to, beam, &reached))
     }
@@ -41,12 +41,12 @@ impl Scene {
         &self,
         from: Location,
         to: Location,
-        beam: &Reached,
-        all: &[Reached],
+        beam: &LightReach,
+        all: &[LightReach],
     ) -> Option<SightLine> {
         // Where a line ends before the other place, by rounding, it ends there.
         const THERE: f64 = 1.0 - 1e-5;
-        let up = |beam: &&Reached| beam.parent.map(|parent| &all[parent as usize]);
+        let up = |beam: &&LightReach| beam.parent.map(|parent| &all[parent as usize]);
         let chain = std::iter::successors(Some(beam), up);
         let mut crossed: Vec<PortalId> = chain.filter_map(|beam| beam.portal).collect();
         crossed.reverse();
@@ -56,13 +56,13 @@ impl Scene {
             origin: from.position,
             direction,
         };
-        let Cast {
+        let RayCast {
             met,
             distance,
             crossed: followed,
             ..
         } = self.cast_until(from.sector, &ray, THERE);
-        let arrives = direction == [0.0; 3] || met == Met::Nothing || distance >= THERE;
+        let arrives = direction == [0.0; 3] || met == RayEnd::Nothing || distance >= THERE;
         (arrives && followed.starts_with(&crossed)).then_some(SightLine { direction, crossed })
     }
 }

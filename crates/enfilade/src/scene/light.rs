@@ -2,7 +2,7 @@
 
 use super::{Scene, SceneError, SectorId};
 use crate::geom::{Aabb, is_in_range};
-use crate::query::{Location, Reached};
+use crate::query::{LightReach, Location};
 use crate::viewer::Limits;
 use glam::DVec3;
 
@@ -173,9 +173,9 @@ impl Scene {
         }
     }
 
-    /// The sectors that a light shines into, its own first ([`Scene::reach`]). [`Reached::origin`] is where its light
+    /// The sectors that a light shines into, its own first ([`Scene::reach`]). [`LightReach::origin`] is where its light
     /// comes from; of a sun, a place far outside.
-    pub fn light_reach(&self, id: LightId, limits: &Limits) -> Vec<Reached> {
+    pub fn light_reach(&self, id: LightId, limits: &Limits) -> Vec<LightReach> {
         let light = &self.lights[id.0 as usize];
         let held = self.sector(light.sector).bounds();
         let range = match light.shape {

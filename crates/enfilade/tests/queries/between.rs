@@ -1,7 +1,7 @@
 //! Whether two boxes see each other, held against lines by chance.
 
 use crate::{about, geometries, length};
-use enfilade::{Aabb, Alpha, Between, Geometry, Hit, OccluderSet, Ray};
+use enfilade::{Aabb, Alpha, BoxVisibility, Geometry, Hit, OccluderSet, Ray};
 use enfilade_scenes::Random;
 
 /// Where a line is in a box, as parts of its length; `None` where it is not.
@@ -75,7 +75,7 @@ fn boxes_that_are_visible_have_a_free_line_and_hidden_ones_none_in_many() {
             };
             let [from, to] = [one(), one()];
             match geometry.between(&from, &to, &occluders) {
-                Between::Visible(line) => {
+                BoxVisibility::Visible(line) => {
                     assert!(from.contains(line[0]) && to.contains(line[1]));
                     let stops = stops(&geometry, [&from, &to], line, &mut hits);
                     let leaves = within(&from, line).map_or(0.0, |[_, leave]| leave) + slack;
@@ -84,7 +84,7 @@ fn boxes_that_are_visible_have_a_free_line_and_hidden_ones_none_in_many() {
                     assert_eq!(stop, None, "@{name}: {from:?} to {to:?} by {line:?}");
                     visible += 1;
                 }
-                Between::Hidden => {
+                BoxVisibility::Hidden => {
                     for _ in 0..LINES {
                         let line = [point_in(&from, &mut chance), point_in(&to, &mut chance)];
                         let stops = stops(&geometry, [&from, &to], line, &mut hits);
@@ -108,11 +108,17 @@ fn boxes_that_overlap_are_visible_and_those_that_are_none_unknown() {
     let occluders = OccluderSet::build(&geometry);
     let whole = geometry.bounds();
     let seen = geometry.between(&whole, &whole, &occluders);
-    assert!(matches!(seen, Between::Visible([from, to]) if from == to && whole.contains(from)));
+    assert!(matches!(seen, BoxVisibility::Visible([from, to]) if from == to && whole.contains(from)));
     let mut endless = whole;
     endless.max[0] = f32::INFINITY;
     for bounds in [Aabb::EMPTY, endless] {
-        assert_eq!(geometry.between(&whole, &bounds, &occluders), Between::Unknown);
-        assert_eq!(geometry.between(&bounds, &whole, &occluders), Between::Unknown);
+        assert_eq!(
+            geometry.between(&whole, &bounds, &occluders),
+            BoxVisibility::Unknown
+        );
+        assert_eq!(
+            geometry.between(&bounds, &whole, &occluders),
+            BoxVisibility::Unknown
+        );
     }
 }

@@ -1,7 +1,7 @@
 //! Items in boxes, spheres and frusta, and the nearest ones.
 
 use crate::{QUESTIONS, about, affine, geometries, length};
-use enfilade::{Aabb, Geometry, ItemId, Nearest, View, Viewer};
+use enfilade::{Aabb, Geometry, ItemId, NearestItem, View, Viewer};
 use enfilade_scenes::{Random, built_in};
 use glam::DVec3;
 
@@ -239,7 +239,7 @@ fn questions_that_make_no_sense_find_nothing() {
     for bounds in [Aabb::EMPTY, inside_out, not_a_box] {
         nothing(found(|visit| geometry.items_in_box(&bounds, visit)));
     }
-    let mut nearest: Vec<Nearest> = Vec::new();
+    let mut nearest: Vec<NearestItem> = Vec::new();
     geometry.nearest_items([0.0; 3], 3, f32::INFINITY, &mut nearest);
     assert_eq!(nearest.len(), 3);
     for (center, radius) in [

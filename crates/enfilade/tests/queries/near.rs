@@ -2,8 +2,8 @@
 
 use enfilade::laws::chains;
 use enfilade::{
-    ConvexPolygon, Geometry, GeometryBuilder, ItemId, Location, Material, MaterialId, Mesh, Method, Nearby,
-    PortalId, Scene, SceneBuilder, SectorId, Transform,
+    ConvexPolygon, Geometry, GeometryBuilder, ItemId, Location, Material, MaterialId, Mesh, Method,
+    NearItems, PortalId, Scene, SceneBuilder, SectorId, Transform,
 };
 use enfilade_scenes::{Random, built_in, random_scene};
 use glam::DVec3;
@@ -227,7 +227,7 @@ fn nothing_is_near_a_place_that_is_none_or_within_a_radius_that_is_none() {
         (START, f32::NAN),
         (START, -1.0),
     ] {
-        let near: Nearby = scene.near(place, radius);
+        let near: NearItems = scene.near(place, radius);
         assert_eq!(
             (near.items.len(), near.complete),
             (0, true),

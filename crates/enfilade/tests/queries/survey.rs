@@ -2,7 +2,7 @@
 
 use crate::CUBE_SIDES;
 use enfilade::{
-    GeometryBuilder, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, Standpoint, Survey, Transform,
+    GeometryBuilder, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, Survey, SurveyView, Transform,
     View, Viewer, survey, survey_hard,
 };
 use enfilade_scenes::{NAMES, built_in};
@@ -69,7 +69,7 @@ fn two_rooms() -> [Block; 2] {
     ]
 }
 
-fn is_within(place: &Standpoint, block: &Block, margin: f32, scale: f32) -> bool {
+fn is_within(place: &SurveyView, block: &Block, margin: f32, scale: f32) -> bool {
     (0..3).all(|axis| {
         let at = place.eye[axis] / scale;
         at >= block.min[axis] + margin && at <= block.max[axis] - margin

@@ -117,7 +117,7 @@ pub(crate) fn meet(scene: &Scene, view: &View, at: [f64; 2]) -> Option<Met> {
         direction: direction.as_vec3().into(),
     };
     let cast = scene.cast(sector, &ray);
-    let enfilade::Met::Face(hit) = cast.met else {
+    let enfilade::RayEnd::Face(hit) = cast.end else {
         return None;
     };
     let moved = |p: DVec3| {

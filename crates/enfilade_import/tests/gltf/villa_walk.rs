@@ -1,6 +1,6 @@
 //! A person walks through the rooms of a real villa, and never gets into a wall.
 
-use enfilade::{Aabb, Capsule, Location, MaterialId, Mesh, Met, Method, Ray, Scene, SectorId, Transform};
+use enfilade::{Aabb, Capsule, Location, MaterialId, Mesh, Method, Ray, RayEnd, Scene, SectorId, Transform};
 use enfilade_import::{ReadOptions, read};
 use enfilade_scenes::Random;
 use std::collections::BTreeSet;
@@ -68,7 +68,7 @@ fn nearest_wall(scene: &Scene, place: Location, person: &Capsule) -> (f64, Strin
                 direction: [angle.cos(), 0.0, angle.sin()],
             };
             let cast = scene.cast(at.sector, &ray);
-            if cast.distance < nearest.0 && cast.met != Met::Nothing {
+            if cast.distance < nearest.0 && cast.end != RayEnd::Nothing {
                 nearest = (cast.distance, format!("{ray:?} meets {cast:?}"));
             }
         }

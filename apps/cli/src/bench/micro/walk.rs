@@ -64,7 +64,7 @@ pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<R
     }
     let parts = Rc::new(parts);
     let row = |(name, (size, best_ms)): (&'static str, ([u32; 2], f64))| {
-        let look = |place: &enfilade::Standpoint| {
+        let look = |place: &enfilade::SurveyView| {
             let view = View::new(place.eye, place.toward, size);
             let passage = passage(&view)?;
             let in_view = |part: &Part| part.sector == place.sector && passage.may_show(&part.bounds);

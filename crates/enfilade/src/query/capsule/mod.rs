@@ -32,7 +32,7 @@ pub struct Capsule {
 /// Where a step of a capsule leads.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Slid {
+pub struct SlideResult {
     /// Where its middle is.
     pub place: Location,
     /// The capsule as it is there: turned, and grown or shrunk, as the portals have it.
@@ -84,8 +84,8 @@ impl Scene {
     ///
     /// It keeps a thousandth of its radius away from faces, or as much as f32 loses there. A step, a place or a capsule that
     /// is not finite, and a capsule without radius, go nowhere.
-    pub fn slide(&self, from: Location, capsule: Capsule, step: [f32; 3]) -> Slid {
-        let goes_nowhere = Slid {
+    pub fn slide(&self, from: Location, capsule: Capsule, step: [f32; 3]) -> SlideResult {
+        let goes_nowhere = SlideResult {
             place: from,
             capsule,
             there_from_here: Transform::IDENTITY,
@@ -119,7 +119,7 @@ impl Scene {
             moved = climbed(&start, step, f64::from(capsule.climb), &moved).unwrap_or(moved);
         }
         let scale = moved.body.radius / body.radius;
-        Slid {
+        SlideResult {
             place: moved.place,
             capsule: Capsule {
                 radius: moved.body.radius as f32,

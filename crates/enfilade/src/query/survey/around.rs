@@ -1,6 +1,6 @@
 //! Camera positions around an object.
 
-use super::{Standpoint, Surveyor, TRIES};
+use super::{SurveyView, Surveyor, TRIES};
 use glam::DVec3;
 
 /// Range of distances from the centre, relative to the radius of the bounding sphere. From the minimum the sphere fills the
@@ -9,7 +9,7 @@ const DISTANCE: [f64; 2] = [1.2, 2.5];
 /// Range of the sine of the elevation.
 const ELEVATION: [f64; 2] = [-0.3, 0.9];
 
-pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<Standpoint> {
+pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<SurveyView> {
     let mut found = Vec::new();
     for number in 0..TRIES * count {
         if found.len() == count {
@@ -28,7 +28,7 @@ pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<Standpoint> {
         let eye = center + away * (radius.length() * between(DISTANCE));
         let [eye, toward] = [eye, center].map(|point| point.as_vec3().to_array());
         if surveyor.scene.locate(eye, toward) == Some(sector) {
-            found.push(Standpoint {
+            found.push(SurveyView {
                 sector,
                 eye,
                 toward,

@@ -4,14 +4,14 @@
 //!     is rejected as inside a solid if most rays from it hit back faces.
 //! Source: after the random walks of visibility sampling.
 
-use super::{CLEARANCE, Standpoint, Surveyor, TRIES};
+use super::{CLEARANCE, SurveyView, Surveyor, TRIES};
 use crate::geometry::{Geometry, ItemId};
 use glam::DVec3;
 
 /// Minimum distance of an eye from all faces, relative to the geometry's size.
 const CLEAR_OF_SIZE: f64 = 1e-3;
 
-pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<Standpoint> {
+pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<SurveyView> {
     let mut found = Vec::new();
     let items: usize = (surveyor.geometries.iter())
         .map(|(_, geometry)| geometry.items().len())
@@ -43,7 +43,7 @@ pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<Standpoint> {
             && !surveyor.budget.is_spent()
             && surveyor.scene.locate(eye, toward.to_array()) == Some(sector)
         {
-            found.push(Standpoint {
+            found.push(SurveyView {
                 sector,
                 eye,
                 toward: toward.to_array(),

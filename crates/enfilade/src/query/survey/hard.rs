@@ -1,6 +1,6 @@
 //! Views that are numerically hard for visibility: eyes in portals, on vertices, on edges and in planes of faces.
 
-use super::{Dice, Standpoint};
+use super::{Dice, SurveyView};
 use crate::geometry::{Geometry, ItemId};
 use crate::scene::{Scene, SectorId};
 use glam::DVec3;
@@ -10,7 +10,7 @@ use glam::DVec3;
 ///
 /// Eyes may be inside solids. Returns fewer views if [`Scene::locate`] finds many of the eyes in other sectors, and none if the scene
 /// has no faces.
-pub fn survey_hard(scene: &Scene, count: usize) -> Vec<Standpoint> {
+pub fn survey_hard(scene: &Scene, count: usize) -> Vec<SurveyView> {
     let geometries: Vec<(SectorId, &Geometry)> = scene
         .sectors()
         .filter_map(|id| scene.geometry(id).map(|geometry| (id, &**geometry)))
@@ -33,7 +33,7 @@ pub fn survey_hard(scene: &Scene, count: usize) -> Vec<Standpoint> {
             continue;
         };
         if eye != toward && scene.locate(eye, toward) == Some(sector) {
-            found.push(Standpoint {
+            found.push(SurveyView {
                 sector,
                 eye,
                 toward,

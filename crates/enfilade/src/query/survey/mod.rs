@@ -18,7 +18,7 @@ mod rooms;
 pub use hard::survey_hard;
 
 use super::cast::line_of;
-use super::ray::Met;
+use super::ray::RayEnd;
 use crate::geom::{Aabb, Step, nearest_points};
 use crate::geometry::{Geometry, ItemId};
 use crate::scene::{Scene, SectorId};
@@ -34,7 +34,7 @@ use std::collections::BTreeSet;
 /// A camera position in open space and its target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Standpoint {
+pub struct SurveyView {
     /// The sector that contains the eye.
     pub sector: SectorId,
     /// Camera position, in the sector's space.
@@ -50,7 +50,7 @@ pub struct Standpoint {
 #[non_exhaustive]
 pub struct Survey {
     /// The positions, distributed over the rooms.
-    pub places: Vec<Standpoint>,
+    pub places: Vec<SurveyView>,
     /// Number of rooms and streets found; 0 if the positions are around an object, or float because the scene has no floors.
     pub rooms: usize,
     /// Estimated length of a metre in scene units.
@@ -305,7 +305,7 @@ impl<'a> Surveyor<'a> {
     }
 
     /// Returns a position above one of a few random floors of a room: the free one that is farthest from the latest others there.
-    fn place_in(&mut self, quota: &RoomQuota<'_, 'a>, found: &Survey) -> Option<Standpoint> {
+    fn place_in(&mut self, quota: &RoomQuota<'_, 'a>, found: &Survey) -> Option<SurveyView> {
         let RoomQuota { site, room, eyes, .. } = quota;
         let high = eyes.len().is_multiple_of(3);
         let latest = &eyes[eyes.len().saturating_sub(LATEST)..];
@@ -339,7 +339,7 @@ impl<'a> Surveyor<'a> {
             let toward = self.target(site.sector, site.geometry, place)?.as_vec3();
             // Where sectors overlap the eye belongs to the smallest.
             let at_home = self.scene.locate(eye.to_array(), toward.to_array()) == Some(site.sector);
-            (at_home && !self.budget.is_spent()).then(|| Standpoint {
+            (at_home && !self.budget.is_spent()).then(|| SurveyView {
                 sector: site.sector,
                 eye: eye.to_array(),
                 toward: toward.to_array(),
@@ -392,8 +392,8 @@ impl<'a> Surveyor<'a> {
             direction: direction.as_vec3().into(),
         };
         let cast = self.scene.cast_until(sector, &ray, far);
-        match cast.met {
-            Met::Face(hit) => Some((cast.distance, (cast.sector, hit.item))),
+        match cast.end {
+            RayEnd::Face(hit) => Some((cast.distance, (cast.sector, hit.item))),
             _ => None,
         }
     }

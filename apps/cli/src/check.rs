@@ -22,7 +22,7 @@ pub(crate) struct Found {
 pub(crate) type Contested = (Vec<(SectorId, ItemId)>, u64);
 
 /// So many groups of contested items are named for a view.
-const MOST_CONTESTED: usize = 8;
+const MAX_CONTESTED: usize = 8;
 
 /// Checks all views; for each of the prepared, one found for each view.
 ///
@@ -91,7 +91,7 @@ pub(crate) fn hold(
     viewer.draw(&prepared.scene, view, &mut picture);
     let drawn = truth.check(viewer.visible(), Some(&picture));
     let mut contested = truth.contested();
-    contested.truncate(MOST_CONTESTED);
+    contested.truncate(MAX_CONTESTED);
     (both(looked, drawn, contested), picture)
 }
 

@@ -18,7 +18,7 @@ pub(crate) struct Leveled {
 const LARGE: u64 = 1000;
 
 /// Steps until a view has all it wants, at most; each builds something.
-const MOST_STEPS: usize = 1000;
+const MAX_STEPS: usize = 1000;
 
 impl Leveled {
     /// Has the large items of a scene drawn by levels that are off by so many pixels at most.
@@ -37,7 +37,7 @@ impl Leveled {
         viewer: &mut Viewer,
         view: &View,
     ) -> Result<String> {
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             let set = viewer.look(&prepared.scene, view);
             let refined = self.details.refine(&mut prepared.scene, &[set])?;
             for (sector, item, why) in &refined.failed {

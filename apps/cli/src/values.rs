@@ -89,12 +89,9 @@ pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
     let sides: [u64; 2] = sides.ok_or("width and height are wanted, such as 1280x720")?;
     if sides
         .iter()
-        .any(|side| !(1..=u64::from(View::MOST_PIXELS)).contains(side))
+        .any(|side| !(1..=u64::from(View::MAX_PIXELS)).contains(side))
     {
-        return Err(format!(
-            "width and height must be from 1 to {}",
-            View::MOST_PIXELS
-        ));
+        return Err(format!("width and height must be from 1 to {}", View::MAX_PIXELS));
     }
     Ok(sides.map(|side| side as u32))
 }

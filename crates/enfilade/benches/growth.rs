@@ -52,7 +52,7 @@ const OUTWARD: [(&str, u8); 3] = [("enfilade", 0), ("mirror room", 0), ("court",
 /// By how much the boxes that a look from inside asks about may grow from the smallest scene to the largest, for the view
 /// in the middle: trees are deeper, and past the edges of a doorway methods that hold no picture see a little of what
 /// the wall around it hides.
-const MOST_GROWTH: f64 = 2.0;
+const MAX_GROWTH: f64 = 2.0;
 
 /// Bytes of a geometry for each more item, at most.
 const BYTES_AN_ITEM: u64 = 100;
@@ -258,7 +258,7 @@ fn main() {
         let growth = median(growth(first, last));
         println!("  items inside {items:?}; boxes asked about grow {growth:.2} times");
         assert!(
-            growth < MOST_GROWTH,
+            growth < MAX_GROWTH,
             "{method}: boxes asked about grow {growth:.2} times"
         );
         if all {

@@ -27,10 +27,10 @@ const METHODS: [Method; 7] = [
 ];
 
 /// Nodes of all trees that one move may touch: an octree's path down twice, and as much again where there are more trees.
-const MOST_NODES: u64 = 64;
+const MAX_NODES: u64 = 64;
 
 /// A look after many edits may ask about this many times the boxes that one at a scene built afresh does.
-const MOST_WORSE: f64 = 1.3;
+const MAX_WORSE: f64 = 1.3;
 
 /// From house to house.
 const BLOCK: f32 = 14.0;
@@ -170,7 +170,7 @@ fn moving(things: u32, times: bool) {
             }));
         }
         let per_move = nodes / u64::from(FRAMES * town.people);
-        assert!(per_move <= MOST_NODES, "{method}: {per_move} nodes for a move");
+        assert!(per_move <= MAX_NODES, "{method}: {per_move} nodes for a move");
         let seen = viewer.visible().items().len();
         assert!(seen > 10, "{method} sees {seen} items");
         if times {
@@ -211,7 +211,7 @@ fn quality(things: u32, edits: u32) {
         }
         let worse = asked[0] as f64 / asked[1].max(1) as f64;
         println!("{:16}{worse:10.3}", method.name());
-        assert!(worse <= MOST_WORSE, "{method}: {worse} times the boxes");
+        assert!(worse <= MAX_WORSE, "{method}: {worse} times the boxes");
     }
 }
 

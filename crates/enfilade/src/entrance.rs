@@ -4,12 +4,12 @@ use crate::geom::{Aabb, ConvexPolygon, Transform};
 use glam::DVec3;
 
 /// Corners that are kept. Passages are many; of an outline of more, the box around it is.
-const MOST_CORNERS: usize = 8;
+const MAX_CORNERS: usize = 8;
 
 /// The outline of the last opening on the way, or a box around it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entrance {
-    corners: [DVec3; MOST_CORNERS],
+    corners: [DVec3; MAX_CORNERS],
     count: usize,
     is_outline: bool,
 }
@@ -18,9 +18,9 @@ impl Entrance {
     /// That of an opening, seen from where it leads.
     pub(crate) fn new(outline: &ConvexPolygon, there_from_here: &Transform) -> Entrance {
         let there = |&corner: &[f32; 3]| DVec3::from(there_from_here.point_f64(corner));
-        let mut corners = [DVec3::ZERO; MOST_CORNERS];
+        let mut corners = [DVec3::ZERO; MAX_CORNERS];
         let known = outline.corners();
-        if known.len() <= MOST_CORNERS {
+        if known.len() <= MAX_CORNERS {
             for (corner, known) in corners.iter_mut().zip(known) {
                 *corner = there(known);
             }
@@ -33,7 +33,7 @@ impl Entrance {
         let around: [[f32; 3]; 8] = Aabb::of(known.iter().copied()).corners();
         Entrance {
             corners: around.map(|corner| there(&corner)),
-            count: MOST_CORNERS,
+            count: MAX_CORNERS,
             is_outline: false,
         }
     }

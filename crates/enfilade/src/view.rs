@@ -20,7 +20,7 @@ pub struct View {
     pub up: [f32; 3],
     /// Vertical angle of the lens, in radians, above 0 and below π.
     pub fov_y: f32,
-    /// Columns and rows of the screen, 1 to [`View::MOST_PIXELS`] each. Sample (x, y) is at (x + ½, y + ½), moved by
+    /// Columns and rows of the screen, 1 to [`View::MAX_PIXELS`] each. Sample (x, y) is at (x + ½, y + ½), moved by
     /// `sample` and [`View::GENERIC_OFFSET`].
     pub size: [u32; 2],
     /// Where in each pixel its sample stands, from the pixel's middle, in pixels: −½ to ½. [`View::FOUR_SAMPLES`] are the
@@ -44,7 +44,7 @@ pub enum ViewError {
     #[error("the eye and the point it looks toward are the same")]
     NoDirection,
     /// The screen has no pixel, or too many.
-    #[error("a screen of {0}x{1} pixels; width and height must be from 1 to {most}", most = View::MOST_PIXELS)]
+    #[error("a screen of {0}x{1} pixels; width and height must be from 1 to {most}", most = View::MAX_PIXELS)]
     Size(u32, u32),
     /// The lens is closed or flat.
     #[error("a lens of {0} degrees; it must be above 0 and below 180")]
@@ -59,7 +59,7 @@ pub enum ViewError {
 
 impl View {
     /// The greatest width and height, in pixels.
-    pub const MOST_PIXELS: u32 = 16_384;
+    pub const MAX_PIXELS: u32 = 16_384;
 
     /// Where the samples of 4x multisampling stand.
     ///
@@ -116,11 +116,7 @@ impl View {
         if self.eye == self.toward {
             return Err(ViewError::NoDirection);
         }
-        if self
-            .size
-            .iter()
-            .any(|&side| side == 0 || side > View::MOST_PIXELS)
-        {
+        if self.size.iter().any(|&side| side == 0 || side > View::MAX_PIXELS) {
             return Err(ViewError::Size(self.size[0], self.size[1]));
         }
         if !(self.fov_y > 0.0 && self.fov_y < std::f32::consts::PI) {

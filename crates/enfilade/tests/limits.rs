@@ -96,7 +96,7 @@ fn a_walk_through_a_teleport_that_enlarges_ends_at_a_place_and_reports_that_it_w
             walked.place
         );
         assert!(!walked.complete, "scale {scale}");
-        assert!(!walked.crossed.is_empty() && walked.crossed.len() <= MoveResult::MOST_CROSSED);
+        assert!(!walked.crossed.is_empty() && walked.crossed.len() <= MoveResult::MAX_CROSSED);
         let slid = scene.slide(START, Capsule::new(0.3, 1.8), [1e5, 0.0, 0.0]);
         assert!(is_place(slid.place.position), "scale {scale}: {:?}", slid.place);
         for presence in scene.stands_in(
@@ -124,7 +124,7 @@ fn a_ray_through_a_teleport_that_scales_again_and_again_ends_at_a_limit() {
             "scale {scale}: {:?}",
             cast.end
         );
-        assert!(!cast.crossed.is_empty() && cast.crossed.len() <= RayCast::MOST_CROSSED);
+        assert!(!cast.crossed.is_empty() && cast.crossed.len() <= RayCast::MAX_CROSSED);
         assert!(cast.there_from_here.is_finite());
     }
 }

@@ -19,7 +19,7 @@ pub(crate) const SIDE_BY_SIDE: usize = 64;
 
 /// Number of lines in a row that miss what they are shot at, after which the flow finds out the rest in less time. On real
 /// maps it is seldom reached; in a grid of 6,400 rooms nearly all of 100 million lines miss.
-const MOST_MISSES: usize = 1000;
+const MAX_MISSES: usize = 1000;
 
 impl Known {
     /// What is known without sampling: each cell sees itself and its neighbours.
@@ -35,7 +35,7 @@ impl Known {
     }
 
     /// Shoots a line from each of the [`SIDE_BY_SIDE`] ways from `first` on to each that it may see, where no line is
-    /// known yet between their cells; but no more lines after [`MOST_MISSES`] in a row.
+    /// known yet between their cells; but no more lines after [`MAX_MISSES`] in a row.
     ///
     /// The same lines for any number of threads.
     pub(crate) fn sample(&mut self, ways: &Ways, bound: &BitRows, first: usize) {
@@ -69,7 +69,7 @@ impl Known {
                     take_line(ways, from, &line, &mut asked);
                     found.push(line);
                 }
-                if missed_in_a_row == MOST_MISSES {
+                if missed_in_a_row == MAX_MISSES {
                     return found;
                 }
             }

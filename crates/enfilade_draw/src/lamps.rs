@@ -5,9 +5,9 @@ use enfilade::{Aabb, Light, LightId, LightReach, LightShape, Limits, Passage, Ra
 use glam::{DVec3, Vec3};
 
 /// Sectors that one lamp is followed into at most: two mirrors face to face would go on for ever.
-const MOST_REACHED: u32 = 4096;
+const MAX_REACHED: u32 = 4096;
 /// Portals in a row that light goes through.
-const MOST_CROSSED: u16 = 8;
+const MAX_CROSSED: u16 = 8;
 
 /// Where the lights of a scene shine, and how bright it is in each sector.
 pub(crate) struct Lamps {
@@ -71,8 +71,8 @@ impl Lamps {
     /// Those of a scene.
     pub(crate) fn of(scene: &Scene) -> Lamps {
         let mut limits = Limits::default();
-        limits.max_crossings = MOST_CROSSED;
-        limits.max_passages = MOST_REACHED;
+        limits.max_crossings = MAX_CROSSED;
+        limits.max_passages = MAX_REACHED;
         let mut all: Vec<Lamp> = Vec::new();
         let mut rooms = vec![Brightness::default(); scene.sectors().count()];
         for (light, lamp) in scene.lights().iter().enumerate() {

@@ -28,7 +28,7 @@ pub(crate) struct Waiting {
 }
 
 /// Spans that wait, at most.
-const MOST_SPANS: usize = 1 << 16;
+const MAX_SPANS: usize = 1 << 16;
 /// A face is met again in its next row: so many are found again, if they are not more.
 const KNOWN: usize = 1 << 13;
 
@@ -38,7 +38,7 @@ impl Pending {
     }
 
     pub(crate) fn is_full(&self) -> bool {
-        self.spans.len() >= MOST_SPANS
+        self.spans.len() >= MAX_SPANS
     }
 
     pub(crate) fn samples(&self) -> u64 {

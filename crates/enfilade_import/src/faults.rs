@@ -15,9 +15,9 @@ pub struct AuthoringErrors {
 }
 
 /// Errors that are kept: a hostile file could have more than fit in memory.
-const MOST_KEPT: usize = 1000;
+const MAX_KEPT: usize = 1000;
 /// Errors that are printed: a terminal's page.
-const MOST_PRINTED: usize = 20;
+const MAX_PRINTED: usize = 20;
 
 impl AuthoringErrors {
     /// The errors in the order in which they were found; the first 1,000 where there are more.
@@ -44,7 +44,7 @@ impl AuthoringErrors {
         self.count += 1;
         self.of_portals += usize::from(subject == Subject::Portal);
         self.of_terrain += usize::from(subject == Subject::Terrain);
-        if self.first.len() < MOST_KEPT {
+        if self.first.len() < MAX_KEPT {
             self.first.push(error);
         }
     }
@@ -60,10 +60,10 @@ impl fmt::Display for AuthoringErrors {
             "{} things are wrong with its rooms, portals or terrain:",
             self.count
         )?;
-        for error in self.first.iter().take(MOST_PRINTED) {
+        for error in self.first.iter().take(MAX_PRINTED) {
             write!(f, "\n  {error}")?;
         }
-        match self.count.saturating_sub(MOST_PRINTED) {
+        match self.count.saturating_sub(MAX_PRINTED) {
             0 => Ok(()),
             more => write!(f, "\n  and {more} more"),
         }
@@ -140,10 +140,10 @@ mod tests {
     fn one_error_is_a_line_and_many_are_a_bounded_list() {
         assert!(found([Subject::Room]).to_string().starts_with("node 0 touches"));
         let many = found([Subject::Portal; 5000]);
-        assert_eq!((many.count(), many.first().len()), (5000, MOST_KEPT));
+        assert_eq!((many.count(), many.first().len()), (5000, MAX_KEPT));
         let text = many.to_string();
         assert!(text.starts_with("5000 things are wrong with"), "{text}");
-        assert_eq!(text.lines().count(), 1 + MOST_PRINTED + 1);
+        assert_eq!(text.lines().count(), 1 + MAX_PRINTED + 1);
         assert!(text.ends_with("\n  and 4980 more"), "{text}");
         assert_eq!(found([Subject::Portal; 20]).to_string().lines().count(), 21);
     }

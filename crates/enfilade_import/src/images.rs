@@ -150,10 +150,10 @@ fn measure(bytes: &[u8]) -> Result<Measured, String> {
     const HEADER_BYTES: u64 = 16 << 20;
     let decoder = decoder(bytes, HEADER_BYTES)?;
     let (width, height) = decoder.dimensions();
-    if width > Texture::MOST_TEXELS || height > Texture::MOST_TEXELS {
+    if width > Texture::MAX_TEXELS || height > Texture::MAX_TEXELS {
         return Err(format!(
             "{width}x{height} texels, more than {0}x{0}",
-            Texture::MOST_TEXELS
+            Texture::MAX_TEXELS
         ));
     }
     // Decoders make up what is missing of a JPEG, and say nothing.
@@ -214,8 +214,8 @@ fn decoder(bytes: &[u8], most_bytes: u64) -> Result<impl ImageDecoder + '_, Stri
         return Err("neither PNG nor JPEG".to_owned());
     }
     let mut limits = Limits::default();
-    limits.max_image_width = Some(Texture::MOST_TEXELS);
-    limits.max_image_height = Some(Texture::MOST_TEXELS);
+    limits.max_image_width = Some(Texture::MAX_TEXELS);
+    limits.max_image_height = Some(Texture::MAX_TEXELS);
     limits.max_alloc = Some(most_bytes);
     reader.limits(limits);
     reader.into_decoder().map_err(|why| why.to_string())

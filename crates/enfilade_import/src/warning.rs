@@ -187,7 +187,7 @@ impl fmt::Display for Warning {
 const FEW: usize = 6;
 
 /// Portals that are skipped with a warning of their own, at most.
-const MOST_SKIPPED: usize = 20;
+const MAX_SKIPPED: usize = 20;
 
 /// Gathers warnings, one of each kind but for skipped portals.
 #[derive(Debug, Default)]
@@ -222,7 +222,7 @@ impl Warnings {
 
     /// Notes a portal that is left out, and why.
     pub(crate) fn skipped_portal(&mut self, why: &AuthoringError) {
-        if self.skipped.len() == MOST_SKIPPED {
+        if self.skipped.len() == MAX_SKIPPED {
             return self.count(WarningKind::MoreSkippedPortals, 1);
         }
         self.skipped.push(Warning {

@@ -6,11 +6,11 @@ use enfilade_scenes::{BuiltIn, built_in};
 use glam::Vec3;
 
 const SCENES: [&str; 6] = ["two-rooms", "mirror", "free-doorway", "slits", "pillar", "glass"];
-const MOST_CROSSED: usize = 3;
+const MAX_CROSSED: usize = 3;
 
 fn limits() -> Limits {
     let mut limits = Limits::default();
-    limits.max_crossings = MOST_CROSSED as u16;
+    limits.max_crossings = MAX_CROSSED as u16;
     limits
 }
 
@@ -49,7 +49,7 @@ fn a_beam_holds_what_a_straight_line_through_the_same_openings_leads_to() {
                 }
                 chain
             };
-            for (chain, to) in chains(&scene, sector, MOST_CROSSED) {
+            for (chain, to) in chains(&scene, sector, MAX_CROSSED) {
                 let beam = (0..beams.len()).find(|&number| chain_of(number) == chain);
                 for point in points(&scene, to, 5) {
                     let Some(expected) = goes_straight(&scene, from, &chain, point.map(f64::from)) else {
@@ -83,7 +83,7 @@ fn one_place_sees_another_where_no_face_is_on_the_straight_line_between() {
         };
         for to in scene.sectors() {
             for point in points(&scene, to, 4) {
-                let chains = chains(&scene, sector, MOST_CROSSED)
+                let chains = chains(&scene, sector, MAX_CROSSED)
                     .into_iter()
                     .filter(|(_, end)| *end == to);
                 let answers: Vec<_> = chains

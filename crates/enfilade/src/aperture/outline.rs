@@ -4,16 +4,16 @@ use glam::{DVec2, DVec3};
 use smallvec::{SmallVec, smallvec};
 
 /// Corners of an outline; of more, a wider one is made.
-const MOST_CORNERS: usize = 16;
+const MAX_CORNERS: usize = 16;
 
 /// Corners on the screen, in pixels, y down, counter-clockwise.
-pub(super) type Outline = SmallVec<[[f64; 2]; MOST_CORNERS]>;
+pub(super) type Outline = SmallVec<[[f64; 2]; MAX_CORNERS]>;
 
 /// Corners of an opening and of what is left of it, as (X, Y, W).
-type Corners = SmallVec<[DVec3; 2 * MOST_CORNERS]>;
+type Corners = SmallVec<[DVec3; 2 * MAX_CORNERS]>;
 
 /// Points on the screen whose hull is an outline.
-type Points = SmallVec<[[f64; 2]; 2 * MOST_CORNERS]>;
+type Points = SmallVec<[[f64; 2]; 2 * MAX_CORNERS]>;
 
 /// An opening's outline, given by its corners as (X, Y, W), within an aperture's: the convex hull of its triangles.
 ///
@@ -40,7 +40,7 @@ pub(super) fn within(parent: &Outline, opening: impl Iterator<Item = DVec3>) -> 
         hull.extend(corners.iter().map(|c| [c.x / c.z, c.y / c.z]));
         hull = convex_hull(hull);
     }
-    widen(&mut hull, MOST_CORNERS);
+    widen(&mut hull, MAX_CORNERS);
     hull.into_iter().collect()
 }
 
@@ -144,7 +144,7 @@ mod tests {
         let points = (0..80).map(|i| [0, 1].map(|axis| corner(i / 4)[axis] + noise(i)[axis]));
         let mut hull = convex_hull(points.collect());
         assert_eq!(hull.len(), 20);
-        widen(&mut hull, MOST_CORNERS);
+        widen(&mut hull, MAX_CORNERS);
         for i in 0..20 {
             let point = DVec2::from(corner(i));
             for (side, &from) in hull.iter().enumerate() {
@@ -172,8 +172,8 @@ mod tests {
         };
         let round: Points = (0..40).map(corner).collect();
         let mut wider = round.clone();
-        widen(&mut wider, MOST_CORNERS);
-        assert_eq!(wider.len(), MOST_CORNERS);
+        widen(&mut wider, MAX_CORNERS);
+        assert_eq!(wider.len(), MAX_CORNERS);
         let area = |outline: &Points| -> f64 {
             let pairs = (0..outline.len()).map(|i| (outline[i], outline[(i + 1) % outline.len()]));
             0.5 * pairs.map(|(a, b)| a[1] * b[0] - a[0] * b[1]).sum::<f64>()

@@ -36,7 +36,7 @@ pub trait DetailSource: Send + Sync {
 }
 
 /// Levels that are asked for: each halving the error, they would end below the last bit of f32.
-const MOST_LEVELS: u32 = 64;
+const MAX_LEVELS: u32 = 64;
 
 /// The levels of a source that were built.
 pub(super) struct Levels {
@@ -53,7 +53,7 @@ pub(super) struct Levels {
 impl Levels {
     pub(super) fn new(source: Arc<dyn DetailSource>) -> Result<Levels, DetailError> {
         let ask = || {
-            let count = source.levels().clamp(1, MOST_LEVELS);
+            let count = source.levels().clamp(1, MAX_LEVELS);
             let errors: Vec<f32> = (0..count).map(|level| source.error(level)).collect();
             (source.bounds(), source.material(), errors)
         };

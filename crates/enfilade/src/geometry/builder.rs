@@ -110,7 +110,7 @@ impl GeometryBuilder {
                 });
             }
         }
-        if openings.len() > MOST_OPENINGS {
+        if openings.len() > MAX_OPENINGS {
             return Err(GeometryError::TooManyOpenings(openings.len()));
         }
         let mut items = Vec::with_capacity(placed.len());
@@ -147,7 +147,7 @@ impl GeometryBuilder {
             first_faces.push(faces as u32);
             faces += u64::from(built.face_count());
         }
-        if faces > u64::from(u32::MAX) - MOST_OPENINGS as u64 {
+        if faces > u64::from(u32::MAX) - MAX_OPENINGS as u64 {
             return Err(GeometryError::TooManyFaces(faces));
         }
         first_faces.push(faces as u32);
@@ -177,7 +177,7 @@ impl GeometryBuilder {
     }
 }
 
-pub(crate) const MOST_OPENINGS: usize = 60_000;
+pub(crate) const MAX_OPENINGS: usize = 60_000;
 
 /// Openings in a node of the tree over them, at most: as many are handed out by number, however they lie.
 const FEW_OPENINGS: usize = 16;

@@ -5,7 +5,7 @@
 //! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 3: a small change touches a few nodes.
 //! Cost: O(log items) for each change; where an item has more or fewer faces than before, O(items) additions in all.
 
-use super::builder::{MOST_OPENINGS, placed_bounds};
+use super::builder::{MAX_OPENINGS, placed_bounds};
 use super::slots::Slots;
 use super::{Geometry, Item, ItemId, MeshId};
 use crate::geom::{Aabb, Transform, is_in_range};
@@ -156,7 +156,7 @@ impl Changes {
             .map_or(Ok(Aabb::EMPTY), |placing| placing.check(geometry))?;
         let faces = placing.as_ref().map_or(0, |placing| placing.mesh.face_count());
         let more_faces = self.more_faces + i64::from(faces) - i64::from(had);
-        if geometry.face_count() as i64 + more_faces > i64::from(u32::MAX) - MOST_OPENINGS as i64 {
+        if geometry.face_count() as i64 + more_faces > i64::from(u32::MAX) - MAX_OPENINGS as i64 {
             return Err(Unfit::TooManyFaces);
         }
         self.more_faces = more_faces;

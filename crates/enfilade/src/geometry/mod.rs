@@ -11,7 +11,7 @@ mod texture;
 
 pub use baked_cells::{BakedCells, BakedCellsError, CellId, CellNode, CellSide, CellTree};
 pub(crate) use baked_cells::{Leaf, Room};
-pub(crate) use builder::MOST_OPENINGS;
+pub(crate) use builder::MAX_OPENINGS;
 pub use builder::{GeometryBuilder, GeometryError};
 pub use edit::Moved;
 pub(crate) use edit::{Changes, Exchanged, Placing, Unfit};

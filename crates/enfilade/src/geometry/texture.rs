@@ -63,12 +63,12 @@ impl Default for Minify {
 
 /// Why texels make no texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("a texture of {0}x{1} texels cannot have {2}; width and height must be from 1 to {most}", most = Texture::MOST_TEXELS)]
+#[error("a texture of {0}x{1} texels cannot have {2}; width and height must be from 1 to {most}", most = Texture::MAX_TEXELS)]
 pub struct TextureError(u32, u32, usize);
 
 impl Texture {
     /// The greatest width and height.
-    pub const MOST_TEXELS: u32 = 1 << 16;
+    pub const MAX_TEXELS: u32 = 1 << 16;
 
     /// A texture that repeats and is smooth. Texels are rows from the top, each from the left: red, green and blue as
     /// sRGB, and coverage.
@@ -77,7 +77,7 @@ impl Texture {
     /// [`TextureError`] where there are too few or too many of them.
     pub fn new(name: &str, size: [u32; 2], texels: Vec<[u8; 4]>) -> Result<Texture, TextureError> {
         let [width, height] = size;
-        let in_range = size.iter().all(|side| (1..=Texture::MOST_TEXELS).contains(side));
+        let in_range = size.iter().all(|side| (1..=Texture::MAX_TEXELS).contains(side));
         if !in_range || texels.len() as u64 != u64::from(width) * u64::from(height) {
             return Err(TextureError(width, height, texels.len()));
         }

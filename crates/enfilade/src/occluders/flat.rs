@@ -140,13 +140,13 @@ pub(super) fn shape(piece: &[DVec2]) -> Option<(DVec2, DMat2)> {
 /// The area of a piece outside others.
 pub(super) fn added_by(piece: &[DVec2], others: &[Vec<DVec2>]) -> f64 {
     // A piece less a convex one is as many convex ones as that has sides, at most.
-    const MOST_PARTS: usize = 256;
+    const MAX_PARTS: usize = 256;
     let mut parts = vec![piece.to_vec()];
     for other in others {
         let mut next = Vec::new();
         for mut part in parts {
             let overlaps = sides(other).all(|side| part.iter().any(|&corner| side.height(corner) > 0.0));
-            if !overlaps || next.len() > MOST_PARTS {
+            if !overlaps || next.len() > MAX_PARTS {
                 next.push(part);
                 continue;
             }

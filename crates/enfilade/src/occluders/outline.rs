@@ -17,7 +17,7 @@ use super::soup::Soup;
 use glam::{DVec2, DVec3};
 
 /// Corners of an occluder, at most: each is a plane for an occlusion tree, and rounder ones hide little more.
-pub(super) const MOST_CORNERS: usize = 16;
+pub(super) const MAX_CORNERS: usize = 16;
 
 /// What f64 rounds, relatively, with a margin of a hundred.
 pub(super) const EXACT: f64 = 1.0 / (1_u64 << 46) as f64;
@@ -120,7 +120,7 @@ impl<'a> Outline<'a> {
             let kept = fewer_corners(flat);
             corners = kept.into_iter().map(|place| corners[place]).collect();
         }
-        (corners.len() <= MOST_CORNERS).then(|| corners.iter().map(|&corner| self.corner(corner)).collect())
+        (corners.len() <= MAX_CORNERS).then(|| corners.iter().map(|&corner| self.corner(corner)).collect())
     }
 
     /// All edges, end to end; `None` where they are not one loop.
@@ -206,7 +206,7 @@ pub(super) fn fewer_corners(flat: Vec<DVec2>) -> Vec<usize> {
         (b - a).perp_dot(c - b)
     };
     // The many that hardly count first, so that what is left to be chosen from is little.
-    while kept.len() > 8 * MOST_CORNERS {
+    while kept.len() > 8 * MAX_CORNERS {
         let half: Vec<usize> = (0..kept.len())
             .filter(|&place| place % 2 == 0 || lost(&kept, place) < 0.0)
             .map(|place| kept[place])
@@ -216,7 +216,7 @@ pub(super) fn fewer_corners(flat: Vec<DVec2>) -> Vec<usize> {
         }
         kept = half;
     }
-    while kept.len() > MOST_CORNERS {
+    while kept.len() > MAX_CORNERS {
         let least = (0..kept.len())
             .map(|place| (lost(&kept, place), place))
             .filter(|&(lost, _)| lost >= 0.0)

@@ -9,16 +9,16 @@
 //! pieces keep an [`inset`] from the outline; they hide only for eyes steep enough.
 //! Source: Deits, Tedrake, Computing Large Convex Regions of Obstacle-Free Space through Semidefinite Programming, WAFR
 //!     2014: cuts at the nearest obstacle and a growing ellipse, here with a measure from moments instead of a program.
-//! Cost: O(edges) for each cut, [`MOST_CUTS`] at most; O(edges + faces) for each piece; [`WORK`] bounds both for all.
+//! Cost: O(edges) for each cut, [`MAX_CUTS`] at most; O(edges + faces) for each piece; [`WORK`] bounds both for all.
 
 use super::flat::{Side, added_by, area_of, clipped, doubled, holds, inside, shape, sides};
-use super::outline::{EXACT, MOST_CORNERS, Outline, fewer_corners};
+use super::outline::{EXACT, MAX_CORNERS, Outline, fewer_corners};
 use super::sheets::Sheet;
 use super::soup::Soup;
 use glam::{DMat2, DVec2, DVec3};
 
 /// Cuts of one piece, at most: more leave a piece of many corners and little area.
-const MOST_CUTS: usize = 64;
+const MAX_CUTS: usize = 64;
 
 /// How often a piece is grown again, at most.
 const GROWTHS: usize = 3;
@@ -27,8 +27,8 @@ const GROWTHS: usize = 3;
 const WORK: usize = 1 << 21;
 
 /// Pieces of one sheet, at most, and how many in a row may be of no use.
-const MOST_PIECES: usize = 64;
-const MOST_FAILURES: usize = 8;
+const MAX_PIECES: usize = 64;
+const MAX_FAILURES: usize = 8;
 
 /// The part of a sheet's area that a piece must add, at least.
 const LEAST_ADDED: f64 = 0.01;
@@ -68,8 +68,8 @@ pub(super) fn pieces(soup: &Soup, sheet: &Sheet, outline: &Outline, least_area: 
     for &(area, face) in &seeds {
         if area <= 0.0
             || left < enough
-            || taken.len() == MOST_PIECES
-            || failures == MOST_FAILURES
+            || taken.len() == MAX_PIECES
+            || failures == MAX_FAILURES
             || work > WORK
         {
             break;
@@ -81,8 +81,8 @@ pub(super) fn pieces(soup: &Soup, sheet: &Sheet, outline: &Outline, least_area: 
         }
         let grown = cutter.grow(middle, &mut work);
         // The face itself, where growing gains nothing.
-        let is_face = soup.face(face).len() <= MOST_CORNERS
-            && grown.as_ref().is_none_or(|piece| area_of(piece) <= area);
+        let is_face =
+            soup.face(face).len() <= MAX_CORNERS && grown.as_ref().is_none_or(|piece| area_of(piece) <= area);
         let (flat, corners) = if is_face {
             let mut own = soup.face(face).to_vec();
             if soup.normal(face).dot(sheet.normal) < 0.0 {
@@ -207,7 +207,7 @@ impl<'a> Cutter<'a> {
         self.active.clear();
         self.active.extend(0..self.edges.len() as u32);
         let mut near: Vec<(f64, DVec2, u32)> = Vec::new();
-        for _ in 0..MOST_CUTS {
+        for _ in 0..MAX_CUTS {
             *work += self.active.len();
             near.clear();
             let reach = self.rounding - self.inset;

@@ -16,7 +16,7 @@ use glam::DVec3;
 const SPACINGS: f64 = 8.0;
 
 /// An edge of more faces joins none: the leaves of a book would be turned over by each other.
-const MOST_SHARERS: usize = 16;
+const MAX_SHARERS: usize = 16;
 
 /// How often a plane is fitted; each time a sheet may reach eight times as far.
 const FITTINGS: u32 = 6;
@@ -145,7 +145,7 @@ impl Filling<'_> {
             for corner in soup.range(face) {
                 let edge = soup.edges[corner] as usize;
                 let run = soup.runs[edge] as usize..soup.runs[edge + 1] as usize;
-                if run.len() > MOST_SHARERS {
+                if run.len() > MAX_SHARERS {
                     continue;
                 }
                 for &other in &soup.sharers[run] {

@@ -5,7 +5,7 @@
 //! Source: Mitchell, Mount, Papadimitriou, The Discrete Geodesic Problem, 1987, for the order and the dominance; a
 //!     shortest way through given convex outlines is found by moving one bend at a time to its best point, for the
 //!     length is convex.
-//! Cost: for each chain kept, the items within what is left of the radius; at most [`NearItems::MOST_CHAINS`] chains.
+//! Cost: for each chain kept, the items within what is left of the radius; at most [`NearItems::MAX_CHAINS`] chains.
 //! Mirrors cost nothing: no way by a mirror is shorter than the one without it.
 
 use super::place::{Location, corners};
@@ -46,16 +46,16 @@ pub struct NearItems {
 
 impl NearItems {
     /// Maximum number of chains of portals that one search follows.
-    pub const MOST_CHAINS: usize = 1024;
+    pub const MAX_CHAINS: usize = 1024;
 
     /// Maximum number of portals on one way.
-    pub const MOST_CROSSED: usize = 64;
+    pub const MAX_CROSSED: usize = 64;
 
     /// How much larger or smaller than at the start a way may make lengths, through portals that scale.
-    pub const MOST_SCALE: f64 = 1e9;
+    pub const MAX_SCALE: f64 = 1e9;
 
     /// Maximum number of openings that are measured: each gives a chain, of which few are followed.
-    const MOST_MEASURED: usize = 65_536;
+    const MAX_MEASURED: usize = 65_536;
 }
 
 impl Scene {
@@ -138,7 +138,7 @@ impl Search<'_> {
             if self.returns(number) || self.is_dominated(number, rivals) {
                 continue;
             }
-            if kept == NearItems::MOST_CHAINS {
+            if kept == NearItems::MAX_CHAINS {
                 self.searched = self.searched.min(self.chains[number].length);
                 return false;
             }
@@ -180,10 +180,10 @@ impl Search<'_> {
                 portal.there_from_here.0
             };
             let scale = chain.scale * portal.there_from_here.scale();
-            let in_range = (1.0 / NearItems::MOST_SCALE..=NearItems::MOST_SCALE).contains(&scale);
+            let in_range = (1.0 / NearItems::MAX_SCALE..=NearItems::MAX_SCALE).contains(&scale);
             if !in_range
-                || chain.crossings == NearItems::MOST_CROSSED
-                || self.chains.len() + longer.len() == NearItems::MOST_MEASURED
+                || chain.crossings == NearItems::MAX_CROSSED
+                || self.chains.len() + longer.len() == NearItems::MAX_MEASURED
             {
                 complete = false;
                 searched = searched.min(length);

@@ -26,14 +26,14 @@ pub struct MoveResult {
     /// The portals that it went through, in order.
     pub crossed: Vec<PortalId>,
     /// Whether it went through every portal on the way. If not, it ends behind the opening of the first one that it did not
-    /// go through, in the space before it: that was one more than [`MoveResult::MOST_CROSSED`], or led beyond
+    /// go through, in the space before it: that was one more than [`MoveResult::MAX_CROSSED`], or led beyond
     /// [`MAX_COORDINATE`](crate::MAX_COORDINATE), as portals that enlarge again and again do.
     pub complete: bool,
 }
 
 impl MoveResult {
     /// Portals that one step goes through at most.
-    pub const MOST_CROSSED: usize = 256;
+    pub const MAX_CROSSED: usize = 256;
 }
 
 /// A sector that a body stands in.
@@ -72,7 +72,7 @@ impl Scene {
         let mut ends = [from.position, end].map(|point| DVec3::from(point.map(f64::from)));
         let mut at = 0.0;
         while let Some((portal_id, pierced)) = self.next_crossed(&walked, ends, at) {
-            if walked.crossed.len() == MoveResult::MOST_CROSSED {
+            if walked.crossed.len() == MoveResult::MAX_CROSSED {
                 walked.complete = false;
                 break;
             }
@@ -163,7 +163,7 @@ impl Scene {
             crossed: Vec::new(),
         }];
         let mut next = 0;
-        while next < all.len() && all.len() < MOST_PRESENT {
+        while next < all.len() && all.len() < MAX_PRESENT {
             let here = all[next].clone();
             next += 1;
             let middle = DVec3::from(here.place.position.map(f64::from));
@@ -197,7 +197,7 @@ impl Scene {
 }
 
 /// Sectors that one body stands in at most.
-const MOST_PRESENT: usize = 64;
+const MAX_PRESENT: usize = 64;
 
 /// Does a sphere before an opening reach it?
 fn reaches(outline: &ConvexPolygon, middle: DVec3, radius: f64) -> bool {

@@ -30,7 +30,7 @@ pub enum RayEnd {
     Face(Hit),
     /// An opening, from its front, that is closed or leads nowhere.
     Closed(OpeningId),
-    /// An opening that is not followed: it would be one more than [`RayCast::MOST_CROSSED`], or leads beyond
+    /// An opening that is not followed: it would be one more than [`RayCast::MAX_CROSSED`], or leads beyond
     /// [`MAX_COORDINATE`](crate::MAX_COORDINATE), or to where the ray's direction is too short or too long for 32-bit
     /// numbers, as portals that enlarge or shrink again and again do.
     Limit(OpeningId),
@@ -40,7 +40,7 @@ pub enum RayEnd {
 
 impl RayCast {
     /// Portals that one ray goes through at most.
-    pub const MOST_CROSSED: usize = 256;
+    pub const MAX_CROSSED: usize = 256;
 }
 
 impl Scene {
@@ -76,7 +76,7 @@ impl Scene {
                 cast.end = RayEnd::Closed(opening);
                 return cast;
             };
-            if cast.crossed.len() == RayCast::MOST_CROSSED || cast.distance > limit {
+            if cast.crossed.len() == RayCast::MAX_CROSSED || cast.distance > limit {
                 cast.end = RayEnd::Limit(opening);
                 return cast;
             }

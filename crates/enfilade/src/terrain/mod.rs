@@ -28,7 +28,7 @@ use thiserror::Error;
 const BLOCK: u32 = 32;
 
 /// The most samples along a side: 2¹⁶ cells.
-const MOST_SAMPLES: u32 = (1 << 16) + 1;
+const MAX_SAMPLES: u32 = (1 << 16) + 1;
 
 /// Heights at the places of a grid.
 #[derive(Clone, Debug, PartialEq)]
@@ -289,7 +289,7 @@ impl HeightField {
 }
 
 fn check_size(size: [u32; 2]) -> Result<(), HeightFieldError> {
-    if size.iter().any(|side| !(2..=MOST_SAMPLES).contains(side)) {
+    if size.iter().any(|side| !(2..=MAX_SAMPLES).contains(side)) {
         return Err(HeightFieldError::Size(size));
     }
     Ok(())

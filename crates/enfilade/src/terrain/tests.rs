@@ -34,8 +34,8 @@ fn what_has_no_cell_no_length_or_a_hole_is_refused_by_its_place() {
         Err(HeightFieldError::Size([6, 1]))
     );
     assert_eq!(
-        new([2, MOST_SAMPLES + 1], [1.0, 1.0], &flat),
-        Err(HeightFieldError::Size([2, MOST_SAMPLES + 1]))
+        new([2, MAX_SAMPLES + 1], [1.0, 1.0], &flat),
+        Err(HeightFieldError::Size([2, MAX_SAMPLES + 1]))
     );
     for cell in [
         [0.0, 1.0],

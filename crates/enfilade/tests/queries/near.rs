@@ -10,7 +10,7 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// Portals in a row that are tried one by one.
-const MOST_CROSSED: usize = 3;
+const MAX_CROSSED: usize = 3;
 
 /// Parts that each side of an opening is cut into.
 const PARTS: u32 = 8;
@@ -39,7 +39,7 @@ fn samples(outline: &ConvexPolygon) -> Vec<DVec3> {
 /// shortest, and hardly longer.
 fn sampled(scene: &Scene, place: Location) -> BTreeMap<(SectorId, ItemId), f64> {
     let mut all = BTreeMap::new();
-    for (chain, to) in chains(scene, place.sector, MOST_CROSSED) {
+    for (chain, to) in chains(scene, place.sector, MAX_CROSSED) {
         let Some(geometry) = scene.geometry(to) else {
             continue;
         };
@@ -104,7 +104,7 @@ fn agrees(name: &str, scene: &Scene, place: Location, radius: f32) -> usize {
             Some(found) => {
                 assert!(found.distance <= length * (1.0 + 1e-3) + 1e-4, "{}", what());
                 let is_shorter = found.distance < 0.97 * length - 0.15;
-                assert!(!is_shorter || found.crossed.len() > MOST_CROSSED, "{}", what());
+                assert!(!is_shorter || found.crossed.len() > MAX_CROSSED, "{}", what());
             }
             None => assert!(length > f64::from(radius) - 1e-4, "{}", what()),
         }
@@ -112,7 +112,7 @@ fn agrees(name: &str, scene: &Scene, place: Location, radius: f32) -> usize {
     assert!(
         found
             .iter()
-            .all(|(of, item)| item.crossed.len() > MOST_CROSSED || sampled.contains_key(of))
+            .all(|(of, item)| item.crossed.len() > MAX_CROSSED || sampled.contains_key(of))
     );
     (near.items.iter())
         .filter(|item| !item.crossed.is_empty())
@@ -152,7 +152,7 @@ fn items_near_a_place_are_those_that_the_shortest_way_through_openings_leads_to(
 
 #[test]
 fn mirrors_and_teleports_do_not_multiply_the_ways_to_an_item() {
-    // A search is complete only if it follows no more than `MOST_CHAINS` chains.
+    // A search is complete only if it follows no more than `MAX_CHAINS` chains.
     for (name, radius) in [
         ("enfilade", 16.0),
         ("enfilade", 64.0),

@@ -130,7 +130,7 @@ pub(crate) fn is_called_like_an_opening_or_a_room(name: &str) -> bool {
 }
 
 /// A hint is a few words.
-const MOST_BYTES: usize = 1 << 16;
+const MAX_BYTES: usize = 1 << 16;
 
 #[derive(Deserialize)]
 struct Extras<'a> {
@@ -154,7 +154,7 @@ impl Notes {
         let ours = extras.and_then(|extras| extras.enfilade).map(RawValue::get);
         // Whatever is longer is not ours, and might take much more memory than text.
         let ours = match ours {
-            Some(text) if text.len() > MOST_BYTES => Some(Value::String(short(text))),
+            Some(text) if text.len() > MAX_BYTES => Some(Value::String(short(text))),
             text => text.and_then(|text| serde_json::from_str(text).ok()),
         };
         match ours {

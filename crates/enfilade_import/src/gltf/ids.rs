@@ -17,7 +17,7 @@ use std::fmt;
 const KEYS: [&str; 5] = ["globalid", "ifcguid", "guid", "uuid", "id"];
 
 /// Whatever is longer is a text for people.
-const MOST_BYTES: usize = 256;
+const MAX_BYTES: usize = 256;
 
 /// What an id takes besides its text.
 const BYTES_PER_ID: u64 = 64;
@@ -90,7 +90,7 @@ fn id(value: &RawValue) -> Option<String> {
         false if is_whole(value) => value.to_owned(),
         false => return None,
     };
-    (!id.is_empty() && id.len() <= MOST_BYTES).then_some(id)
+    (!id.is_empty() && id.len() <= MAX_BYTES).then_some(id)
 }
 
 #[cfg(test)]

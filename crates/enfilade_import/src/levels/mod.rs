@@ -27,7 +27,7 @@ pub struct Levels {
 }
 
 /// Levels with an error, at most.
-const MOST_LEVELS: i32 = 10;
+const MAX_LEVELS: i32 = 10;
 
 /// How often a level is made again with half the error asked of `meshopt`, before the mesh itself stands in for it. Mostly
 /// once or twice: what it leaves is off by twice to four times what it says.
@@ -39,7 +39,7 @@ impl Levels {
         let size = DVec3::from(mesh.bounds().size().map(f64::from)).length();
         // Nothing is saved where less than an edge is taken away.
         let least = 0.25 * mean_edge(&mesh);
-        let mut errors: Vec<f32> = (0..MOST_LEVELS)
+        let mut errors: Vec<f32> = (0..MAX_LEVELS)
             .map(|level| size / 16.0 * 0.5_f64.powi(level))
             .take_while(|&error| error > least)
             .map(|error| error as f32)

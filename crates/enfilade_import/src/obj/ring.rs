@@ -303,11 +303,11 @@ impl Ring {
 impl Grid {
     /// Sorts the corners that do not stick out into cells, about one in each.
     fn fill(&mut self, at: &[[f64; 2]], turns: &[Option<Turn>]) {
-        const MOST_CELLS: usize = 1 << 20;
+        const MAX_CELLS: usize = 1 << 20;
         let kept = || (0..).zip(turns).filter(|(_, turn)| **turn != Some(Turn::Out));
         let count = kept().count();
         self.side = (1..)
-            .find(|side| side * side >= count.min(MOST_CELLS))
+            .find(|side| side * side >= count.min(MAX_CELLS))
             .unwrap_or(1);
         self.min = at[0];
         let mut max = at[0];

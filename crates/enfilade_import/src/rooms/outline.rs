@@ -15,11 +15,11 @@ const FLATNESS: f64 = 1e-3;
 const COVERAGE: f64 = 2e-3;
 
 /// More triangles than this make no opening: many that share one mesh would take memory and time without end.
-const MOST_TRIANGLES: u64 = 50_000;
+const MAX_TRIANGLES: u64 = 50_000;
 
 /// The convex outline of a placed mesh, its front where the largest of its triangles has its own.
 pub(super) fn outline(mesh: &Mesh, world: &Transform, spoken: &str) -> Result<ConvexPolygon, AuthoringError> {
-    if mesh.triangle_count() > MOST_TRIANGLES {
+    if mesh.triangle_count() > MAX_TRIANGLES {
         return Err(AuthoringError::TooFine {
             node: spoken.to_owned(),
             triangles: mesh.triangle_count(),

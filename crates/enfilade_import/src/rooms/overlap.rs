@@ -17,7 +17,7 @@ const GRID: usize = 3;
 const SURE: usize = 2;
 
 /// Pairs that are named, at most. Many rooms in one place would make more than anybody reads.
-const MOST_PAIRS: usize = 20;
+const MAX_PAIRS: usize = 20;
 /// Pairs that are asked about before it is known whether enough were found.
 const AT_ONCE: usize = 256;
 
@@ -42,11 +42,11 @@ pub(super) fn overlaps(rooms: &[Geometry]) -> Vec<(usize, usize, [f32; 3])> {
             .par_iter()
             .filter_map(|&(a, b)| Some((a, b, in_both(&rooms[a], &rooms[b])?)));
         found.par_extend(in_both);
-        if found.len() >= MOST_PAIRS {
+        if found.len() >= MAX_PAIRS {
             break;
         }
     }
-    found.truncate(MOST_PAIRS);
+    found.truncate(MAX_PAIRS);
     found
 }
 

@@ -4,7 +4,7 @@ use enfilade::{Light, LightShape, SectorId, Transform};
 use glam::Vec3;
 
 /// So many lamps shine in a room, at most: each is asked at every place that is seen.
-pub(crate) const MOST_LAMPS: usize = 6;
+pub(crate) const MAX_LAMPS: usize = 6;
 
 /// Where the sun's light goes: it is late in the afternoon, and the sun stands low in the south-west.
 pub(crate) const SUNLIGHT: [f32; 3] = [0.78, -0.46, -0.34];
@@ -118,7 +118,7 @@ pub(super) fn chosen(lamps: Vec<Lamp>, candles: Vec<Lamp>) -> Vec<Lamp> {
         let squared = |other: &Lamp| Vec3::from(lamp.position).distance_squared(other.position.into());
         all.iter().map(squared).fold(f32::INFINITY, f32::min)
     };
-    while chosen.len() < MOST_LAMPS && !left.is_empty() {
+    while chosen.len() < MAX_LAMPS && !left.is_empty() {
         let distances: Vec<f32> = left.iter().map(|lamp| away(lamp, &chosen)).collect();
         let farthest = (0..left.len())
             .reduce(|best, i| if distances[i] > distances[best] { i } else { best })

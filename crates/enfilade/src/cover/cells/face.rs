@@ -38,15 +38,15 @@ pub(super) struct Row {
     /// Those that it covers alone.
     pub(super) within: [u16; 2],
     /// Those that each edge meets.
-    pub(super) edges: SmallVec<[[u16; 2]; MOST_EDGES]>,
+    pub(super) edges: SmallVec<[[u16; 2]; MAX_EDGES]>,
 }
 
 /// Edges of what two planes leave of a triangle, at most.
-const MOST_EDGES: usize = 5;
+const MAX_EDGES: usize = 5;
 
 /// A triangle, or what is left of it beyond the near distance and the last portal.
 pub(super) struct Face {
-    edges: SmallVec<[Edge; MOST_EDGES]>,
+    edges: SmallVec<[Edge; MAX_EDGES]>,
     /// The cells around it.
     pub(super) rect: Rect,
     min: [f64; 2],
@@ -211,7 +211,7 @@ impl Face {
     /// Takes what is left of a triangle beyond the near distance and the last portal.
     #[cold]
     fn clip(&mut self, corners: [&Corner; 3], near: f64, passage: &Passage) {
-        let mut kept: SmallVec<[(DVec3, Option<Line>); MOST_EDGES]> = [[0, 1], [1, 2], [2, 0]]
+        let mut kept: SmallVec<[(DVec3, Option<Line>); MAX_EDGES]> = [[0, 1], [1, 2], [2, 0]]
             .into_iter()
             .map(|[from, to]| (corners[from].at, Edge::between(corners[from], corners[to])))
             .collect();

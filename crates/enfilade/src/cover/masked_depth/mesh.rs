@@ -45,7 +45,7 @@ pub(super) struct Sided<const SIDES: usize, const HALVES: usize> {
 }
 
 /// The most corners of a part: 8 kB of them on the screen.
-const MOST_CORNERS: usize = 512;
+const MAX_CORNERS: usize = 512;
 
 impl OccluderMesh {
     /// Triangles, as three indices into `positions` each, counter-clockwise seen from their front. One with a corner that
@@ -148,7 +148,7 @@ impl<'a> Building<'a> {
 
     /// The places of corners among those of the part at hand, which is another one where it would have too many.
     fn place<const SIDES: usize>(&mut self, corners: [u32; SIDES]) -> [u32; SIDES] {
-        if self.used.len() + SIDES > MOST_CORNERS {
+        if self.used.len() + SIDES > MAX_CORNERS {
             self.close_part();
         }
         corners.map(|corner| {

@@ -43,20 +43,20 @@ pub(super) struct Waiting {
 /// Tiles that runs reach into, by their numbers and those of the runs.
 struct Parts {
     count: usize,
-    tiles: [u32; MOST_PARTS],
-    runs: [u32; MOST_PARTS],
+    tiles: [u32; MAX_PARTS],
+    runs: [u32; MAX_PARTS],
 }
 
 /// So many runs wait before they are covered, or more of a large face; and so many parts of them.
 const MANY_RUNS: usize = 64;
-const MOST_PARTS: usize = 256;
+const MAX_PARTS: usize = 256;
 
 impl Default for Parts {
     fn default() -> Parts {
         Parts {
             count: 0,
-            tiles: [0; MOST_PARTS],
-            runs: [0; MOST_PARTS],
+            tiles: [0; MAX_PARTS],
+            runs: [0; MAX_PARTS],
         }
     }
 }
@@ -65,7 +65,7 @@ impl Parts {
     /// Adds some of sixteen tiles.
     #[inline(always)]
     fn push<S: Simd>(&mut self, which: mask32x16<S>, tiles: u32x16<S>, runs: u32x16<S>) {
-        let start = self.count.min(MOST_PARTS - LANES);
+        let start = self.count.min(MAX_PARTS - LANES);
         tiles
             .compress(which)
             .store_slice(&mut self.tiles[start..start + LANES]);
@@ -74,13 +74,13 @@ impl Parts {
     }
 
     fn is_full(&self) -> bool {
-        self.count > MOST_PARTS - LANES
+        self.count > MAX_PARTS - LANES
     }
 
     /// Tiles and their runs; none are left.
     #[inline(always)]
     fn take(&mut self) -> impl Iterator<Item = (u32, u32)> {
-        let count = std::mem::take(&mut self.count).min(MOST_PARTS);
+        let count = std::mem::take(&mut self.count).min(MAX_PARTS);
         let runs = self.runs[..count].iter().copied();
         self.tiles[..count].iter().copied().zip(runs)
     }

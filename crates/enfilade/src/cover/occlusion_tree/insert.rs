@@ -6,7 +6,7 @@
 use super::above::Above;
 use super::line::{Back, Line, SLIT};
 use super::pieces::{Piece, Pieces, Reach};
-use super::{Edge, Link, Location, MOST_NODES, OcclusionTree, Plane, Side, Tree};
+use super::{Edge, Link, Location, MAX_NODES, OcclusionTree, Plane, Side, Tree};
 use crate::occluders::Occluder;
 use fearless_simd::dispatch;
 use fearless_simd::prelude::*;
@@ -49,7 +49,7 @@ impl<A> OcclusionTree<A> {
             match self.tree.at(place) {
                 Link::Shadow => {}
                 Link::Lit => {
-                    if self.tree.nodes.len() + self.edges.len() < MOST_NODES {
+                    if self.tree.nodes.len() + self.edges.len() < MAX_NODES {
                         let corners = self.pieces.corners(piece);
                         let (tree, edges) = (&mut self.tree, &self.edges);
                         dispatch!(self.level, simd => settle(simd, tree, edges, back, place, corners));

@@ -81,7 +81,7 @@ pub struct ByFaces;
 pub struct ByBox;
 
 /// Nodes, at most. What would need more is not inserted: it hides less, and costs no more.
-const MOST_NODES: usize = 1 << 15;
+const MAX_NODES: usize = 1 << 15;
 
 /// By how many pixels the aperture is widened: more than rounding can move the lines of its edges.
 const WIDEN: f64 = 1.0 / (1 << 14) as f64;
@@ -198,7 +198,7 @@ impl<A: Asks> Cover for OcclusionTree<A> {
 
     fn needs_bytes(_size: [u32; 2]) -> u64 {
         // The pieces of one occluder or face may come to every leaf.
-        (MOST_NODES * (size_of::<Node>() + 4 * size_of::<DVec3>())) as u64
+        (MAX_NODES * (size_of::<Node>() + 4 * size_of::<DVec3>())) as u64
     }
 
     const SHAPE: Option<CoverShape> = Some(CoverShape::Tree);

@@ -16,7 +16,7 @@ use crate::mesh::Mesh;
 use glam::DVec3;
 use std::error::Error;
 use std::sync::Arc;
-use steps::{Bend, MOST_STEPS};
+use steps::{Bend, MAX_STEPS};
 use thiserror::Error as ThisError;
 use weave::weave;
 
@@ -56,7 +56,7 @@ pub enum BezierError {
 }
 
 /// Levels of a surface, at most.
-const MOST_LEVELS: i32 = 14;
+const MAX_LEVELS: i32 = 14;
 
 impl BezierSurface {
     /// Checks the patches.
@@ -82,16 +82,14 @@ impl BezierSurface {
         // A patch lies within its control points' hull.
         let bounds = Aabb::of(patches.iter().flatten().copied());
         let size = DVec3::from(bounds.max.map(f64::from)).distance(DVec3::from(bounds.min.map(f64::from)));
-        let finest = bends()
-            .map(|bend| bend.error([MOST_STEPS; 2]))
-            .fold(0.0, f64::max);
+        let finest = bends().map(|bend| bend.error([MAX_STEPS; 2])).fold(0.0, f64::max);
         let farthest = patches.iter().flatten().flatten().map(|value| value.abs());
         // Half of a last bit on each axis; corners of what does not bend are control points, and not rounded.
         let rounding = match bends().all(|bend| bend.is_none()) {
             true => 0.0,
             false => 1.01 * 3_f64.sqrt() * 0.5_f64.powi(24) * f64::from(farthest.fold(0.0, f32::max)),
         };
-        let mut tolerances: Vec<f64> = (0..MOST_LEVELS)
+        let mut tolerances: Vec<f64> = (0..MAX_LEVELS)
             .map(|level| 0.125 * size * 0.5_f64.powi(level))
             .collect();
         // Finer than the finest steps are, or than rounding leaves them, would be no better.

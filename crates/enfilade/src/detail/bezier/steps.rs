@@ -10,7 +10,7 @@ use super::BezierPatch;
 use glam::DVec3;
 
 /// Steps along a patch, at most: what rounding leaves of finer ones is no smoother.
-pub(super) const MOST_STEPS: u32 = 512;
+pub(super) const MAX_STEPS: u32 = 512;
 
 /// How long the second derivatives of a patch are, at most: twice along u, along both, twice along v.
 pub(super) struct Bend {
@@ -49,8 +49,8 @@ impl Bend {
 
     /// The fewest cells that are within a tolerance: steps along u and v. Those at the limit where none are.
     pub(super) fn steps(&self, tolerance: f64) -> [u32; 2] {
-        let mut best = [MOST_STEPS; 2];
-        for nu in 1..=MOST_STEPS {
+        let mut best = [MAX_STEPS; 2];
+        for nu in 1..=MAX_STEPS {
             let cells = best[0] * best[1];
             if nu >= cells {
                 break;
@@ -72,9 +72,9 @@ impl Bend {
         let below = half + (half * half + self.vv * left).sqrt();
         let least = if below == 0.0 { 1.0 } else { (below / left).ceil() };
         // Rounding may have lost the last bit of it.
-        let nv = least.clamp(1.0, f64::from(MOST_STEPS)) as u32;
+        let nv = least.clamp(1.0, f64::from(MAX_STEPS)) as u32;
         [nv, nv + 1]
             .into_iter()
-            .find(|&nv| nv <= MOST_STEPS && self.error([nu, nv]) <= tolerance)
+            .find(|&nv| nv <= MAX_STEPS && self.error([nu, nv]) <= tolerance)
     }
 }

@@ -26,7 +26,7 @@ struct Edge {
 }
 
 /// Triangles of a level, at most: more is taken for a mistake in the size of the patches.
-const MOST_TRIANGLES: u64 = 1 << 27;
+const MAX_TRIANGLES: u64 = 1 << 27;
 
 /// Triangles no farther from the patches than `tolerance`, before rounding, or as near as the most steps bring them.
 pub(super) fn weave(patches: &[BezierPatch], tolerance: f64) -> Result<Woven, String> {
@@ -35,7 +35,7 @@ pub(super) fn weave(patches: &[BezierPatch], tolerance: f64) -> Result<Woven, St
         .map(|patch| Bend::of(patch).steps(tolerance))
         .collect();
     let cells: u64 = wanted.iter().map(|&[u, v]| u64::from(u) * u64::from(v)).sum();
-    if 2 * cells > MOST_TRIANGLES {
+    if 2 * cells > MAX_TRIANGLES {
         return Err(format!("it would have {} triangles", 2 * cells));
     }
     let mut loom = Loom::default();

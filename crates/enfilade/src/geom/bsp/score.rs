@@ -30,7 +30,7 @@ pub(super) struct Scored {
 }
 
 /// A free plane cuts at most one polygon of so many: then building ends soon even where cuts cost nothing.
-const MOST_CUT: u32 = 4;
+const MAX_CUT: u32 = 4;
 
 impl Tally {
     /// May a plane that takes no polygon away be a splitter? Both sides get fewer polygons than there are.
@@ -39,7 +39,7 @@ impl Tally {
     }
 
     pub(super) fn cuts_few(&self) -> bool {
-        MOST_CUT * self.cut <= self.front + self.back + self.on + self.cut
+        MAX_CUT * self.cut <= self.front + self.back + self.on + self.cut
     }
 
     /// The lower, the better.

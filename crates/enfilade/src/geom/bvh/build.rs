@@ -2,11 +2,11 @@
 //!
 //! Idea: sort the box centers of a node into equal bins along x, y and z, and split between the two bins where area
 //!     times count, summed over both sides, is least; but set large boxes apart first where the rest then splits so much
-//!     better. Split by count where all centers coincide, and where the tree would get deeper than [`MOST_LEVELS`]:
+//!     better. Split by count where all centers coincide, and where the tree would get deeper than [`MAX_LEVELS`]:
 //!     coincident, nested or exponentially spaced boxes cannot make a list.
 //! Source: Wald, On Fast Construction of SAH-Based Bounding Volume Hierarchies, RT 2007, section 3; setting large boxes
 //!     apart is ours.
-//! Cost: O(n) for each level, at most [`MOST_LEVELS`] levels, about log₂ n of them for real scenes.
+//! Cost: O(n) for each level, at most [`MAX_LEVELS`] levels, about log₂ n of them for real scenes.
 //! The same boxes give the same tree for any number of threads.
 
 use super::Node;
@@ -15,7 +15,7 @@ use crate::threads;
 use glam::{Vec3, Vec3A};
 
 /// Levels of a tree, at most. Splits by count alone need 33 for all things that a u32 can number.
-pub(super) const MOST_LEVELS: u32 = 40;
+pub(super) const MAX_LEVELS: u32 = 40;
 
 /// Bins along each axis.
 const BINS: usize = 16;
@@ -69,7 +69,7 @@ struct Part<'a> {
 }
 
 impl Part<'_> {
-    /// Recurses at most [`MOST_LEVELS`] deep.
+    /// Recurses at most [`MAX_LEVELS`] deep.
     fn build(self, few: u32) -> Node {
         let Part {
             boxes,
@@ -125,7 +125,7 @@ fn split(boxes: &mut [Boxed], level: u32) -> usize {
         return 1;
     }
     let halvings = usize::BITS - (boxes.len() - 1).leading_zeros();
-    let by_area = if level + halvings < MOST_LEVELS {
+    let by_area = if level + halvings < MAX_LEVELS {
         split_by_area(boxes)
     } else {
         None

@@ -5,7 +5,7 @@
 //! that was found.
 //! Source: Goldsmith, Salmon, Automatic Creation of Object Hierarchies for Ray Tracing, IEEE CG&A 1987 (the areas);
 //!     Bittner, Hapala, Havran, Fast Insertion-Based Optimization of Bounding Volume Hierarchies, CGF 2013 (the search).
-//! Cost: some sixty boxes for a place in ten thousand things, [`MOST_SEEN`] at most; O(things of a leaf · log) for parting
+//! Cost: some sixty boxes for a place in ten thousand things, [`MAX_SEEN`] at most; O(things of a leaf · log) for parting
 //! them.
 
 use super::Bvh;
@@ -14,7 +14,7 @@ use smallvec::SmallVec;
 
 /// Nodes that are looked at for a place. So many are only where boxes lie all over each other, and then one place is about
 /// as good as another.
-const MOST_SEEN: u32 = 400;
+const MAX_SEEN: u32 = 400;
 
 /// Where a thing goes.
 pub(super) enum Goes {
@@ -36,7 +36,7 @@ impl Bvh {
         waiting.push((top, 0.0));
         let mut seen = 0;
         while let Some((node, above)) = waiting.pop() {
-            if above + own >= least || seen == MOST_SEEN {
+            if above + own >= least || seen == MAX_SEEN {
                 continue;
             }
             seen += 1;

@@ -11,7 +11,7 @@ use glam::DVec3;
 const ROUNDING: f64 = 1.0 / (1_u64 << 22) as f64;
 
 /// So often a polygon is cut at most: each cut shifts it by 2⁻⁵⁰ of its numbers, a plane is moved by 2⁻²² of them.
-const MOST_CUTS: u32 = 1000;
+const MAX_CUTS: u32 = 1000;
 
 /// A leaf that something may reach into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -159,7 +159,7 @@ impl Room {
 
     /// Takes points that stand for all between them, in any order.
     pub(crate) fn hull(&mut self, points: impl IntoIterator<Item = DVec3>) {
-        self.take(points, MOST_CUTS);
+        self.take(points, MAX_CUTS);
     }
 
     fn take(&mut self, points: impl IntoIterator<Item = DVec3>, cuts: u32) {
@@ -248,7 +248,7 @@ impl Room {
                 ..*piece
             };
             // What lies on this side whole is not cut, nor what was cut too often to say where it is.
-            let is_cut = piece.cuts < MOST_CUTS && self.offsets.iter().any(|off| sign * off < -slack);
+            let is_cut = piece.cuts < MAX_CUTS && self.offsets.iter().any(|off| sign * off < -slack);
             if is_cut {
                 self.cut(piece, sign, slack);
                 [left.start, left.end] = [start, self.points.len()];

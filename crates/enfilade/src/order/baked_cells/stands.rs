@@ -8,10 +8,10 @@ use glam::DVec3;
 const MANY_FACES: u32 = 512;
 
 /// An item in more cells than this is taken for one that is everywhere.
-const MOST_CELLS: usize = 1024;
+const MAX_CELLS: usize = 1024;
 
 /// Planes that an item may be held against, for each of its faces and besides: what takes longer is everywhere.
-const MOST_PLANES: [u64; 2] = [64, 1 << 18];
+const MAX_PLANES: [u64; 2] = [64, 1 << 18];
 
 /// Which items stand in which cells, both ways. The cell after the last is that of items which are everywhere, or in none:
 /// those are always looked at.
@@ -130,7 +130,7 @@ impl Finding {
         let sector_from_item = placed.transform();
         let there = |corner: [f32; 3]| DVec3::from(sector_from_item.point_f64(corner));
         let top = cells.around(&placed.bounds);
-        let most_planes = MOST_PLANES[0] * u64::from(mesh.face_count()) + MOST_PLANES[1];
+        let most_planes = MAX_PLANES[0] * u64::from(mesh.face_count()) + MAX_PLANES[1];
         let is_known = if !matches!(top, CellSide::Node(_)) {
             // All of it is in one leaf.
             self.room.hull([DVec3::ZERO]);
@@ -184,7 +184,7 @@ impl Finding {
             {
                 found.push(cell.0);
             }
-            found.len() <= MOST_CELLS
+            found.len() <= MAX_CELLS
         })
     }
 }

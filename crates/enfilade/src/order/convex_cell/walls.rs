@@ -41,7 +41,7 @@ pub(super) struct Face {
 }
 
 /// So many planes are looked through for one that a face lies in.
-const MOST_KNOWN: usize = 16;
+const MAX_KNOWN: usize = 16;
 
 impl<'a> Walls<'a> {
     pub(super) fn new(geometry: &'a Geometry, limit_bytes: u64) -> Walls<'a> {
@@ -164,7 +164,7 @@ impl<'a> Walls<'a> {
                 })
             })?;
         self.outwards = plane.normal.dot(front) < 0.0;
-        if self.known.len() == MOST_KNOWN {
+        if self.known.len() == MAX_KNOWN {
             self.known.remove(0);
         }
         self.known.push(Known { plane, place: None });

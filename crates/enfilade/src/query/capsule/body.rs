@@ -44,13 +44,13 @@ pub(super) struct Mover<'a> {
 }
 
 /// Parts of one step, at most.
-const MOST_PARTS: usize = 512;
+const MAX_PARTS: usize = 512;
 
 /// Things in the way of one step that it slides along, at most: then it is stuck.
-const MOST_STOPS: usize = 32;
+const MAX_STOPS: usize = 32;
 
 /// Times that a body is pushed out of what it stands in, at most, in a row.
-const MOST_PUSHES: usize = 16;
+const MAX_PUSHES: usize = 16;
 
 /// A direction that goes into a face by less than this part of itself goes along it.
 const ALONG: f64 = 1e-6;
@@ -84,7 +84,7 @@ impl Mover<'_> {
         let mut planes: Vec<DVec3> = Vec::new();
         let [mut pushes, mut stopped] = [0; 2];
         let mut near: Option<Near> = None;
-        for _ in 0..MOST_PARTS {
+        for _ in 0..MAX_PARTS {
             let skin = self.skin();
             let [stops, keeps] = [0.5, 1.0].map(|part| self.body.radius + part * skin);
             let (length, forward) = (rest.length(), rest.normalize_or_zero());
@@ -120,7 +120,7 @@ impl Mover<'_> {
                 .iter()
                 .map(|contact| contact.distance)
                 .fold(f64::INFINITY, f64::min);
-            let is_in = nearest < self.body.radius + 0.25 * skin && pushes < MOST_PUSHES;
+            let is_in = nearest < self.body.radius + 0.25 * skin && pushes < MAX_PUSHES;
             let part = contacts.iter().filter_map(free).fold(most, f64::min);
             let shifted = if is_in {
                 pushes += 1;
@@ -143,7 +143,7 @@ impl Mover<'_> {
                 let along = along(rest, &planes);
                 stopped += 1;
                 // Where there are too many planes, nothing may be gained by going on.
-                if !slides || stopped == MOST_STOPS || along.length() > (1.0 - 0.1 * ALONG * ALONG) * length {
+                if !slides || stopped == MAX_STOPS || along.length() > (1.0 - 0.1 * ALONG * ALONG) * length {
                     return;
                 }
                 rest = along;

@@ -5,16 +5,16 @@
 //!     small.
 //! Source: Mononen, Recast Navigation, 2009 (height field of spans); Snook, Simplified 3D Movement and Pathfinding Using
 //!     Navigation Meshes, Game Programming Gems, 2000.
-//! Cost: O(faces + columns covered by them), at most [`MOST_COLUMNS`] columns and [`MOST_PARTS`] parts of faces.
+//! Cost: O(faces + columns covered by them), at most [`MAX_COLUMNS`] columns and [`MAX_PARTS`] parts of faces.
 
 use crate::geometry::{Alpha, Geometry, ItemId};
 use glam::DVec3;
 use smallvec::SmallVec;
 
 /// Maximum number of columns.
-const MOST_COLUMNS: f64 = (1 << 20) as f64;
+const MAX_COLUMNS: f64 = (1 << 20) as f64;
 /// Maximum number of clipped triangles.
-const MOST_PARTS: f64 = 5e7;
+const MAX_PARTS: f64 = 5e7;
 /// Minimum side of a column, in metres.
 const COLUMN: f64 = 0.1;
 /// Minimum free height above a floor, in metres.
@@ -83,9 +83,9 @@ impl Floors {
             reached += (high.x - low.x) * (high.z - low.z);
         });
         let side = (COLUMN * metre)
-            .max((extent[0] * extent[1] / MOST_COLUMNS).sqrt())
-            .max((reached / MOST_PARTS).sqrt())
-            .max(extent[0].max(extent[1]) / MOST_COLUMNS.sqrt());
+            .max((extent[0] * extent[1] / MAX_COLUMNS).sqrt())
+            .max((reached / MAX_PARTS).sqrt())
+            .max(extent[0].max(extent[1]) / MAX_COLUMNS.sqrt());
         let size = extent.map(|extent| (extent / side) as usize + 1);
         let mut floors = Floors {
             all: Vec::new(),

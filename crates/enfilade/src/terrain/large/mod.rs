@@ -16,7 +16,7 @@ pub use heights::{HeightBytes, HeightFormat, Heights};
 use super::{BLOCK, Diagonal, HeightFieldError, check_cell, check_size};
 use crate::geom::Aabb;
 use crate::geometry::{
-    Alpha, Geometry, GeometryBuilder, GeometryError, ItemId, MOST_OPENINGS, Material, Opening,
+    Alpha, Geometry, GeometryBuilder, GeometryError, ItemId, MAX_OPENINGS, Material, Opening,
 };
 use crate::sector::Surface;
 use glam::DVec3;
@@ -98,7 +98,7 @@ impl LargeTerrain {
         check_size(size)?;
         let blocks = size.map(|side| (side - 1).div_ceil(BLOCK));
         let faces = u64::from(blocks[0]) * u64::from(blocks[1]) * u64::from(BLOCK_FACES);
-        if faces > u64::from(u32::MAX) - MOST_OPENINGS as u64 {
+        if faces > u64::from(u32::MAX) - MAX_OPENINGS as u64 {
             return Err(HeightFieldError::Faces(faces));
         }
         check_cell(size, cell)?;

@@ -23,7 +23,7 @@ const BYTES_OF_A_PAGE: usize = 3 * (PAGE * PAGE) as usize;
 /// Texels between two samples.
 const STEP: f64 = 16.0;
 /// The greatest number of samples along a side of a face: compilers cut faces long before.
-const MOST_SAMPLES: f64 = WIDTH as f64;
+const MAX_SAMPLES: f64 = WIDTH as f64;
 
 /// What a color is multiplied by, so that a texel of 128 shows it as it is.
 pub(super) const FULL: f32 = 4.63;
@@ -69,7 +69,7 @@ impl<'a> FaceLight<'a> {
         let least = [0, 1].map(|axis| (along(axis).fold(f64::INFINITY, f64::min) / STEP).floor());
         let most = [0, 1].map(|axis| (along(axis).fold(f64::NEG_INFINITY, f64::max) / STEP).ceil());
         let samples = [0, 1].map(|axis| most[axis] - least[axis] + 1.0);
-        if !samples.iter().all(|count| (1.0..=MOST_SAMPLES).contains(count)) {
+        if !samples.iter().all(|count| (1.0..=MAX_SAMPLES).contains(count)) {
             return Ok(None);
         }
         let size = samples.map(|count| count as u32);
@@ -116,7 +116,7 @@ impl<'a> FaceLight<'a> {
         }
         let rows = self.texels.len() as u32 / WIDTH;
         let needed = (self.next[1] + height).saturating_sub(rows);
-        if rows + needed > Texture::MOST_TEXELS {
+        if rows + needed > Texture::MAX_TEXELS {
             return Ok(None);
         }
         if needed > 0 {

@@ -16,14 +16,14 @@ use fearless_simd::{f32x16, f64x8, mask64x8, u32x16};
 pub(super) type Corner = [u32; 4];
 
 /// The most corners of a batch.
-pub(super) const MOST_CORNERS: usize = 1024;
+pub(super) const MAX_CORNERS: usize = 1024;
 
 /// Corners of a batch.
-pub(super) struct Corners(pub(super) Box<[Corner; MOST_CORNERS]>);
+pub(super) struct Corners(pub(super) Box<[Corner; MAX_CORNERS]>);
 
 impl Default for Corners {
     fn default() -> Corners {
-        Corners(Box::new([[0; 4]; MOST_CORNERS]))
+        Corners(Box::new([[0; 4]; MAX_CORNERS]))
     }
 }
 

@@ -28,7 +28,7 @@ use crate::cover::part::Part;
 use crate::faces::Faces;
 use crate::passage::{BEYOND, Passage};
 pub(super) use corners::Block;
-use corners::{Corners, DEEPEST, MOST_CORNERS};
+use corners::{Corners, DEEPEST, MAX_CORNERS};
 use fearless_simd::prelude::*;
 use glam::DVec3;
 use records::Records;
@@ -39,7 +39,7 @@ pub(super) const LANES: usize = 16;
 pub(super) const COUNT: [u32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 /// A screen of more columns or rows reaches to where corners are odd.
-const MOST_SAMPLES: u16 = 12_000;
+const MAX_SAMPLES: u16 = 12_000;
 
 /// A pixel in units of fixed point.
 const ONE_SHIFT: u32 = 17;
@@ -91,7 +91,7 @@ impl Frame {
         };
         let middle_sample = [middle(x0, x1, COLUMNS), middle(y0, y1, ROWS)];
         // What is cut off far from the middle must be off the screen.
-        let is_small = (x1 - x0).max(y1 - y0) < MOST_SAMPLES;
+        let is_small = (x1 - x0).max(y1 - y0) < MAX_SAMPLES;
         Frame {
             matrix: [
                 row(rows.x_axis, offset.x),
@@ -171,7 +171,7 @@ impl Batch {
             triangles,
             first_position,
         } = shapes;
-        if positions.len() * LANES > MOST_CORNERS {
+        if positions.len() * LANES > MAX_CORNERS {
             let all = 0..(quads.len() + triangles.len()) as u32;
             self.queues.uncertain.extend(all);
             return;

@@ -8,7 +8,7 @@
 //! Exact: what is not certain within a unit of fixed point goes to f64.
 
 use super::clip::clip;
-use super::corners::{Block, Corners, MOST_CORNERS};
+use super::corners::{Block, Corners, MAX_CORNERS};
 use super::queue::{Queue, Sixteen};
 use super::{COUNT, Frame, HALF, LANES, ONE, ONE_SHIFT, Shapes};
 use crate::cover::part::Part;
@@ -92,7 +92,7 @@ impl<'a, const SIDES: usize> Group<'a, SIDES> {
         let mut quarters = [u32x16::splat(simd, 0); 4];
         for (quarter, four) in quarters.iter_mut().zip(self.corners.as_chunks::<4>().0) {
             // A remainder instead of a check that would have to be made, and stand, before every load.
-            let at = |corner: u32| (corner - self.first_position) as usize % MOST_CORNERS;
+            let at = |corner: u32| (corner - self.first_position) as usize % MAX_CORNERS;
             let a = u32x4::simd_from(simd, corners.0[at(four[0][which])]);
             let b = u32x4::simd_from(simd, corners.0[at(four[1][which])]);
             let c = u32x4::simd_from(simd, corners.0[at(four[2][which])]);

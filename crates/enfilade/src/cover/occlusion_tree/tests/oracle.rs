@@ -135,7 +135,7 @@ fn a_full_tree_hides_less_and_is_still_right() {
         .filter_map(|_| chance.polygon([1.0, 30.0], [0.001, 0.01]))
         .collect();
     both.fill(&SCREEN, &occluders);
-    assert!(both.faces.tree.nodes.len() <= MOST_NODES && both.faces.tree.nodes.len() + 9 > MOST_NODES);
+    assert!(both.faces.tree.nodes.len() <= MAX_NODES && both.faces.tree.nodes.len() + 9 > MAX_NODES);
     for _ in 0..200 {
         let volume = chance.volume([0.5, 50.0]);
         if both.see(&volume)[0] == Visibility::Hidden {

@@ -7,7 +7,7 @@ use crate::geom::changes::hard_boxes;
 
 const FEW: u32 = 6;
 
-const MOST_LEVELS: usize = build::MOST_LEVELS as usize;
+const MAX_LEVELS: usize = build::MAX_LEVELS as usize;
 
 fn cubes(places: impl Iterator<Item = [f32; 3]>, side: f32) -> Vec<Aabb> {
     let cube = |at: [f32; 3]| Aabb {
@@ -73,7 +73,7 @@ fn things_that_coincide_or_are_huge_or_tiny_make_a_tree() {
 fn trees_over_a_hundred_thousand_boxes_that_are_hard_to_separate_are_shallow() {
     for (what, boxes) in hard_boxes(100_000) {
         let depth = check(&boxes);
-        assert!(depth <= MOST_LEVELS, "{what}: {depth} levels");
+        assert!(depth <= MAX_LEVELS, "{what}: {depth} levels");
     }
 }
 
@@ -90,7 +90,7 @@ fn boxes_that_are_infinite_or_no_numbers_stand_in_a_shallow_tree_too() {
     let mut held = 0;
     let mut waiting: Vec<(u32, usize)> = tree.root().map(|root| (root, 1)).into_iter().collect();
     while let Some((node, depth)) = waiting.pop() {
-        assert!(depth <= MOST_LEVELS);
+        assert!(depth <= MAX_LEVELS);
         held += tree.things(node).len();
         waiting.extend(tree.children(node).map(|child| (child, depth + 1)));
     }

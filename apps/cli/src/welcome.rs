@@ -88,7 +88,7 @@ pub(crate) fn run() -> Result<Outcome> {
     let [width, height] = cameras.size;
     let mut text = format!(
         "Enfilade, the built-in palace: {}, {} triangles, {} joined by {}.\n\
-         Seen from its first camera at {width}x{height}:\n\n",
+         Collector from its first camera at {width}x{height}:\n\n",
         plural(items, "item"),
         count(triangles),
         plural(sectors, "sector"),

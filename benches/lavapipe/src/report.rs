@@ -73,7 +73,7 @@ impl Report {
 fn chosen(what: What, seen_by: Method) -> String {
     match what {
         What::Frustum => "what is in the frustum".to_owned(),
-        What::Seen => format!("what {seen_by} sees, looking included"),
+        What::Collector => format!("what {seen_by} sees, looking included"),
     }
 }
 

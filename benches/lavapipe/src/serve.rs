@@ -17,17 +17,17 @@ pub(crate) enum What {
     /// Every item whose box meets the frustum.
     Frustum,
     /// What a look of ours finds, looked for anew each time.
-    Seen,
+    Collector,
 }
 
 impl What {
-    pub(crate) const ALL: [What; 2] = [What::Frustum, What::Seen];
+    pub(crate) const ALL: [What; 2] = [What::Frustum, What::Collector];
 
     /// What it is called between the processes.
     pub(crate) fn name(self) -> &'static str {
         match self {
             What::Frustum => "frustum",
-            What::Seen => "seen",
+            What::Collector => "seen",
         }
     }
 }
@@ -91,7 +91,7 @@ impl Server {
         let lens = Lens::new(view);
         match what {
             What::Frustum => self.plan.frustum(&self.stock, &lens),
-            What::Seen => {
+            What::Collector => {
                 let set = self.viewer.look(&self.scene, view);
                 self.plan.seen(&self.stock, &lens, set);
             }

@@ -17,13 +17,13 @@ impl Sector for Lit {
     fn contract(&self) -> Contract {
         self.0.contract()
     }
-    fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
+    fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {
         // The eye in the space of this room, through whatever portals it looks: the door stands at x = 0.
         if passage.eye()[0] > -3.0 {
             self.0.gather(passage, memory, seen);
         }
     }
-    fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: &mut dyn Canvas) {
+    fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector, canvas: &mut dyn Canvas) {
         if passage.eye()[0] > -3.0 {
             self.0.draw(passage, memory, seen, canvas);
         }

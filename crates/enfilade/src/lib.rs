@@ -46,6 +46,7 @@ mod canvas;
 #[cfg(test)]
 mod chance;
 mod choose;
+mod collector;
 mod detail;
 mod entrance;
 mod faces;
@@ -61,7 +62,6 @@ mod query;
 mod region;
 mod scene;
 mod sector;
-mod seen;
 mod simd;
 mod stats;
 mod terrain;
@@ -73,6 +73,7 @@ mod visible;
 pub use aperture::{Aperture, Rect, Rows};
 pub use canvas::{Canvas, CoverShape, CoverSpan, HiddenBy, Span};
 pub use choose::{Aim, Cost, MethodChoice, NotTried, Terms, Trial, choose_methods};
+pub use collector::Collector;
 pub use cover::OccluderMesh;
 pub use detail::{
     BezierError, BezierPatch, BezierSurface, DetailError, DetailOptions, DetailSource, Details, Refined,
@@ -104,7 +105,6 @@ pub use scene::{
     SceneError, SectorId, Way,
 };
 pub use sector::{Built, Contract, Hit, Ray, Sector, Surface};
-pub use seen::Seen;
 pub use simd::{SimdLevelError, simd_level, simd_levels, use_simd_level};
 pub use stats::{SpanStats, Stats};
 pub use terrain::{

@@ -1,9 +1,9 @@
 //! The working memory of one camera.
 
 use crate::aperture::Rows;
+use crate::collector::{GlassSample, ReportBuffers};
 use crate::geometry::ItemId;
 use crate::passage::Passage;
-use crate::seen::{GlassSample, ReportBuffers};
 use crate::stats::Stats;
 use crate::threads;
 use glam::DVec3;

@@ -1,11 +1,11 @@
 //! What every piece of the world can do.
 
 use crate::canvas::Canvas;
+use crate::collector::Collector;
 use crate::geom::Aabb;
 use crate::geometry::{Alpha, ItemId, Opening};
 use crate::memory::Memory;
 use crate::passage::Passage;
-use crate::seen::Seen;
 use std::fmt;
 
 /// A piece of the world with its own way of being seen.
@@ -29,12 +29,12 @@ pub trait Sector: Send + Sync {
     }
 
     /// Reports every item and opening that may be seen through `passage`.
-    fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen);
+    fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector);
 
     /// Paints what is seen through `passage`: opaque faces at once, samples of glass into `seen`, to be painted
     /// after what is behind the openings. Reports as [`Sector::gather`] does; what that reported is in `seen` if it is
     /// to be painted ([`Sector::draws_what_was_gathered`]).
-    fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: &mut dyn Canvas);
+    fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector, canvas: &mut dyn Canvas);
 
     /// The first face along a ray, seen from whichever side.
     fn cast(&self, ray: &Ray) -> Option<Hit>;

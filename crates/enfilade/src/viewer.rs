@@ -1,13 +1,13 @@
 //! The working memory of one camera, and how it follows openings from sector to sector.
 
 use crate::canvas::{Canvas, Span};
+use crate::collector::{CollectedItem, CollectedOpening, Collector};
 use crate::geometry::{Alpha, Geometry, Owner};
 use crate::memory::Memory;
 use crate::mesh::Cluster;
 use crate::passage::{Passage, PassageId};
 use crate::region::Region;
 use crate::scene::{PortalId, Scene};
-use crate::seen::{Seen, SeenItem, SeenOpening};
 use crate::stats::Stats;
 use crate::view::View;
 use crate::visible::{VisibleItem, VisibleSet};
@@ -22,8 +22,8 @@ pub struct Viewer {
     /// What painting a set goes through, where that takes a second time.
     painted: VisibleSet,
     /// Passages whose openings are being followed, each behind an opening of the one before; empty between looks.
-    entered: Vec<(PassageId, Seen)>,
-    spare: Vec<Seen>,
+    entered: Vec<(PassageId, Collector)>,
+    spare: Vec<Collector>,
     limits: Limits,
     cover_size: Option<[u32; 2]>,
 }
@@ -204,8 +204,8 @@ struct Look<'a> {
     limits: Limits,
     memory: &'a mut Memory,
     set: &'a mut VisibleSet,
-    entered: &'a mut Vec<(PassageId, Seen)>,
-    spare: &'a mut Vec<Seen>,
+    entered: &'a mut Vec<(PassageId, Collector)>,
+    spare: &'a mut Vec<Collector>,
     canvas: Option<&'a mut dyn Canvas>,
     gathered: Option<Gathered<'a>>,
 }
@@ -300,7 +300,7 @@ impl Look<'_> {
     }
 
     /// Lends what all passages share while they are looked through, or takes it back: many are on the way at once.
-    fn lend(&mut self, seen: &mut Seen) {
+    fn lend(&mut self, seen: &mut Collector) {
         std::mem::swap(&mut seen.spare_rows, &mut self.memory.spare_rows);
         std::mem::swap(&mut seen.glass, &mut self.memory.spare_glass);
         std::mem::swap(&mut seen.report, &mut self.memory.spare_report);
@@ -322,12 +322,12 @@ impl Look<'_> {
     }
 
     /// Takes the items that a sector reported into the set.
-    fn take_in(&mut self, id: PassageId, seen: &Seen) {
+    fn take_in(&mut self, id: PassageId, seen: &Collector) {
         let passage = &self.set.passages[id.0 as usize];
         let geometry = self.scene.geometry(passage.sector);
         let shift = self.set.clusters.len() as u32;
         self.set.clusters.extend(&seen.clusters);
-        let blends = |geometry: &Geometry, item: &SeenItem| {
+        let blends = |geometry: &Geometry, item: &CollectedItem| {
             let clusters = geometry.mesh_of(item.item).clusters();
             let is_glass = |cluster: &Cluster| geometry.material(cluster).alpha == Alpha::Blend;
             match &seen.clusters[item.clusters[0] as usize..item.clusters[1] as usize] {
@@ -360,7 +360,7 @@ impl Look<'_> {
     }
 
     /// The passage behind an opening that is open and may be followed; any other opening is painted as a face.
-    fn follow(&mut self, id: PassageId, seen: SeenOpening) -> Option<Passage> {
+    fn follow(&mut self, id: PassageId, seen: CollectedOpening) -> Option<Passage> {
         let passage = self.set.passage(id);
         let way = self.scene.portal_of(passage.sector, seen.opening);
         let Some(portal_id) = way.filter(|&PortalId(index)| self.scene.portals()[index as usize].open) else {
@@ -385,7 +385,7 @@ impl Look<'_> {
         passage.through(own_id, portal_id, portal, outline, seen.rows)
     }
 
-    fn paint_closed(&mut self, id: PassageId, seen: SeenOpening) {
+    fn paint_closed(&mut self, id: PassageId, seen: CollectedOpening) {
         let Some(mut rows) = seen.rows else {
             return;
         };

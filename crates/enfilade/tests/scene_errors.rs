@@ -3,9 +3,9 @@
 //! A scene cannot stand in itself: [`SceneBuilder::nest`] takes one that is built already.
 
 use enfilade::{
-    Aabb, Canvas, Contract, ConvexPolygon, End, Geometry, GeometryBuilder, Hit, ItemId, Light, Material,
-    MaterialId, Memory, Mesh, Method, Opening, OpeningId, Passage, PortalId, Ray, Scene, SceneBuilder,
-    SceneError, Sector, SectorId, Seen, Surface, Transform,
+    Aabb, Canvas, Collector, Contract, ConvexPolygon, End, Geometry, GeometryBuilder, Hit, ItemId, Light,
+    Material, MaterialId, Memory, Mesh, Method, Opening, OpeningId, Passage, PortalId, Ray, Scene,
+    SceneBuilder, SceneError, Sector, SectorId, Surface, Transform,
 };
 use std::sync::Arc;
 
@@ -235,8 +235,15 @@ impl Sector for Void {
     fn contract(&self) -> Contract {
         Contract::Exact
     }
-    fn gather(&self, _passage: &Passage, _memory: &mut Memory, _seen: &mut Seen) {}
-    fn draw(&self, _passage: &Passage, _memory: &mut Memory, _seen: &mut Seen, _canvas: &mut dyn Canvas) {}
+    fn gather(&self, _passage: &Passage, _memory: &mut Memory, _seen: &mut Collector) {}
+    fn draw(
+        &self,
+        _passage: &Passage,
+        _memory: &mut Memory,
+        _seen: &mut Collector,
+        _canvas: &mut dyn Canvas,
+    ) {
+    }
     fn cast(&self, _ray: &Ray) -> Option<Hit> {
         None
     }

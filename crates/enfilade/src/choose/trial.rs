@@ -2,12 +2,12 @@
 
 use super::{Aim, Cost, Terms, Views};
 use crate::canvas::{Canvas, Span};
+use crate::collector::Collector;
 use crate::geometry::{Geometry, Owner};
 use crate::memory::Memory;
 use crate::method::{Method, Unsuited};
 use crate::passage::{Passage, PassageId};
 use crate::sector::Sector;
-use crate::seen::Seen;
 use crate::stats::Stats;
 use std::sync::Arc;
 use std::time::Duration;
@@ -24,7 +24,7 @@ const SHORT_BUILDS: usize = 3;
 pub(super) struct Tried {
     sector: Arc<dyn Sector>,
     memory: Memory,
-    seen: Seen,
+    seen: Collector,
     owners: Owners,
     build: Duration,
     bytes: u64,
@@ -69,7 +69,7 @@ impl Tried {
             bytes: sector.bytes().saturating_sub(shared) + method.screen_bytes(size, None),
             sector,
             memory: Memory::default(),
-            seen: Seen::default(),
+            seen: Collector::default(),
             owners: Owners::new(size),
             edit: Duration::ZERO,
             look: Measured::default(),

@@ -12,12 +12,12 @@ use super::triangle::Triangle;
 use super::{Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
+use crate::collector::Collector;
 use crate::faces::Faces;
 use crate::geometry::Owners;
 use crate::order::Unsorted;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::seen::Seen;
 use crate::stats::Stats;
 
 /// The nearest face so far, at each sample.
@@ -53,7 +53,7 @@ impl Paints for DepthBuffer {
         self.raster.run(faces, passage, &mut self.samples, stats);
     }
 
-    fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Seen) {
+    fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Collector) {
         let depth = |x, y| self.samples.depth(x, y);
         look_through(depth, &mut self.raster, faces, passage, stats, seen);
     }
@@ -62,7 +62,7 @@ impl Paints for DepthBuffer {
         &mut self,
         owners: &dyn Owners,
         _passage: &Passage,
-        seen: &mut Seen,
+        seen: &mut Collector,
         canvas: Option<&mut dyn Canvas>,
     ) {
         self.samples.report(owners, seen, canvas);

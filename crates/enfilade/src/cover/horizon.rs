@@ -17,12 +17,12 @@ use super::triangle::Triangle;
 use super::{Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
+use crate::collector::Collector;
 use crate::faces::Faces;
 use crate::geometry::Owners;
 use crate::order::Unsorted;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::seen::Seen;
 use crate::stats::Stats;
 use glam::DVec3;
 
@@ -101,7 +101,7 @@ impl Paints for Horizon {
         self.raster.run(faces, passage, &mut self.known, stats);
     }
 
-    fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Seen) {
+    fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Collector) {
         let depth = |x, y| self.known.samples.depth(x, y);
         look_through(depth, &mut self.raster, faces, passage, stats, seen);
     }
@@ -110,7 +110,7 @@ impl Paints for Horizon {
         &mut self,
         owners: &dyn Owners,
         _passage: &Passage,
-        seen: &mut Seen,
+        seen: &mut Collector,
         canvas: Option<&mut dyn Canvas>,
     ) {
         self.known.samples.report(owners, seen, canvas);

@@ -13,12 +13,12 @@ use super::triangle::Triangle;
 use super::{Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
+use crate::collector::Collector;
 use crate::faces::Faces;
 use crate::geometry::Owners;
 use crate::order::NearToFar;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::seen::Seen;
 use crate::stats::Stats;
 
 /// What is painted stays.
@@ -92,7 +92,7 @@ impl Paints for Mask {
         self.raster.run(faces, passage, &mut self.painted, stats);
     }
 
-    fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Seen) {
+    fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Collector) {
         let depth = |x, y| self.painted.samples.depth(x, y);
         look_through(depth, &mut self.raster, faces, passage, stats, seen);
     }
@@ -101,7 +101,7 @@ impl Paints for Mask {
         &mut self,
         owners: &dyn Owners,
         _passage: &Passage,
-        seen: &mut Seen,
+        seen: &mut Collector,
         canvas: Option<&mut dyn Canvas>,
     ) {
         self.painted.samples.report(owners, seen, canvas);

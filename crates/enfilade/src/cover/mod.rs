@@ -37,13 +37,13 @@ pub use span_buffer::SpanBuffer;
 
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, CoverShape};
+use crate::collector::Collector;
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::Owners;
 use crate::occluders::{Measure, Occluder};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::seen::Seen;
 use crate::stats::Stats;
 use band::Band;
 use glam::DAffine3;
@@ -106,14 +106,14 @@ pub trait Paints: Cover {
 
     /// Reports the samples at which faces that do not hide are in front of all that does. Comes after the last
     /// [`Paints::add`].
-    fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Seen);
+    fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Collector);
 
     /// Reports and paints what could not be decided earlier.
     fn finish(
         &mut self,
         owners: &dyn Owners,
         passage: &Passage,
-        seen: &mut Seen,
+        seen: &mut Collector,
         canvas: Option<&mut dyn Canvas>,
     );
 }

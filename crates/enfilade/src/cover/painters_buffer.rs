@@ -12,12 +12,12 @@ use super::triangle::Triangle;
 use super::{Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
+use crate::collector::Collector;
 use crate::faces::Faces;
 use crate::geometry::Owners;
 use crate::order::FarToNear;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::seen::Seen;
 use crate::stats::Stats;
 
 /// Hides nothing: paints over.
@@ -56,7 +56,7 @@ impl Paints for PaintersBuffer {
         self.raster.run(faces, passage, &mut self.painted, stats);
     }
 
-    fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Seen) {
+    fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Collector) {
         let depth = |x, y| self.painted.0.depth(x, y);
         look_through(depth, &mut self.raster, faces, passage, stats, seen);
     }
@@ -65,7 +65,7 @@ impl Paints for PaintersBuffer {
         &mut self,
         owners: &dyn Owners,
         _passage: &Passage,
-        seen: &mut Seen,
+        seen: &mut Collector,
         canvas: Option<&mut dyn Canvas>,
     ) {
         self.painted.0.report(owners, seen, canvas);

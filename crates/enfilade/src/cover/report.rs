@@ -4,13 +4,13 @@ use super::samples::{OPEN, Sample, owner_of};
 use super::trace::Trace;
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, Span};
+use crate::collector::{Collector, GlassSample, ReportBuffers, report_owners};
 use crate::geometry::{ItemId, Owner, Owners};
-use crate::seen::{GlassSample, ReportBuffers, Seen, report_owners};
 
 /// Gathers runs of owners, left to right and row after row.
 pub(super) struct Report<'a> {
     owners: &'a dyn Owners,
-    seen: &'a mut Seen,
+    seen: &'a mut Collector,
     canvas: Option<&'a mut dyn Canvas>,
     /// The run at hand: the lower half of its samples, and its columns.
     lower_half: u32,
@@ -26,7 +26,7 @@ const REMEMBERED: usize = 4096;
 impl<'a> Report<'a> {
     pub(super) fn new(
         owners: &'a dyn Owners,
-        seen: &'a mut Seen,
+        seen: &'a mut Collector,
         canvas: Option<&'a mut dyn Canvas>,
     ) -> Report<'a> {
         let mut buffers = std::mem::take(&mut seen.report);

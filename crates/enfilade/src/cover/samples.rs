@@ -6,10 +6,10 @@ use super::trace::Trace;
 use super::triangle::{Row, Triangle};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
+use crate::collector::Collector;
 use crate::faces::{Faces, Of};
 use crate::geometry::{ItemId, Owners};
 use crate::passage::Passage;
-use crate::seen::Seen;
 use crate::stats::Stats;
 use std::ops::Range;
 
@@ -104,7 +104,7 @@ impl Samples {
     }
 
     /// Reports and paints the owners that are left.
-    pub(super) fn report(&self, owners: &dyn Owners, seen: &mut Seen, canvas: Option<&mut dyn Canvas>) {
+    pub(super) fn report(&self, owners: &dyn Owners, seen: &mut Collector, canvas: Option<&mut dyn Canvas>) {
         let mut report = Report::new(owners, seen, canvas.map(|canvas| canvas as &mut dyn Canvas));
         let Rect { x0, y0, x1, y1 } = self.rect;
         for y in y0..y1 {
@@ -207,7 +207,7 @@ pub(super) fn look_through(
     faces: &Faces,
     passage: &Passage,
     stats: &mut Stats,
-    seen: &mut Seen,
+    seen: &mut Collector,
 ) {
     if let Of::Item(item, _) = faces.of {
         let mut glass = Glass {
@@ -225,7 +225,7 @@ struct Glass<'a, D> {
     depth: D,
     /// Is any of the batch seen? Who does not paint wants to know no more.
     is_seen: bool,
-    seen: &'a mut Seen,
+    seen: &'a mut Collector,
     item: ItemId,
     item_start: u32,
 }

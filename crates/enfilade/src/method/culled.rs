@@ -12,6 +12,7 @@ use super::ours::{Edited, Ours, edit_order};
 use super::shares::find_by_shares;
 use super::{Method, TooLarge, Unsuited};
 use crate::canvas::Canvas;
+use crate::collector::Collector;
 use crate::cover::{Coarse, Hides};
 use crate::faces::Faces;
 use crate::geom::Aabb;
@@ -22,7 +23,6 @@ use crate::order::{Gives, Order};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
 use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface};
-use crate::seen::Seen;
 use crate::stats::Stats;
 use glam::DAffine3;
 use std::marker::PhantomData;
@@ -100,7 +100,7 @@ where
     }
 
     /// Reports what may be seen past the cover, which knows at the end all that hides.
-    fn look(&self, cover: &mut C, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
+    fn look(&self, cover: &mut C, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {
         self.fill(cover, passage, memory);
         if !C::TAKES_FACES && memory.threads() > 1 {
             find_by_shares(&self.order, &self.geometry, passage, cover, memory, seen);
@@ -182,19 +182,19 @@ where
         true
     }
 
-    fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
+    fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {
         let mut cover = memory.take::<C>();
         self.look(&mut cover, passage, memory, seen);
         memory.put_back(cover);
     }
 
-    fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: &mut dyn Canvas) {
+    fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector, canvas: &mut dyn Canvas) {
         draw_gathered(&self.geometry, passage, memory, seen, canvas);
         if canvas.wants_cover() {
             // Other passages have used it since it was asked.
             let mut cover = memory.take::<C>();
             let stats = memory.stats;
-            self.look(&mut cover, passage, memory, &mut Seen::default());
+            self.look(&mut cover, passage, memory, &mut Collector::default());
             memory.stats = stats;
             cover.show(passage, canvas);
             memory.put_back(cover);

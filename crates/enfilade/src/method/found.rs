@@ -1,5 +1,6 @@
 //! What a walk finds that a cover without a picture does not hide.
 
+use crate::collector::{Collector, FoundClusters};
 use crate::faces::{Faces, Of};
 use crate::geom::Aabb;
 use crate::geometry::{Geometry, ItemId, OpeningId};
@@ -7,7 +8,6 @@ use crate::memory::{Marks, Memory};
 use crate::order::{Order, Visit};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::seen::{FoundClusters, Seen};
 use crate::stats::Stats;
 use glam::DAffine3;
 
@@ -65,7 +65,7 @@ pub(super) fn find<O: Order>(
     passage: &Passage,
     against: &mut impl Against,
     memory: &mut Memory,
-    seen: &mut Seen,
+    seen: &mut Collector,
 ) {
     let mut scratch = memory.take::<O::Scratch>();
     let mut found = memory.take::<Found>();
@@ -107,7 +107,7 @@ impl<A: Against> Walk<'_, A> {
     }
 
     /// Reports what was found; nothing is left.
-    pub(super) fn report(&mut self, seen: &mut Seen) {
+    pub(super) fn report(&mut self, seen: &mut Collector) {
         self.look_again();
         self.found.clusters.report(self.geometry, seen);
         for opening in self.found.openings.drain(..) {

@@ -1,12 +1,12 @@
 //! Draws what was gathered, by a z-buffer: the picture is exact though the set need not be.
 
 use crate::canvas::Canvas;
+use crate::collector::Collector;
 use crate::cover::{DepthBuffer, Paints};
 use crate::faces::Faces;
 use crate::geometry::{Alpha, Geometry, ItemId};
 use crate::memory::Memory;
 use crate::passage::Passage;
-use crate::seen::Seen;
 
 /// Clusters that may be seen.
 #[derive(Default)]
@@ -17,7 +17,7 @@ pub(super) fn draw_gathered(
     geometry: &Geometry,
     passage: &Passage,
     memory: &mut Memory,
-    seen: &mut Seen,
+    seen: &mut Collector,
     canvas: &mut dyn Canvas,
 ) {
     let mut cover = memory.take::<DepthBuffer>();

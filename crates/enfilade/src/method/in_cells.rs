@@ -13,6 +13,7 @@ use super::gathered::draw_gathered;
 use super::ours::{Edited, Ours};
 use crate::aperture::CellRoom;
 use crate::canvas::Canvas;
+use crate::collector::Collector;
 use crate::cover::{Coarse, CoarseCoverage, Cover};
 use crate::faces::Faces;
 use crate::geom::Aabb;
@@ -22,7 +23,6 @@ use crate::order::Order;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
 use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface};
-use crate::seen::Seen;
 use crate::stats::Stats;
 use std::sync::Arc;
 
@@ -73,7 +73,7 @@ impl<M: InParts> InCells<M> {
         cells: [u32; 2],
         whole: &Passage,
         memory: &mut Memory,
-        seen: &mut Seen,
+        seen: &mut Collector,
         canvas: Option<&mut dyn Canvas>,
     ) {
         let geometry = self.0.geometry();
@@ -115,21 +115,21 @@ impl<M: InParts> Sector for InCells<M> {
         memory.cover_size.is_some() || self.0.draws_what_was_gathered(memory)
     }
 
-    fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
+    fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {
         match memory.cover_size {
             Some(cells) => self.look(cells, passage, memory, seen, None),
             None => self.0.gather(passage, memory, seen),
         }
     }
 
-    fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: &mut dyn Canvas) {
+    fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector, canvas: &mut dyn Canvas) {
         let Some(cells) = memory.cover_size else {
             return self.0.draw(passage, memory, seen, canvas);
         };
         draw_gathered(self.0.geometry(), passage, memory, seen, canvas);
         if canvas.wants_cover() {
             let stats = memory.stats;
-            self.look(cells, passage, memory, &mut Seen::default(), Some(canvas));
+            self.look(cells, passage, memory, &mut Collector::default(), Some(canvas));
             memory.stats = stats;
         }
     }

@@ -3,6 +3,7 @@
 use super::count::Count;
 use super::strips::{self, look_in_strips};
 use crate::canvas::Canvas;
+use crate::collector::Collector;
 use crate::cover::{Cover, Horizon, Paints};
 use crate::faces::Faces;
 use crate::geom::Aabb;
@@ -12,7 +13,6 @@ use crate::order::Visit;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
 use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface};
-use crate::seen::Seen;
 use crate::stats::Stats;
 use crate::terrain::{LargeTerrain, Workplace};
 
@@ -21,7 +21,7 @@ impl LargeTerrain {
         &self,
         passage: &Passage,
         memory: &mut Memory,
-        seen: &mut Seen,
+        seen: &mut Collector,
         mut canvas: Option<&mut dyn Canvas>,
     ) {
         let mut cover = memory.take::<Horizon>();
@@ -86,7 +86,7 @@ impl Sector for LargeTerrain {
         Contract::Exact
     }
 
-    fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
+    fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {
         let strips = strips::count(passage, memory);
         if strips > 1 {
             look_in_strips(strips, self, passage, memory, seen, |strip, memory, seen| {
@@ -98,7 +98,7 @@ impl Sector for LargeTerrain {
         memory.stats.samples_owned += seen.samples_owned;
     }
 
-    fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: &mut dyn Canvas) {
+    fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector, canvas: &mut dyn Canvas) {
         // A canvas gets one row after the other.
         self.look(passage, memory, seen, Some(canvas));
         memory.stats.samples_owned += seen.samples_owned;

@@ -9,6 +9,7 @@ use super::gathered::draw_gathered;
 use super::ours::{Edited, Ours, edit_order};
 use super::{Method, TooLarge, Unsuited};
 use crate::canvas::Canvas;
+use crate::collector::Collector;
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::{Changes, Geometry, ItemId, Opening};
@@ -17,7 +18,6 @@ use crate::order::Order;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
 use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface};
-use crate::seen::Seen;
 use crate::stats::Stats;
 use std::sync::Arc;
 
@@ -80,11 +80,11 @@ impl<O: Order> Sector for Ordered<O> {
         true
     }
 
-    fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
+    fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {
         find(&self.order, &self.geometry, passage, &mut Open, memory, seen);
     }
 
-    fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: &mut dyn Canvas) {
+    fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector, canvas: &mut dyn Canvas) {
         draw_gathered(&self.geometry, passage, memory, seen, canvas);
     }
 

@@ -6,6 +6,7 @@ use super::ours::{Edited, Ours, edit_order};
 use super::strips::{self, look_in_strips};
 use super::{Method, TooLarge, Unsuited};
 use crate::canvas::Canvas;
+use crate::collector::Collector;
 use crate::cover::{Coarse, Paints};
 use crate::faces::{Faces, Of};
 use crate::geom::Aabb;
@@ -15,7 +16,6 @@ use crate::order::{Gives, Order, Visit};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
 use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface};
-use crate::seen::Seen;
 use crate::stats::Stats;
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -56,7 +56,13 @@ where
     }
 
     /// Reports what may be seen; what the last look saw is seen first, where that serves the cover.
-    fn see(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: Option<&mut dyn Canvas>) {
+    fn see(
+        &self,
+        passage: &Passage,
+        memory: &mut Memory,
+        seen: &mut Collector,
+        canvas: Option<&mut dyn Canvas>,
+    ) {
         let size = self.geometry.bounds().longest_side();
         let primes = C::PRIMES && memory.coherence;
         let last = if primes {
@@ -99,7 +105,7 @@ where
         passage: &Passage,
         first: &[(ItemId, u32)],
         memory: &mut Memory,
-        seen: &mut Seen,
+        seen: &mut Collector,
         mut canvas: Option<&mut dyn Canvas>,
     ) {
         let mut cover = memory.take::<C>();
@@ -235,11 +241,11 @@ where
         self.method.contract()
     }
 
-    fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen) {
+    fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {
         self.see(passage, memory, seen, None);
     }
 
-    fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Seen, canvas: &mut dyn Canvas) {
+    fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector, canvas: &mut dyn Canvas) {
         self.see(passage, memory, seen, Some(canvas));
     }
 

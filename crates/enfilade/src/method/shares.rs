@@ -8,12 +8,12 @@
 
 use super::culled::InSamples;
 use super::found::{Found, Walk};
+use crate::collector::Collector;
 use crate::cover::Hides;
 use crate::geometry::Geometry;
 use crate::memory::{Marks, Memory};
 use crate::order::Order;
 use crate::passage::Passage;
-use crate::seen::Seen;
 use crate::stats::Stats;
 use crate::threads;
 
@@ -41,7 +41,7 @@ pub(super) fn find_by_shares<O: Order, C: Hides>(
     passage: &Passage,
     cover: &mut C,
     memory: &mut Memory,
-    seen: &mut Seen,
+    seen: &mut Collector,
 ) {
     let most = PER_THREAD * memory.threads();
     let mut scratch = memory.take::<O::Scratch>();

@@ -8,10 +8,10 @@
 //! Exact: the same items, clusters and openings, sample by sample, however many strips there are; other counts of work.
 
 use crate::aperture::{Rect, Rows};
+use crate::collector::{Collector, report_owners};
 use crate::geometry::{ItemId, Owners};
 use crate::memory::Memory;
 use crate::passage::Passage;
-use crate::seen::{Seen, report_owners};
 use crate::stats::Stats;
 use crate::threads;
 
@@ -34,7 +34,7 @@ struct Strips {
 #[derive(Default)]
 struct Strip {
     memory: Memory,
-    seen: Seen,
+    seen: Collector,
     /// The samples of the aperture in it.
     rows: Rows,
 }
@@ -56,8 +56,8 @@ pub(super) fn look_in_strips(
     owners: &dyn Owners,
     passage: &Passage,
     memory: &mut Memory,
-    seen: &mut Seen,
-    look: impl Fn(&Passage, &mut Memory, &mut Seen) + Send + Sync,
+    seen: &mut Collector,
+    look: impl Fn(&Passage, &mut Memory, &mut Collector) + Send + Sync,
 ) {
     let mut all = memory.take::<Strips>();
     let Strips { strips, met } = &mut *all;
@@ -94,7 +94,12 @@ fn first_row(rect: &Rect, number: usize, count: usize) -> u16 {
 }
 
 impl Strip {
-    fn look(&mut self, passage: &Passage, rows: [u16; 2], look: &impl Fn(&Passage, &mut Memory, &mut Seen)) {
+    fn look(
+        &mut self,
+        passage: &Passage,
+        rows: [u16; 2],
+        look: &impl Fn(&Passage, &mut Memory, &mut Collector),
+    ) {
         let Strip {
             memory,
             seen,
@@ -113,7 +118,7 @@ impl Strip {
     }
 
     /// Reports the openings that it saw, and the samples of them.
-    fn report_openings(&mut self, seen: &mut Seen) {
+    fn report_openings(&mut self, seen: &mut Collector) {
         for opening in self.seen.openings.drain(..) {
             let Some(mut rows) = opening.rows else { continue };
             for y in rows.range() {

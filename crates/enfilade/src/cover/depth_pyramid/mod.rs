@@ -10,6 +10,7 @@ mod show;
 
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, CoverShape};
+use crate::collector::Collector;
 use crate::cover::raster::{Band, Raster, Sink};
 use crate::cover::report::Report;
 use crate::cover::samples::look_through;
@@ -21,7 +22,6 @@ use crate::geometry::Owners;
 use crate::order::Unsorted;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::seen::Seen;
 use crate::stats::Stats;
 
 /// A depth buffer under a pyramid of farthest depths.
@@ -94,7 +94,7 @@ impl Paints for DepthPyramid {
         self.raster.run(faces, passage, &mut self.depths, stats);
     }
 
-    fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Seen) {
+    fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Collector) {
         let tiles = &self.depths.tiles;
         look_through(
             |x, y| tiles.depth(x, y),
@@ -110,7 +110,7 @@ impl Paints for DepthPyramid {
         &mut self,
         owners: &dyn Owners,
         _passage: &Passage,
-        seen: &mut Seen,
+        seen: &mut Collector,
         canvas: Option<&mut dyn Canvas>,
     ) {
         let mut report = Report::new(owners, seen, canvas.map(|canvas| canvas as &mut dyn Canvas));

@@ -20,13 +20,13 @@ use super::triangle::Triangle;
 use super::{Coarse, Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, CoverShape};
+use crate::collector::Collector;
 use crate::faces::Faces;
 use crate::geometry::Owners;
 use crate::mesh::NONE;
 use crate::order::Unsorted;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::seen::Seen;
 use crate::stats::{SpanStats, Stats};
 use compare::{Answer, Newcomer};
 use face::Face;
@@ -121,7 +121,7 @@ impl Paints for SpanBuffer {
         self.raster = raster;
     }
 
-    fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Seen) {
+    fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Collector) {
         let (rows, kept) = (&self.rows, &self.kept);
         let depth = |x: u16, y: u16| match rows.rows[usize::from(y)].at(x).map(|span| span.face) {
             None => 0,
@@ -135,7 +135,7 @@ impl Paints for SpanBuffer {
         &mut self,
         owners: &dyn Owners,
         _passage: &Passage,
-        seen: &mut Seen,
+        seen: &mut Collector,
         canvas: Option<&mut dyn Canvas>,
     ) {
         let mut report = Report::new(owners, seen, canvas.map(|canvas| canvas as &mut dyn Canvas));

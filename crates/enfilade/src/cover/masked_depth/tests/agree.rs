@@ -1,6 +1,7 @@
 //! Occluders cover the very samples that exact covers give to the same faces.
 
 use super::*;
+use crate::collector::Collector;
 use crate::cover::raster::{Band, Raster, Sink};
 use crate::cover::triangle::Triangle;
 use crate::cover::{DepthBuffer, Paints};
@@ -8,7 +9,6 @@ use crate::faces::Faces;
 use crate::geom::Transform;
 use crate::geometry::{Geometry, GeometryBuilder, ItemId, Material, MaterialId};
 use crate::mesh::{Attributes, Mesh, Part};
-use crate::seen::Seen;
 use std::collections::BTreeSet;
 
 /// The samples of a face, by the rasteriser.
@@ -165,7 +165,7 @@ fn whatever_a_depth_buffer_shows_is_seen_past_the_faces_that_it_took() {
         let passage = passage([[77, 43], [200, 120]][seed as usize % 2]);
         let items = (0..geometry.items().len() as u32).map(ItemId);
         let faces = |item| Faces::of_cluster(&geometry, item, 0, &passage.screen_from_sector);
-        let (mut stats, mut seen) = (Stats::default(), Seen::default());
+        let (mut stats, mut seen) = (Stats::default(), Collector::default());
         let mut exact = DepthBuffer::default();
         Paints::clear(&mut exact, &passage, false);
         let mut cover = MaskedDepth::default();

@@ -9,9 +9,9 @@ use std::cmp::Reverse;
 
 /// Gathers what a sector sees through one passage; cleared for each.
 #[derive(Debug, Default)]
-pub struct Seen {
-    pub(crate) items: Vec<SeenItem>,
-    pub(crate) openings: Vec<SeenOpening>,
+pub struct Collector {
+    pub(crate) items: Vec<CollectedItem>,
+    pub(crate) openings: Vec<CollectedOpening>,
     /// For each opening its place in `openings`, if it is there: else any number.
     places: Vec<u32>,
     pub(crate) clusters: Vec<u32>,
@@ -41,15 +41,15 @@ pub(crate) struct ReportBuffers {
 
 /// An item that may be seen, and which of its clusters.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SeenItem {
+pub(crate) struct CollectedItem {
     pub(crate) item: ItemId,
-    /// A run of [`Seen::clusters`]; empty where the item has only one, or it is not known which are seen.
+    /// A run of [`Collector::clusters`]; empty where the item has only one, or it is not known which are seen.
     pub(crate) clusters: [u32; 2],
 }
 
 /// An opening that may be seen, and the samples it owns, where the method knows them.
 #[derive(Debug)]
-pub(crate) struct SeenOpening {
+pub(crate) struct CollectedOpening {
     pub(crate) opening: OpeningId,
     pub(crate) rows: Option<Rows>,
 }
@@ -65,10 +65,10 @@ pub(crate) struct GlassSample {
     pub(crate) face: u32,
 }
 
-impl Seen {
+impl Collector {
     /// Reports an item. Report each once.
     pub fn item(&mut self, item: ItemId) {
-        self.items.push(SeenItem {
+        self.items.push(CollectedItem {
             item,
             clusters: [0, 0],
         });
@@ -81,7 +81,7 @@ impl Seen {
             self.places.resize(number + 1, 0);
         }
         self.places[number] = self.openings.len() as u32;
-        self.openings.push(SeenOpening { opening, rows });
+        self.openings.push(CollectedOpening { opening, rows });
     }
 
     /// Adds samples `x0..x1` of row `y` to those that an opening owns; rows come top to bottom.
@@ -138,7 +138,7 @@ impl Seen {
         for item in set.items[first..].iter().take_while(|item| item.passage == id) {
             let start = self.clusters.len() as u32;
             self.clusters.extend_from_slice(set.clusters(item));
-            self.items.push(SeenItem {
+            self.items.push(CollectedItem {
                 item: item.item,
                 clusters: [start, self.clusters.len() as u32],
             });
@@ -230,7 +230,7 @@ impl Panes {
 }
 
 /// Turns owners, in any order and with repeats, into items with their clusters.
-pub(crate) fn report_owners(met: &mut Vec<(ItemId, u32)>, owners: &dyn Owners, seen: &mut Seen) {
+pub(crate) fn report_owners(met: &mut Vec<(ItemId, u32)>, owners: &dyn Owners, seen: &mut Collector) {
     met.sort_unstable();
     met.dedup();
     for same in met.chunk_by(|a, b| a.0 == b.0) {
@@ -239,7 +239,7 @@ pub(crate) fn report_owners(met: &mut Vec<(ItemId, u32)>, owners: &dyn Owners, s
         if owners.cluster_count(item) > 1 {
             seen.clusters.extend(same.iter().map(|&(_, cluster)| cluster));
         }
-        seen.items.push(SeenItem {
+        seen.items.push(CollectedItem {
             item,
             clusters: [start, seen.clusters.len() as u32],
         });
@@ -352,7 +352,7 @@ impl FoundClusters {
     }
 
     /// Reports items with their clusters, in order; nothing is left.
-    pub(crate) fn report(&mut self, geometry: &Geometry, seen: &mut Seen) {
+    pub(crate) fn report(&mut self, geometry: &Geometry, seen: &mut Collector) {
         self.runs.sort_unstable_by_key(|run| (run.item, run.clusters[0]));
         for same in self.runs.chunk_by(|a, b| a.item == b.item) {
             let item = same[0].item;
@@ -365,7 +365,7 @@ impl FoundClusters {
                 }
                 seen.clusters[start..].sort_unstable();
             }
-            seen.items.push(SeenItem {
+            seen.items.push(CollectedItem {
                 item,
                 clusters: [start, seen.clusters.len()].map(|place| place as u32),
             });

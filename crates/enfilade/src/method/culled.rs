@@ -5,10 +5,10 @@
 //! Drawn by a z-buffer, which gets what may be seen and nothing else: the picture is exact though the set is not.
 
 use super::count::count_faces;
+use super::editable::{EditableSector, Edited, edit_order};
 use super::found::{Against, find};
 use super::gathered::draw_gathered;
 use super::in_cells::InParts;
-use super::ours::{Edited, Ours, edit_order};
 use super::shares::find_by_shares;
 use super::{Method, TooLarge, Unsuited};
 use crate::canvas::Canvas;
@@ -223,7 +223,7 @@ where
     }
 }
 
-impl<O, C> Ours for Culled<O, C>
+impl<O, C> EditableSector for Culled<O, C>
 where
     O: Order,
     C: Hides,

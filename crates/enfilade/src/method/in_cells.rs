@@ -7,10 +7,10 @@
 //! Conservative at the screen's samples, and at any place between them.
 
 use super::Unsuited;
+use super::editable::{EditableSector, Edited};
 use super::enlarged::Enlarged;
 use super::found::{Against, find};
 use super::gathered::draw_gathered;
-use super::ours::{Edited, Ours};
 use crate::aperture::CellRoom;
 use crate::canvas::Canvas;
 use crate::collector::Collector;
@@ -27,7 +27,7 @@ use crate::stats::Stats;
 use std::sync::Arc;
 
 /// An order and a cover that can do with cells.
-pub(super) trait InParts: Ours {
+pub(super) trait InParts: EditableSector {
     type Order: Order;
     type Cover: Coarse;
 
@@ -155,7 +155,7 @@ impl<M: InParts> Sector for InCells<M> {
     }
 }
 
-impl<M: InParts> Ours for InCells<M> {
+impl<M: InParts> EditableSector for InCells<M> {
     fn geometry(&self) -> &Arc<Geometry> {
         self.0.geometry()
     }

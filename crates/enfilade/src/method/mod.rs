@@ -2,22 +2,22 @@
 
 mod count;
 mod culled;
+mod editable;
 mod enlarged;
 mod found;
 mod gathered;
 mod in_cells;
 mod large_terrain;
 mod ordered;
-mod ours;
 mod paired;
 mod shares;
 mod strips;
 mod unsuited;
 
 pub use culled::Culled;
+pub(crate) use editable::EditableSector;
+pub use editable::Edited;
 pub use ordered::Ordered;
-pub use ours::Edited;
-pub(crate) use ours::Ours;
 pub use paired::Paired;
 pub use unsuited::{FaceName, NoTerrain, NotBaked, NotConvex, TooLarge, Unsuited};
 
@@ -253,14 +253,14 @@ impl Method {
     /// [`Unsuited::TooLarge`] where more than `limit_bytes` would be needed, [`Unsuited::NotBaked`], [`Unsuited::NotConvex`] and
     /// [`Unsuited::NoTerrain`] where the geometry has not what the method goes by.
     pub fn build(self, geometry: Arc<Geometry>, limit_bytes: u64) -> Result<Arc<dyn Sector>, Unsuited> {
-        Ok(self.build_ours(geometry, limit_bytes)?)
+        Ok(self.build_editable(geometry, limit_bytes)?)
     }
 
-    pub(crate) fn build_ours(
+    pub(crate) fn build_editable(
         self,
         geometry: Arc<Geometry>,
         limit_bytes: u64,
-    ) -> Result<Arc<dyn Ours>, Unsuited> {
+    ) -> Result<Arc<dyn EditableSector>, Unsuited> {
         Ok(match self {
             Method::PainterMin => Arc::new(PainterMin::build(self, geometry, limit_bytes)?),
             Method::PainterMean => Arc::new(PainterMean::build(self, geometry, limit_bytes)?),

@@ -4,9 +4,9 @@
 //! Drawn by a z-buffer, which gets what may be seen and nothing else: the picture is exact though the set is not.
 
 use super::count::count_faces;
+use super::editable::{EditableSector, Edited, edit_order};
 use super::found::{Against, find};
 use super::gathered::draw_gathered;
-use super::ours::{Edited, Ours, edit_order};
 use super::{Method, TooLarge, Unsuited};
 use crate::canvas::Canvas;
 use crate::collector::Collector;
@@ -109,7 +109,7 @@ impl<O: Order> Sector for Ordered<O> {
     }
 }
 
-impl<O: Order> Ours for Ordered<O> {
+impl<O: Order> EditableSector for Ordered<O> {
     fn geometry(&self) -> &Arc<Geometry> {
         &self.geometry
     }

@@ -1,8 +1,8 @@
 //! Geometry seen by an order and a cover that holds a picture.
 
 use super::count::count_faces;
+use super::editable::{EditableSector, Edited, edit_order};
 use super::in_cells::InParts;
-use super::ours::{Edited, Ours, edit_order};
 use super::strips::{self, look_in_strips};
 use super::{Method, TooLarge, Unsuited};
 use crate::canvas::Canvas;
@@ -270,7 +270,7 @@ where
     }
 }
 
-impl<O, C> Ours for Paired<O, C>
+impl<O, C> EditableSector for Paired<O, C>
 where
     O: Order,
     C: Paints,

@@ -21,8 +21,8 @@ pub struct SceneBuilder {
 }
 
 enum Waiting {
-    Ours(String, Arc<Geometry>, Method),
-    Own(String, Arc<dyn Sector>),
+    BuiltIn(String, Arc<Geometry>, Method),
+    Custom(String, Arc<dyn Sector>),
 }
 
 /// A scene that stands in another, by the order of [`SceneBuilder::nest`].
@@ -73,13 +73,13 @@ impl SceneBuilder {
     /// Adds geometry as a sector that `method` sees.
     pub fn add(&mut self, name: &str, geometry: impl Into<Arc<Geometry>>, method: Method) -> SectorId {
         self.sectors
-            .push(Waiting::Ours(name.to_owned(), geometry.into(), method));
+            .push(Waiting::BuiltIn(name.to_owned(), geometry.into(), method));
         SectorId(self.sectors.len() as u32 - 1)
     }
 
     /// Adds a sector of one's own.
     pub fn add_custom(&mut self, name: &str, sector: Arc<dyn Sector>) -> SectorId {
-        self.sectors.push(Waiting::Own(name.to_owned(), sector));
+        self.sectors.push(Waiting::Custom(name.to_owned(), sector));
         SectorId(self.sectors.len() as u32 - 1)
     }
 
@@ -111,10 +111,10 @@ impl SceneBuilder {
     /// there is reported by [`SceneBuilder::build`].
     pub fn mirror(&mut self, sector: SectorId, opening: OpeningId) -> &mut Self {
         let outline = match self.sectors.get(sector.0 as usize) {
-            Some(Waiting::Ours(_, geometry, _)) => {
+            Some(Waiting::BuiltIn(_, geometry, _)) => {
                 geometry.openings().get(opening.0 as usize).map(|o| &o.outline)
             }
-            Some(Waiting::Own(_, own)) => own.openings().get(opening.0 as usize).map(|o| &o.outline),
+            Some(Waiting::Custom(_, own)) => own.openings().get(opening.0 as usize).map(|o| &o.outline),
             None => None,
         };
         let reflection = outline.map_or(Transform::IDENTITY, |outline| {
@@ -217,7 +217,7 @@ impl SceneBuilder {
 
 fn place(waiting: Waiting, limit: u64) -> Result<Placed, SceneError> {
     Ok(match waiting {
-        Waiting::Own(name, sector) => {
+        Waiting::Custom(name, sector) => {
             let bounds = sector.bounds();
             // A sky may reach to infinity.
             let is_sound = |side: f32| side.is_infinite() || is_in_range(side);
@@ -226,17 +226,17 @@ fn place(waiting: Waiting, limit: u64) -> Result<Placed, SceneError> {
             }
             Placed {
                 name,
-                body: Body::Own(sector),
+                body: Body::Custom(sector),
                 open_above: false,
                 builds: 0,
             }
         }
-        Waiting::Ours(name, geometry, method) => {
-            let built = method.build_ours(geometry, limit);
+        Waiting::BuiltIn(name, geometry, method) => {
+            let built = method.build_editable(geometry, limit);
             let sector = built.map_err(|why| SceneError::unsuited(&name, why))?;
             Placed {
                 name,
-                body: Body::Ours { method, sector },
+                body: Body::BuiltIn { method, sector },
                 open_above: false,
                 builds: 1,
             }

@@ -239,12 +239,12 @@ impl Edit<'_> {
 impl Scene {
     fn exchange(&mut self, id: SectorId, changes: &mut Changes, limit: u64) -> Result<Edited, Unsuited> {
         let placed = &mut self.sectors[id.0 as usize];
-        let Body::Ours { method, sector } = &mut placed.body else {
+        let Body::BuiltIn { method, sector } = &mut placed.body else {
             return Ok(Edited::default());
         };
         if Arc::get_mut(sector).is_none() {
             // A copy of the scene goes on with the one that both had.
-            *sector = method.build_ours(Arc::clone(sector.geometry()), limit)?;
+            *sector = method.build_editable(Arc::clone(sector.geometry()), limit)?;
             placed.builds += 1;
         }
         let Some(own) = Arc::get_mut(sector) else {

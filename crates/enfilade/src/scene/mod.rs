@@ -19,7 +19,7 @@ pub use portal::{Portal, PortalId, SectorId};
 
 use crate::geom::{Aabb, Transform};
 use crate::geometry::{Geometry, ItemId, OpeningId};
-use crate::method::{Method, Ours, Unsuited};
+use crate::method::{EditableSector, Method, Unsuited};
 use crate::sector::{Built, Sector};
 use crate::threads;
 use crate::view::View;
@@ -58,9 +58,12 @@ struct Placed {
 #[derive(Clone)]
 enum Body {
     /// Geometry seen by a method of ours; the method can be exchanged.
-    Ours { method: Method, sector: Arc<dyn Ours> },
+    BuiltIn {
+        method: Method,
+        sector: Arc<dyn EditableSector>,
+    },
     /// A sector of the user's own.
-    Own(Arc<dyn Sector>),
+    Custom(Arc<dyn Sector>),
 }
 
 /// A named way out of a scene.
@@ -95,16 +98,16 @@ impl Scene {
     /// What a sector is made of; `None` where it is one of the user's own.
     pub fn geometry(&self, id: SectorId) -> Option<&Arc<Geometry>> {
         match &self.sectors[id.0 as usize].body {
-            Body::Ours { sector, .. } => Some(sector.geometry()),
-            Body::Own(_) => None,
+            Body::BuiltIn { sector, .. } => Some(sector.geometry()),
+            Body::Custom(_) => None,
         }
     }
 
     /// How a sector is seen; `None` where it is one of the user's own.
     pub fn method(&self, id: SectorId) -> Option<Method> {
         match &self.sectors[id.0 as usize].body {
-            Body::Ours { method, .. } => Some(*method),
-            Body::Own(_) => None,
+            Body::BuiltIn { method, .. } => Some(*method),
+            Body::Custom(_) => None,
         }
     }
 
@@ -167,8 +170,8 @@ impl Scene {
 
     fn ours(&self, id: SectorId) -> Result<(&Arc<Geometry>, Method), SceneError> {
         match &self.sectors[id.0 as usize].body {
-            Body::Ours { sector, method } => Ok((sector.geometry(), *method)),
-            Body::Own(_) => Err(SceneError::NotOurs(self.sector_name(id).to_owned())),
+            Body::BuiltIn { sector, method } => Ok((sector.geometry(), *method)),
+            Body::Custom(_) => Err(SceneError::NotOurs(self.sector_name(id).to_owned())),
         }
     }
 
@@ -212,14 +215,14 @@ impl Scene {
         // Of sectors of one geometry the first builds what the others share: side by side each would build its own.
         let mut geometries = HashSet::new();
         let is_first = |placed: &&mut Placed| match &placed.body {
-            Body::Ours { sector, .. } => geometries.insert(Arc::as_ptr(sector.geometry())),
-            Body::Own(_) => false,
+            Body::BuiltIn { sector, .. } => geometries.insert(Arc::as_ptr(sector.geometry())),
+            Body::Custom(_) => false,
         };
         let (first, others): (Vec<_>, Vec<_>) = scene.sectors.iter_mut().partition(is_first);
         for sectors in [first, others] {
             let mut building: Vec<_> = sectors.into_iter().map(|placed| (placed, Ok(()))).collect();
             threads::for_each(&mut building, |_, (placed, built)| {
-                if let Body::Ours { sector, .. } = &placed.body {
+                if let Body::BuiltIn { sector, .. } = &placed.body {
                     *built = placed.rebuild(Arc::clone(sector.geometry()), method, limit_bytes);
                 }
             });
@@ -326,8 +329,8 @@ impl Scene {
 impl Placed {
     fn sector(&self) -> &dyn Sector {
         match &self.body {
-            Body::Ours { sector, .. } => &**sector,
-            Body::Own(sector) => &**sector,
+            Body::BuiltIn { sector, .. } => &**sector,
+            Body::Custom(sector) => &**sector,
         }
     }
 
@@ -342,8 +345,8 @@ impl Placed {
 
     /// Has this geometry seen by this method, or stays as it was.
     fn rebuild(&mut self, geometry: Arc<Geometry>, method: Method, limit_bytes: u64) -> Result<(), Unsuited> {
-        let sector = method.build_ours(geometry, limit_bytes)?;
-        self.body = Body::Ours { method, sector };
+        let sector = method.build_editable(geometry, limit_bytes)?;
+        self.body = Body::BuiltIn { method, sector };
         self.builds += 1;
         Ok(())
     }

@@ -7,7 +7,7 @@ use crate::sector::Sector;
 use std::sync::Arc;
 
 /// A sector that is geometry, seen by a method of ours: its items can be edited.
-pub(crate) trait Ours: Sector {
+pub(crate) trait EditableSector: Sector {
     fn geometry(&self) -> &Arc<Geometry>;
 
     /// Exchanges items for those of `changes`, which then undo it; geometry that others share becomes a copy first. Where

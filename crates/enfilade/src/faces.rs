@@ -11,7 +11,7 @@ use glam::{DAffine3, DVec3};
 #[derive(Clone, Copy, Debug)]
 pub struct Faces<'a> {
     /// What they belong to.
-    pub of: Of,
+    pub source: FaceSource,
     /// The number of the first face among all faces of the sector; the others follow.
     pub(crate) first_owner: u32,
     /// The number of the first face of the whole item: what to subtract from a number to get the item's face.
@@ -52,7 +52,7 @@ pub(crate) struct Cut {
 
 /// What faces belong to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Of {
+pub enum FaceSource {
     /// A cluster of an item, by its place in the mesh's clusters.
     Item(ItemId, u32),
     /// An opening: one face, seen however near it is.
@@ -72,7 +72,7 @@ impl<'a> Faces<'a> {
         let material = geometry.material_of(item, &mesh.clusters()[number as usize]);
         let (corners, starts) = mesh.runs(faces.clone());
         Faces {
-            of: Of::Item(item, number),
+            source: FaceSource::Item(item, number),
             first_owner: geometry.first_face(item) + faces.start,
             item_start: geometry.first_face(item),
             positions: &mesh.positions()[positions.start as usize..positions.end as usize],
@@ -96,7 +96,7 @@ impl<'a> Faces<'a> {
         screen_from_local: &'a DAffine3,
     ) -> Faces<'a> {
         Faces {
-            of: Of::Item(ItemId(0), 0),
+            source: FaceSource::Item(ItemId(0), 0),
             first_owner: 0,
             item_start: 0,
             positions,
@@ -146,7 +146,7 @@ impl<'a> Faces<'a> {
             geometry.outline_face(opening)
         };
         Faces {
-            of: Of::Opening(opening),
+            source: FaceSource::Opening(opening),
             first_owner: geometry.opening_number(opening),
             item_start: geometry.opening_number(opening),
             positions: view.positions,

@@ -78,7 +78,7 @@ pub use cover::OccluderMesh;
 pub use detail::{
     BezierError, BezierPatch, BezierSurface, DetailError, DetailOptions, DetailSource, Details, Refined,
 };
-pub use faces::{Faces, Of};
+pub use faces::{FaceSource, Faces};
 pub use geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Transform};
 pub use geometry::{
     Alpha, BakedCells, BakedCellsError, CellId, CellNode, CellSide, CellTree, Filter, Geometry,

@@ -16,7 +16,7 @@ use common::{Lens, Place, folder, in_turn, median_of, open};
 use enfilade::geom::BspOptions;
 use enfilade::order::{Bsp, NearToFar, Order, Visit};
 use enfilade::{
-    Alpha, Faces, Geometry, GeometryBuilder, ItemId, MeshId, Of, Passage, Region, Viewer, Visibility,
+    Alpha, FaceSource, Faces, Geometry, GeometryBuilder, ItemId, MeshId, Passage, Region, Viewer, Visibility,
 };
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -53,7 +53,7 @@ impl Visit for Pieces<'_> {
     }
 
     fn faces(&mut self, faces: &Faces) {
-        if let Of::Item(item, cluster) = faces.of {
+        if let FaceSource::Item(item, cluster) = faces.source {
             let cluster = &self.geometry.mesh_of(item).clusters()[cluster as usize];
             self.count += u64::from(self.geometry.material(cluster).alpha == Alpha::Opaque);
         }

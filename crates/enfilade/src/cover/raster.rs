@@ -16,7 +16,7 @@ use super::part::{Part, greater, smaller};
 use super::sieve::{self, Sieve};
 use super::triangle::Triangle;
 use crate::aperture::Rect;
-use crate::faces::{Cut, Faces, Of};
+use crate::faces::{Cut, FaceSource, Faces};
 use crate::passage::{BEYOND, Passage};
 use crate::simd::level;
 use crate::stats::Stats;
@@ -97,7 +97,7 @@ fn run_batch<S: Simd>(
     let batch = Batch {
         rect: passage.aperture.rect(),
         // An opening that the eye stands in is seen through, however near it is.
-        near: if matches!(faces.of, Of::Opening(_)) {
+        near: if matches!(faces.source, FaceSource::Opening(_)) {
             0.0
         } else {
             f64::from(passage.near)
@@ -107,7 +107,7 @@ fn run_batch<S: Simd>(
         // Only a face alone is ever cut.
         cuts: if faces.is_lone() { faces.cuts } else { &[] },
         // Openings that are edge-on are not handed out, and the square around an eye in one is as near as rounding.
-        rounding: if matches!(faces.of, Of::Opening(_)) {
+        rounding: if matches!(faces.source, FaceSource::Opening(_)) {
             0.0
         } else {
             passage.corner_rounding() + ROUNDING * faces.screen_from_local.translation.length()

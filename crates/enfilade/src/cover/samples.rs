@@ -7,7 +7,7 @@ use super::triangle::{Row, Triangle};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
 use crate::collector::Collector;
-use crate::faces::{Faces, Of};
+use crate::faces::{FaceSource, Faces};
 use crate::geometry::{ItemId, Owners};
 use crate::passage::Passage;
 use crate::stats::Stats;
@@ -209,7 +209,7 @@ pub(super) fn look_through(
     stats: &mut Stats,
     seen: &mut Collector,
 ) {
-    if let Of::Item(item, _) = faces.of {
+    if let FaceSource::Item(item, _) = faces.source {
         let mut glass = Glass {
             depth,
             is_seen: false,

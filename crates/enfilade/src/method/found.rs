@@ -1,7 +1,7 @@
 //! What a walk finds that a cover without a picture does not hide.
 
 use crate::collector::{Collector, FoundClusters};
-use crate::faces::{Faces, Of};
+use crate::faces::{FaceSource, Faces};
 use crate::geom::Aabb;
 use crate::geometry::{Geometry, ItemId, OpeningId};
 use crate::memory::{Marks, Memory};
@@ -194,8 +194,8 @@ impl<A: Against> Visit for Walk<'_, A> {
     }
 
     fn faces(&mut self, faces: &Faces) {
-        match faces.of {
-            Of::Item(item, cluster) => {
+        match faces.source {
+            FaceSource::Item(item, cluster) => {
                 let stays = !A::TAKES_FACES
                     || self.region_of(faces, item, cluster).is_some_and(|region| {
                         self.against.take_faces(faces, &region, self.passage, self.stats)
@@ -204,7 +204,7 @@ impl<A: Against> Visit for Walk<'_, A> {
                     self.found.clusters.push(item, cluster);
                 }
             }
-            Of::Opening(opening) => self.found.openings.push(opening),
+            FaceSource::Opening(opening) => self.found.openings.push(opening),
         }
     }
 

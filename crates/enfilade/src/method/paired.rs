@@ -8,7 +8,7 @@ use super::{Method, TooLarge, Unsuited};
 use crate::canvas::Canvas;
 use crate::collector::Collector;
 use crate::cover::{Coarse, Paints};
-use crate::faces::{Faces, Of};
+use crate::faces::{FaceSource, Faces};
 use crate::geom::Aabb;
 use crate::geometry::{Alpha, Changes, Geometry, ItemId, Opening};
 use crate::memory::{Marks, Memory};
@@ -193,8 +193,10 @@ impl<C: Paints> Walk<'_, C> {
     }
 
     fn take(&mut self, faces: &Faces) {
-        match (faces.alpha, faces.of) {
-            (Alpha::Mask | Alpha::Blend, Of::Item(item, cluster)) => self.work.waiting.push((item, cluster)),
+        match (faces.alpha, faces.source) {
+            (Alpha::Mask | Alpha::Blend, FaceSource::Item(item, cluster)) => {
+                self.work.waiting.push((item, cluster))
+            }
             _ => {
                 self.cover
                     .add(faces, self.passage, self.stats, reborrow(&mut self.canvas));
@@ -216,7 +218,7 @@ impl<C: Paints> Visit for Walk<'_, C> {
     }
 
     fn faces(&mut self, faces: &Faces) {
-        let primed = matches!(faces.of, Of::Item(item, cluster) if self.primed.binary_search(&(item, cluster)).is_ok());
+        let primed = matches!(faces.source, FaceSource::Item(item, cluster) if self.primed.binary_search(&(item, cluster)).is_ok());
         if !primed {
             self.take(faces);
         }

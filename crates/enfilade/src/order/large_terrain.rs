@@ -9,7 +9,7 @@
 
 use super::Visit;
 use super::terrain_rows::near_to_far;
-use crate::faces::{Faces, Of};
+use crate::faces::{FaceSource, Faces};
 use crate::geometry::{Alpha, ItemId};
 use crate::passage::Passage;
 use crate::region::Visibility;
@@ -95,7 +95,7 @@ impl Way<'_> {
                 }
                 let (positions, corners) = terrain.triangles(&square, block, workplace);
                 visit.faces(&Faces {
-                    of: Of::Item(item, square.number),
+                    source: FaceSource::Item(item, square.number),
                     first_owner: item_start + terrain.first_face_in(square.number),
                     item_start,
                     positions,

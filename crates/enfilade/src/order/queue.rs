@@ -292,7 +292,7 @@ impl Queue {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::faces::Of;
+    use crate::faces::FaceSource;
     use crate::geom::Transform;
     use crate::geometry::{GeometryBuilder, Material, MaterialId};
     use crate::mesh::Mesh;
@@ -352,7 +352,7 @@ mod tests {
         }
 
         fn faces(&mut self, faces: &Faces) {
-            if let Of::Item(item, cluster) = faces.of {
+            if let FaceSource::Item(item, cluster) = faces.source {
                 assert!(self.batches.insert((item.0, cluster)), "{item:?} comes twice");
             }
         }

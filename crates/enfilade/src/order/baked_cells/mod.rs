@@ -12,7 +12,7 @@ mod start;
 
 use super::items::{hand_out, hand_out_openings};
 use super::{Order, Refusal, Unsorted, Visit};
-use crate::faces::{Faces, Of};
+use crate::faces::{FaceSource, Faces};
 use crate::geometry::{BakedCells, Geometry, ItemId, Moved, Room};
 use crate::passage::Passage;
 use crate::sector::Built;
@@ -132,7 +132,9 @@ impl Order for BakedCellsOrder {
             return;
         }
         Faces::of_openings(geometry, passage, |faces| {
-            let Of::Opening(opening) = faces.of else { return };
+            let FaceSource::Opening(opening) = faces.source else {
+                return;
+            };
             let cells = &self.openings[usize::from(opening.0)];
             // Rows say what is seen from the near distance on, or from the last portal; openings come before, too.
             let bounds = geometry.openings()[usize::from(opening.0)].outline.bounds();

@@ -261,7 +261,7 @@ impl Report {
         looks: Looks,
     ) -> Report {
         let items = seen_items(&looks.each, &Names::new(&prepared.scene), &opened.nodes);
-        let built = prepared.scene.built();
+        let built = prepared.scene.build_stats();
         let times: Vec<f64> = looks.each.iter().map(|look| look.ms).collect();
         let mean = |sum: usize| {
             if views.is_empty() {

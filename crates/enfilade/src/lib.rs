@@ -76,19 +76,19 @@ pub use choose::{Aim, Cost, MethodChoice, NotTried, Terms, Trial, choose_methods
 pub use collector::Collector;
 pub use cover::OccluderMesh;
 pub use detail::{
-    BezierError, BezierPatch, BezierSurface, DetailError, DetailOptions, DetailSource, Details, Refined,
+    BezierError, BezierPatch, BezierSurface, DetailError, DetailOptions, DetailSource, Details, RefineStats,
 };
 pub use faces::{FaceSource, Faces};
 pub use geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Transform};
 pub use geometry::{
     Alpha, BakedCells, BakedCellsError, CellId, CellNode, CellSide, CellTree, Filter, Geometry,
-    GeometryBuilder, GeometryError, Item, ItemId, Material, MaterialId, MeshId, Minify, Moved, Opening,
+    GeometryBuilder, GeometryError, Item, ItemId, Material, MaterialId, MeshId, Minify, MovedItem, Opening,
     OpeningId, Owner, Owners, Texture, TextureError, TextureId, Wrap,
 };
 pub use memory::Memory;
 pub use mesh::{Attributes, Cluster, Mesh, MeshError, Part};
 pub use method::{
-    BspFront, BspPainter, Cell, Culled, Edited, FaceName, FloatingHorizon, HierarchicalS, HierarchicalZ,
+    BspFront, BspPainter, Cell, Culled, EditStats, FaceName, FloatingHorizon, HierarchicalS, HierarchicalZ,
     Masked, Method, Mobsp, NoTerrain, NotBaked, NotConvex, Ordered, PainterMean, PainterMin, Paired, Pvs,
     SBuffer, Svbsp, TooLarge, Unsuited, ZBuffer,
 };
@@ -104,7 +104,7 @@ pub use scene::{
     Edit, EditError, End, Light, LightId, LightShape, NestedId, Portal, PortalId, Scene, SceneBuilder,
     SceneError, SectorId, Way,
 };
-pub use sector::{Built, Contract, Hit, Ray, Sector, Surface};
+pub use sector::{BuildStats, Contract, Hit, Ray, Sector, Surface};
 pub use simd::{SimdLevelError, simd_level, simd_levels, use_simd_level};
 pub use stats::{SpanStats, Stats};
 pub use terrain::{

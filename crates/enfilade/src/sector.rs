@@ -49,8 +49,8 @@ pub trait Sector: Send + Sync {
     }
 
     /// What was built to see it.
-    fn built(&self) -> Built {
-        Built::default()
+    fn build_stats(&self) -> BuildStats {
+        BuildStats::default()
     }
 
     /// Memory in bytes.
@@ -83,7 +83,7 @@ pub trait Sector: Send + Sync {
 /// What a method built over the faces of a sector.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
-pub struct Built {
+pub struct BuildStats {
     /// Faces after splitting; those of the sector where nothing is split.
     pub faces: u64,
     /// How often a face was split.

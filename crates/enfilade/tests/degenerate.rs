@@ -82,11 +82,11 @@ fn every_method_keeps_its_contract(scene: &Scene, view: &View) -> usize {
             assert_eq!(verdict.missed, [], "{method}");
         }
         // A tree may cut n faces into n² pieces, if every one crosses every other; never into more.
-        let faces = scene.built().faces;
+        let faces = scene.build_stats().faces;
         assert!(
-            seen.built().faces <= faces * faces.max(2),
+            seen.build_stats().faces <= faces * faces.max(2),
             "{method} made {:?} of {faces}",
-            seen.built()
+            seen.build_stats()
         );
     }
     truth.visible().len()
@@ -159,7 +159,7 @@ fn a_hundred_thousand_faces_in_one_plane_are_one_node_of_a_tree() {
         let seen = scene
             .with_method(method, Method::DEFAULT_LIMIT)
             .expect("they fit");
-        let built = seen.built();
+        let built = seen.build_stats();
         assert_eq!((built.faces, built.splits), (100_000, 0), "{method}");
         assert!(built.depth <= 1, "{method}: {}", built.depth);
         let mut viewer = Viewer::new();
@@ -237,7 +237,11 @@ fn a_thousand_copies_of_one_face_look_like_one() {
         let seen = scene
             .with_method(method, Method::DEFAULT_LIMIT)
             .expect("few faces");
-        assert_eq!(seen.built().faces, 1000, "{method} cut what lies in one plane");
+        assert_eq!(
+            seen.build_stats().faces,
+            1000,
+            "{method} cut what lies in one plane"
+        );
         let items = Viewer::new().look(&seen, &view).items().len();
         let exact = method.contract() == Contract::Exact;
         assert!(items == 1 || (items > 1 && !exact), "{method}: {items}");

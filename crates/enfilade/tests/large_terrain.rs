@@ -334,7 +334,7 @@ fn a_look_allocates_nothing_and_the_tree_takes_eleven_bytes_a_block() {
     let large = LargeTerrain::new(made, [1.0; 2], COLOR).expect("no holes");
     assert!(large.bytes() < 64 * 32 * 11 + 8192, "{}", large.bytes());
     assert_eq!(
-        (large.contract(), large.built().faces),
+        (large.contract(), large.build_stats().faces),
         (Contract::Exact, 2 * 2048 * 1024)
     );
     let scene = alone(|scene| scene.add_custom("ground", Arc::new(large)));

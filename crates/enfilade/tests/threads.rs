@@ -197,7 +197,7 @@ fn two_threads_and_eight_build_what_one_does() {
                 let mut viewer = viewer();
                 viewer.set_parallel(false);
                 let looks = seen_on_the_way(&mut viewer, &scene, &views_of_the_town());
-                (scene.built(), scene.bytes(), looks)
+                (scene.build_stats(), scene.bytes(), looks)
             })
         });
         let built: Vec<_> = built.collect();

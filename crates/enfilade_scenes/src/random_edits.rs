@@ -1,7 +1,7 @@
 //! Edits at random, for properties that must hold of a scene however it was changed.
 
 use crate::random::Random;
-use enfilade::{Edited, Geometry, ItemId, Scene, SceneError, SectorId, Transform};
+use enfilade::{EditStats, Geometry, ItemId, Scene, SceneError, SectorId, Transform};
 use std::sync::Arc;
 
 /// So many edits at random, all done at once: things go, come as copies of others, move near and far, turn, are mirrored and
@@ -15,7 +15,7 @@ pub fn random_edits(
     count: usize,
     at_first: &[usize],
     random: &mut Random,
-) -> Result<Edited, SceneError> {
+) -> Result<EditStats, SceneError> {
     let has_items = |id: &SectorId| {
         scene
             .geometry(*id)

@@ -271,7 +271,7 @@ impl Chosen {
                 choice.sector.clone(),
                 choice.views.to_string(),
                 choice.chosen(),
-                choice.built(),
+                choice.build_stats(),
             ];
             first.into_iter().chain(times).collect()
         };
@@ -292,7 +292,7 @@ impl ChoiceReport {
         }
     }
 
-    fn built(&self) -> String {
+    fn build_stats(&self) -> String {
         let mut trials = self.trials.iter();
         let chosen = trials.find(|trial| trial.method == self.method);
         match chosen.map(|trial| &trial.outcome) {

@@ -85,7 +85,7 @@ struct Held {
 /// What a step did.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
-pub struct Refined {
+pub struct RefineStats {
     /// Levels that were built.
     pub built: u32,
     /// Faces of those levels.
@@ -188,9 +188,9 @@ impl Details {
     /// # Errors
     /// [`SceneError::TooLarge`] where a method cannot see so fine a scene, [`SceneError::NotConvex`] where it cannot see
     /// levels that hide; then it stays as it was.
-    pub fn refine(&mut self, scene: &mut Scene, seen: &[&VisibleSet]) -> Result<Refined, SceneError> {
+    pub fn refine(&mut self, scene: &mut Scene, seen: &[&VisibleSet]) -> Result<RefineStats, SceneError> {
         self.step += 1;
-        let mut refined = Refined::default();
+        let mut refined = RefineStats::default();
         let mut changes = Changes::new();
         for wanted in self.wanted(scene, seen) {
             if let Some(level) = self.take(&wanted, &mut refined) {
@@ -204,7 +204,7 @@ impl Details {
     }
 
     /// The level that an item gets now, if it is another than it has. Builds it, if there is room.
-    fn take(&mut self, wanted: &Wanted, refined: &mut Refined) -> Option<Option<u32>> {
+    fn take(&mut self, wanted: &Wanted, refined: &mut RefineStats) -> Option<Option<u32>> {
         let held = self.items.get_mut(&wanted.key)?;
         held.seen_at = self.step;
         let levels = self.sources.get_mut(&held.source)?;
@@ -259,7 +259,7 @@ impl Details {
         &mut self,
         scene: &mut Scene,
         mut changes: Changes,
-        refined: &mut Refined,
+        refined: &mut RefineStats,
     ) -> Result<(), SceneError> {
         // What somebody has removed or changed meanwhile is theirs.
         changes.retain(|&key, _| {

@@ -43,18 +43,18 @@ struct Change {
 
 /// An item that is another now, and the box that it had.
 #[derive(Clone, Copy, Debug)]
-pub struct Moved {
+pub struct MovedItem {
     /// Which; its box is that of the geometry now, and empty if it is gone.
     pub item: ItemId,
     /// Its box before, in the space of the sector; empty if it was not there.
-    pub was: Aabb,
+    pub old_bounds: Aabb,
 }
 
 /// What was exchanged.
 #[derive(Debug, Default)]
 pub(crate) struct Exchanged {
     /// In order of items.
-    pub(crate) moved: Vec<Moved>,
+    pub(crate) moved: Vec<MovedItem>,
     /// The meshes that are others now, in order.
     pub(crate) meshes: BTreeSet<MeshId>,
     /// Nodes of the geometry's own tree that were touched.
@@ -216,7 +216,7 @@ impl Geometry {
             if self.mesh_of(item).face_count() != had {
                 renumbered = renumbered.min(item.0 as usize);
             }
-            done.moved.push(Moved { item, was });
+            done.moved.push(MovedItem { item, old_bounds });
         }
         changes.more_faces = -changes.more_faces;
         // Only now: of what one item leaves another may have become a copy.
@@ -307,7 +307,7 @@ impl Geometry {
         let boxes = |item: u32| items[item as usize].bounds;
         let all = if let Some(tree) = self.item_tree.get_mut() {
             let mut touched = Vec::new();
-            for Moved { item, was } in &done.moved {
+            for MovedItem { item, old_bounds } in &done.moved {
                 tree.shift(item.0, was, &boxes, &mut touched);
             }
             done.nodes = touched.len() as u64;

@@ -13,7 +13,7 @@ pub use baked_cells::{BakedCells, BakedCellsError, CellId, CellNode, CellSide, C
 pub(crate) use baked_cells::{Leaf, Room};
 pub(crate) use builder::MAX_OPENINGS;
 pub use builder::{GeometryBuilder, GeometryError};
-pub use edit::Moved;
+pub use edit::MovedItem;
 pub(crate) use edit::{Changes, Exchanged, Placing, Unfit};
 pub use material::{Alpha, Material, MaterialId};
 pub use owners::Owners;

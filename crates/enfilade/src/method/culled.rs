@@ -5,7 +5,7 @@
 //! Drawn by a z-buffer, which gets what may be seen and nothing else: the picture is exact though the set is not.
 
 use super::count::count_faces;
-use super::editable::{EditableSector, Edited, edit_order};
+use super::editable::{EditStats, EditableSector, edit_order};
 use super::found::{Against, find};
 use super::gathered::draw_gathered;
 use super::in_cells::InParts;
@@ -22,7 +22,7 @@ use crate::occluders::{Choice, OccluderRoom, OccluderSet};
 use crate::order::{Gives, Order};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface};
+use crate::sector::{BuildStats, Contract, Hit, Ray, Sector, Surface};
 use crate::stats::Stats;
 use glam::DAffine3;
 use std::marker::PhantomData;
@@ -213,7 +213,7 @@ where
         count_faces(&self.order, &self.geometry, passage, memory)
     }
 
-    fn built(&self) -> Built {
+    fn build_stats(&self) -> BuildStats {
         self.order.built(&self.geometry)
     }
 
@@ -233,7 +233,7 @@ where
         &self.geometry
     }
 
-    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, Unsuited> {
+    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<EditStats, Unsuited> {
         let (mut edited, done) = edit_order(
             self.method,
             &mut self.order,

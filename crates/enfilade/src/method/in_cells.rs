@@ -7,7 +7,7 @@
 //! Conservative at the screen's samples, and at any place between them.
 
 use super::Unsuited;
-use super::editable::{EditableSector, Edited};
+use super::editable::{EditStats, EditableSector};
 use super::enlarged::Enlarged;
 use super::found::{Against, find};
 use super::gathered::draw_gathered;
@@ -22,7 +22,7 @@ use crate::memory::Memory;
 use crate::order::Order;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface};
+use crate::sector::{BuildStats, Contract, Hit, Ray, Sector, Surface};
 use crate::stats::Stats;
 use std::sync::Arc;
 
@@ -146,8 +146,8 @@ impl<M: InParts> Sector for InCells<M> {
         self.0.walk(passage, memory)
     }
 
-    fn built(&self) -> Built {
-        self.0.built()
+    fn build_stats(&self) -> BuildStats {
+        self.0.build_stats()
     }
 
     fn bytes(&self) -> u64 {
@@ -160,7 +160,7 @@ impl<M: InParts> EditableSector for InCells<M> {
         self.0.geometry()
     }
 
-    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, Unsuited> {
+    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<EditStats, Unsuited> {
         self.0.edit(changes, limit)
     }
 }

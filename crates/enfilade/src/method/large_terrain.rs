@@ -12,7 +12,7 @@ use crate::memory::Memory;
 use crate::order::Visit;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface};
+use crate::sector::{BuildStats, Contract, Hit, Ray, Sector, Surface};
 use crate::stats::Stats;
 use crate::terrain::{LargeTerrain, Workplace};
 
@@ -121,10 +121,10 @@ impl Sector for LargeTerrain {
         faces
     }
 
-    fn built(&self) -> Built {
-        Built {
+    fn build_stats(&self) -> BuildStats {
+        BuildStats {
             faces: self.triangle_count(),
-            ..Built::default()
+            ..BuildStats::default()
         }
     }
 

@@ -15,8 +15,8 @@ mod strips;
 mod unsuited;
 
 pub use culled::Culled;
+pub use editable::EditStats;
 pub(crate) use editable::EditableSector;
-pub use editable::Edited;
 pub use ordered::Ordered;
 pub use paired::Paired;
 pub use unsuited::{FaceName, NoTerrain, NotBaked, NotConvex, TooLarge, Unsuited};

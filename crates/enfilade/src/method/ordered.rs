@@ -4,7 +4,7 @@
 //! Drawn by a z-buffer, which gets what may be seen and nothing else: the picture is exact though the set is not.
 
 use super::count::count_faces;
-use super::editable::{EditableSector, Edited, edit_order};
+use super::editable::{EditStats, EditableSector, edit_order};
 use super::found::{Against, find};
 use super::gathered::draw_gathered;
 use super::{Method, TooLarge, Unsuited};
@@ -17,7 +17,7 @@ use crate::memory::Memory;
 use crate::order::Order;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface};
+use crate::sector::{BuildStats, Contract, Hit, Ray, Sector, Surface};
 use crate::stats::Stats;
 use std::sync::Arc;
 
@@ -100,7 +100,7 @@ impl<O: Order> Sector for Ordered<O> {
         count_faces(&self.order, &self.geometry, passage, memory)
     }
 
-    fn built(&self) -> Built {
+    fn build_stats(&self) -> BuildStats {
         self.order.built(&self.geometry)
     }
 
@@ -114,7 +114,7 @@ impl<O: Order> EditableSector for Ordered<O> {
         &self.geometry
     }
 
-    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, Unsuited> {
+    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<EditStats, Unsuited> {
         let Self {
             method,
             geometry,

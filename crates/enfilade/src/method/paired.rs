@@ -1,7 +1,7 @@
 //! Geometry seen by an order and a cover that holds a picture.
 
 use super::count::count_faces;
-use super::editable::{EditableSector, Edited, edit_order};
+use super::editable::{EditStats, EditableSector, edit_order};
 use super::in_cells::InParts;
 use super::strips::{self, look_in_strips};
 use super::{Method, TooLarge, Unsuited};
@@ -15,7 +15,7 @@ use crate::memory::{Marks, Memory};
 use crate::order::{Gives, Order, Visit};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::sector::{Built, Contract, Hit, Ray, Sector, Surface};
+use crate::sector::{BuildStats, Contract, Hit, Ray, Sector, Surface};
 use crate::stats::Stats;
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -263,7 +263,7 @@ where
         count_faces(&self.order, &self.geometry, passage, memory)
     }
 
-    fn built(&self) -> Built {
+    fn build_stats(&self) -> BuildStats {
         self.order.built(&self.geometry)
     }
 
@@ -282,7 +282,7 @@ where
         &self.geometry
     }
 
-    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, Unsuited> {
+    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<EditStats, Unsuited> {
         let Self {
             method,
             geometry,

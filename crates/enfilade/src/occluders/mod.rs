@@ -31,7 +31,7 @@ pub use screen::{Occluder, OccluderRoom};
 pub use summary::OccluderSummary;
 
 use crate::geom::{Aabb, Line, Octree, Step};
-use crate::geometry::{Exchanged, Geometry, ItemId, MeshId, Moved};
+use crate::geometry::{Exchanged, Geometry, ItemId, MeshId, MovedItem};
 use crate::mesh::Mesh;
 use crate::threads;
 use glam::{DMat3, DVec3};
@@ -163,13 +163,13 @@ impl OccluderSet {
             return self.tree.node_count() as u64;
         }
         self.areas.resize(geometry.items().len(), 0.0);
-        for &Moved { item, .. } in &done.moved {
+        for &MovedItem { item, .. } in &done.moved {
             self.areas[item.0 as usize] = self.area_of(geometry, item);
         }
         let OccluderSet { tree, areas, .. } = self;
         let boxes = |item: u32| box_of(geometry, areas, item);
         let mut touched = Vec::new();
-        for Moved { item, was } in &done.moved {
+        for MovedItem { item, old_bounds } in &done.moved {
             tree.shift(item.0, was, &boxes, &mut touched);
         }
         if tree.tidy(geometry.items().len(), &boxes) {

@@ -15,7 +15,7 @@ use crate::geom::{Aabb, BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
 use crate::geometry::{Alpha, Geometry, ItemId, OpeningId, Owner, Owners};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::sector::Built;
+use crate::sector::BuildStats;
 use glam::{DAffine3, DMat3, DVec3};
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -201,10 +201,10 @@ impl<D: Direction> Order for Bsp<D> {
             + (size_of_val(&*self.sorted.numbers) + size_of_val(&*self.sorted.see_through)) as u64
     }
 
-    fn built(&self, geometry: &Geometry) -> Built {
+    fn build_stats(&self, geometry: &Geometry) -> BuildStats {
         let whole =
             geometry.face_count() + geometry.openings().len() as u64 - self.sorted.numbers.len() as u64;
-        Built {
+        BuildStats {
             faces: self.sorted.tree.pieces() + whole,
             splits: self.sorted.tree.splits(),
             depth: self.sorted.tree.depth(),

@@ -9,7 +9,7 @@
 use super::queue::{Queue, Tree, walk};
 use super::{NodesNearToFar, Order, Refusal, Visit};
 use crate::geom::{Aabb, Bvh};
-use crate::geometry::{Geometry, Moved};
+use crate::geometry::{Geometry, MovedItem};
 use crate::passage::Passage;
 use std::ops::Range;
 
@@ -40,9 +40,9 @@ impl Order for BvhOrder {
         self.tree.bytes()
     }
 
-    fn follow(&mut self, geometry: &Geometry, moved: &[Moved], touched: &mut Vec<u32>) -> bool {
+    fn follow(&mut self, geometry: &Geometry, moved: &[MovedItem], touched: &mut Vec<u32>) -> bool {
         let boxes = |item: u32| geometry.items()[item as usize].bounds;
-        for Moved { item, was } in moved {
+        for MovedItem { item, old_bounds } in moved {
             self.tree.shift(item.0, was, &boxes, touched);
         }
         self.tree.tidy(geometry.items().len(), &boxes);

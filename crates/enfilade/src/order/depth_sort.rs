@@ -10,7 +10,7 @@
 use super::items::{hand_out_opening, hand_out_see_through, may_be_seen};
 use super::{FarToNear, Order, Refusal, Visit};
 use crate::faces::Faces;
-use crate::geometry::{Alpha, Geometry, ItemId, Moved, OpeningId};
+use crate::geometry::{Alpha, Geometry, ItemId, MovedItem, OpeningId};
 use crate::passage::Passage;
 use glam::DAffine3;
 use std::marker::PhantomData;
@@ -78,7 +78,7 @@ impl<K: SortKey> Order for DepthSort<K> {
         0
     }
 
-    fn follow(&mut self, _geometry: &Geometry, _moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
+    fn follow(&mut self, _geometry: &Geometry, _moved: &[MovedItem], _touched: &mut Vec<u32>) -> bool {
         // Each look sorts anew.
         true
     }

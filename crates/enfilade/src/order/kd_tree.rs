@@ -9,7 +9,7 @@
 use super::items::{hand_out, hand_out_openings, hand_out_whole, sight};
 use super::{NodesNearToFar, Order, Refusal, Visit};
 use crate::geom::{Aabb, KdTree};
-use crate::geometry::{Geometry, ItemId, Moved};
+use crate::geometry::{Geometry, ItemId, MovedItem};
 use crate::passage::Passage;
 use crate::region::Visibility;
 
@@ -48,9 +48,9 @@ impl Order for KdTreeOrder {
         self.tree.bytes()
     }
 
-    fn follow(&mut self, geometry: &Geometry, moved: &[Moved], touched: &mut Vec<u32>) -> bool {
+    fn follow(&mut self, geometry: &Geometry, moved: &[MovedItem], touched: &mut Vec<u32>) -> bool {
         let boxes = |item: u32| geometry.items()[item as usize].bounds;
-        for Moved { item, was } in moved {
+        for MovedItem { item, old_bounds } in moved {
             self.tree.shift(item.0, was, &boxes, touched);
         }
         self.tree.tidy(geometry.items().len(), &boxes);

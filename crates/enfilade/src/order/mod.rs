@@ -25,10 +25,10 @@ pub use unordered::Unordered;
 
 use crate::faces::Faces;
 use crate::geom::Aabb;
-use crate::geometry::{Geometry, ItemId, Moved, Owner};
+use crate::geometry::{Geometry, ItemId, MovedItem, Owner};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::sector::Built;
+use crate::sector::BuildStats;
 use glam::DAffine3;
 
 /// What an order promises: nothing.
@@ -103,16 +103,16 @@ pub trait Order: Send + Sync + Sized + 'static {
     fn bytes(&self) -> u64;
 
     /// What was built.
-    fn built(&self, geometry: &Geometry) -> Built {
-        Built {
+    fn build_stats(&self, geometry: &Geometry) -> BuildStats {
+        BuildStats {
             faces: geometry.face_count(),
-            ..Built::default()
+            ..BuildStats::default()
         }
     }
 
     /// Follows items of `geometry` that have moved, come or gone since, touching only what is concerned, and writes down the
     /// nodes touched. `false` where it cannot, and must be built anew.
-    fn follow(&mut self, _geometry: &Geometry, _moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
+    fn follow(&mut self, _geometry: &Geometry, _moved: &[MovedItem], _touched: &mut Vec<u32>) -> bool {
         false
     }
 

@@ -9,7 +9,7 @@
 use super::queue::{Queue, Tree, walk};
 use super::{NodesNearToFar, Order, Refusal, Visit};
 use crate::geom::{Aabb, Octree};
-use crate::geometry::{Geometry, Moved};
+use crate::geometry::{Geometry, MovedItem};
 use crate::passage::Passage;
 use std::ops::Range;
 
@@ -35,7 +35,7 @@ impl Order for OctreeOrder {
         0
     }
 
-    fn follow(&mut self, _geometry: &Geometry, _moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
+    fn follow(&mut self, _geometry: &Geometry, _moved: &[MovedItem], _touched: &mut Vec<u32>) -> bool {
         // The tree is the geometry's, and has followed them already.
         true
     }

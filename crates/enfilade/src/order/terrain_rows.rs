@@ -14,7 +14,7 @@ use super::items::{hand_out, hand_out_openings};
 use super::queue::{Queue, begin, go_on};
 use super::{NodesNearToFar, Order, Refusal, Visit};
 use crate::geom::Aabb;
-use crate::geometry::{Geometry, ItemId, Moved};
+use crate::geometry::{Geometry, ItemId, MovedItem};
 use crate::passage::{Passage, eye_in};
 use crate::region::{Region, Visibility};
 use crate::terrain::Terrain;
@@ -71,7 +71,7 @@ impl Order for TerrainRows {
         levels.map(|level| size_of_val(&*level.bounds) as u64).sum()
     }
 
-    fn follow(&mut self, _geometry: &Geometry, moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
+    fn follow(&mut self, _geometry: &Geometry, moved: &[MovedItem], _touched: &mut Vec<u32>) -> bool {
         // The tree over all else is the geometry's, and has followed them already.
         let is_ground = |item: u32| {
             let mut grounds = self.grounds.iter();

@@ -7,7 +7,7 @@
 
 use super::items::{hand_out, hand_out_openings};
 use super::{Order, Refusal, Unsorted, Visit};
-use crate::geometry::{Geometry, ItemId, Moved};
+use crate::geometry::{Geometry, ItemId, MovedItem};
 use crate::passage::Passage;
 
 /// Items as they come, by their number.
@@ -29,7 +29,7 @@ impl Order for Unordered {
         0
     }
 
-    fn follow(&mut self, _geometry: &Geometry, _moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
+    fn follow(&mut self, _geometry: &Geometry, _moved: &[MovedItem], _touched: &mut Vec<u32>) -> bool {
         // It goes by numbers alone.
         true
     }

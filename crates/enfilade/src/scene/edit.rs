@@ -7,7 +7,7 @@ use super::{Body, Scene, SceneError, SectorId};
 use crate::geom::{MAX_COORDINATE, Transform};
 use crate::geometry::{Changes, ItemId, Placing, Unfit};
 use crate::mesh::Mesh;
-use crate::method::{Edited, Unsuited};
+use crate::method::{EditStats, Unsuited};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use thiserror::Error;
@@ -176,11 +176,11 @@ impl Edit<'_> {
     /// # Errors
     /// [`SceneError::TooLarge`] where a sector would need too much memory, [`SceneError::NotConvex`] where its method sees
     /// convex geometries alone and it would be one no more; and then the scene is as it was.
-    pub fn finish(self) -> Result<Edited, SceneError> {
+    pub fn finish(self) -> Result<EditStats, SceneError> {
         let Edit { scene, mut changes } = self;
         changes.retain(|_, changes| !changes.is_empty());
         let limit = scene.limit_bytes;
-        let mut edited = Edited::default();
+        let mut edited = EditStats::default();
         let mut refused = None;
         for (&sector, changes) in &mut changes {
             match scene.exchange(sector, changes, limit) {
@@ -237,10 +237,10 @@ impl Edit<'_> {
 }
 
 impl Scene {
-    fn exchange(&mut self, id: SectorId, changes: &mut Changes, limit: u64) -> Result<Edited, Unsuited> {
+    fn exchange(&mut self, id: SectorId, changes: &mut Changes, limit: u64) -> Result<EditStats, Unsuited> {
         let placed = &mut self.sectors[id.0 as usize];
         let Body::BuiltIn { method, sector } = &mut placed.body else {
-            return Ok(Edited::default());
+            return Ok(EditStats::default());
         };
         if Arc::get_mut(sector).is_none() {
             // A copy of the scene goes on with the one that both had.

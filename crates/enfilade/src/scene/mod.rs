@@ -20,7 +20,7 @@ pub use portal::{Portal, PortalId, SectorId};
 use crate::geom::{Aabb, Transform};
 use crate::geometry::{Geometry, ItemId, OpeningId};
 use crate::method::{EditableSector, Method, Unsuited};
-use crate::sector::{Built, Sector};
+use crate::sector::{BuildStats, Sector};
 use crate::threads;
 use crate::view::View;
 use locate::Boxes;
@@ -315,10 +315,10 @@ impl Scene {
     }
 
     /// What methods built, over all sectors: sums, and the depth of the deepest tree.
-    pub fn built(&self) -> Built {
+    pub fn build_stats(&self) -> BuildStats {
         self.sectors()
-            .map(|id| self.sector(id).built())
-            .fold(Built::default(), |sum, built| Built {
+            .map(|id| self.sector(id).build_stats())
+            .fold(BuildStats::default(), |sum, built| BuildStats {
                 faces: sum.faces + built.faces,
                 splits: sum.splits + built.splits,
                 depth: sum.depth.max(built.depth),

@@ -73,7 +73,7 @@ fn a_tree_of_a_hundred_thousand_planes_in_a_row_is_walked_without_recursion() {
     // On the plane before it: both cells are asked. In another cell nothing else comes, though it is in view.
     assert_eq!(seen(&scene, 10.0), ["0 long", "1 at 10.5"]);
     assert_eq!(seen(&scene, 11.5), ["0 long"]);
-    assert_eq!(scene.built().depth, 100_000);
+    assert_eq!(scene.build_stats().depth, 100_000);
 }
 
 #[test]

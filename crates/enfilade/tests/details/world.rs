@@ -1,7 +1,7 @@
 //! A hall to put details into, and balls to be details.
 
 use enfilade::{
-    Aabb, DetailSource, Details, GeometryBuilder, Material, MaterialId, Mesh, Method, Refined, Scene,
+    Aabb, DetailSource, Details, GeometryBuilder, Material, MaterialId, Mesh, Method, RefineStats, Scene,
     SceneBuilder, SectorId, Transform, View, Viewer, VisibleSet,
 };
 use std::error::Error;
@@ -138,7 +138,12 @@ pub(crate) fn straight() -> View {
 }
 
 /// Looks and refines until nothing is built and nothing waits, then looks again.
-pub(crate) fn settle(details: &mut Details, scene: &mut Scene, viewer: &mut Viewer, view: &View) -> Refined {
+pub(crate) fn settle(
+    details: &mut Details,
+    scene: &mut Scene,
+    viewer: &mut Viewer,
+    view: &View,
+) -> RefineStats {
     for _ in 0..20 {
         let set = viewer.look(scene, view);
         let refined = details.refine(scene, &[set]).expect("it fits");

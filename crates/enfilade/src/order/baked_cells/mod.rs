@@ -13,9 +13,9 @@ mod start;
 use super::items::{hand_out, hand_out_openings};
 use super::{Order, Refusal, Unsorted, Visit};
 use crate::faces::{FaceSource, Faces};
-use crate::geometry::{BakedCells, Geometry, ItemId, Moved, Room};
+use crate::geometry::{BakedCells, Geometry, ItemId, MovedItem, Room};
 use crate::passage::Passage;
-use crate::sector::Built;
+use crate::sector::BuildStats;
 use stands::{Stands, cells_of_openings};
 use start::cells_at_start;
 use std::sync::Arc;
@@ -104,15 +104,15 @@ impl Order for BakedCellsOrder {
         self.stands.bytes() + self.openings.iter().map(of_opening).sum::<u64>()
     }
 
-    fn built(&self, geometry: &Geometry) -> Built {
-        Built {
+    fn build_stats(&self, geometry: &Geometry) -> BuildStats {
+        BuildStats {
             faces: geometry.face_count(),
             depth: self.cells.depth(),
-            ..Built::default()
+            ..BuildStats::default()
         }
     }
 
-    fn follow(&mut self, geometry: &Geometry, moved: &[Moved], touched: &mut Vec<u32>) -> bool {
+    fn follow(&mut self, geometry: &Geometry, moved: &[MovedItem], touched: &mut Vec<u32>) -> bool {
         self.stands.follow(&self.cells, geometry, moved, touched);
         true
     }

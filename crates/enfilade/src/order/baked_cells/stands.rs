@@ -1,7 +1,7 @@
 //! Which cells items and openings stand in: found out from their faces, never too few.
 
 use crate::geom::{ConvexPolygon, Run, Runs};
-use crate::geometry::{BakedCells, CellSide, Geometry, ItemId, Leaf, Moved, Opening, Room};
+use crate::geometry::{BakedCells, CellSide, Geometry, ItemId, Leaf, MovedItem, Opening, Room};
 use glam::DVec3;
 
 /// Of items with more faces, the boxes of clusters are sorted instead.
@@ -59,11 +59,11 @@ impl Stands {
         &mut self,
         cells: &BakedCells,
         geometry: &Geometry,
-        moved: &[Moved],
+        moved: &[MovedItem],
         touched: &mut Vec<u32>,
     ) {
         self.cells.resize(geometry.items().len(), Run::EMPTY);
-        for &Moved { item, .. } in moved {
+        for &MovedItem { item, .. } in moved {
             self.finding.of_item(cells, geometry, item);
             let run = &mut self.cells[item.0 as usize];
             let before = self.lists.get(*run);

@@ -19,7 +19,7 @@ mod walls;
 use super::items::{hand_out_opening, hand_out_openings, hand_out_openings_at_eye, may_be_seen, sight};
 use super::{FarToNear, Order, Refusal, Visit};
 use crate::faces::Faces;
-use crate::geometry::{Alpha, Geometry, ItemId, Moved, OpeningId};
+use crate::geometry::{Alpha, Geometry, ItemId, MovedItem, OpeningId};
 use crate::passage::Passage;
 use crate::region::Visibility;
 use glam::{DAffine3, DVec3};
@@ -92,7 +92,7 @@ impl Order for ConvexCell {
             + size_of_val(&*self.hiding)) as u64
     }
 
-    fn follow(&mut self, geometry: &Geometry, moved: &[Moved], _touched: &mut Vec<u32>) -> bool {
+    fn follow(&mut self, geometry: &Geometry, moved: &[MovedItem], _touched: &mut Vec<u32>) -> bool {
         // What hides nothing, and did not before either, may be anywhere.
         moved.iter().all(|moved| {
             let hid = self.hiding.get(moved.item.0 as usize).is_some_and(|&hid| hid);

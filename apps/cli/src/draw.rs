@@ -16,7 +16,7 @@ use crate::save::Destination;
 use crate::text::{count, ms, plural};
 use crate::values::Choice;
 use anyhow::{Context, Result, bail};
-use enfilade::{Aim, Method, View, Viewer};
+use enfilade::{ChoiceGoal, Method, View, Viewer};
 use enfilade_draw::{Exposure, Picture, RgbImage, Samples, Settings, Show};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use std::path::{Path, PathBuf};
@@ -59,7 +59,13 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
         &mut files,
     )?;
     let views = cameras::views(&args.cameras, &opened)?;
-    let (mut prepared, mut skipped) = prepare(&opened, choice, Aim::Draw, &args.methods.how, views.first())?;
+    let (mut prepared, mut skipped) = prepare(
+        &opened,
+        choice,
+        ChoiceGoal::Draw,
+        &args.methods.how,
+        views.first(),
+    )?;
     if args.show == Show::Cover {
         prepared = with_shapes(prepared, choice, &mut skipped)?;
     }

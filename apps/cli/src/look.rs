@@ -15,7 +15,7 @@ use crate::run_files::RunFiles;
 use crate::text::{bytes, count, ms, percent, plural, point, short, table};
 use crate::values::Choice;
 use anyhow::Result;
-use enfilade::{Aim, Contract, Viewer};
+use enfilade::{ChoiceGoal, Contract, Viewer};
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -36,7 +36,13 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
         &mut files,
     )?;
     let views = cameras::views(&args.cameras, &opened)?;
-    let (prepared, skipped) = prepare(&opened, choice, Aim::Look, &args.methods.how, views.first())?;
+    let (prepared, skipped) = prepare(
+        &opened,
+        choice,
+        ChoiceGoal::Look,
+        &args.methods.how,
+        views.first(),
+    )?;
     let mut viewers: Vec<Viewer> = prepared.iter().map(|prepared| prepared.viewer()).collect();
     let mut reports = Vec::new();
     let progress = Progress::steps("looking", prepared.len() * views.len() * (1 + PASSES));
@@ -331,8 +337,14 @@ mod tests {
         )
         .expect("it is built in");
         let views = cameras::views(&args.cameras, &opened).expect("a view");
-        let (prepared, _) =
-            prepare(&opened, Choice::Own, Aim::Look, &args.methods.how, views.first()).expect("it fits");
+        let (prepared, _) = prepare(
+            &opened,
+            Choice::Own,
+            ChoiceGoal::Look,
+            &args.methods.how,
+            views.first(),
+        )
+        .expect("it fits");
         let fails_with = |contract, missed: &[(SectorId, ItemId)], pixels_different| {
             let progress = Progress::spinner("looking");
             let looks = measure::looks(&prepared[0], &views, &mut prepared[0].viewer(), &progress);

@@ -7,7 +7,7 @@ use crate::progress::Progress;
 use crate::report::Skipped;
 use crate::values::Choice;
 use anyhow::{Result, anyhow, bail, ensure};
-use enfilade::{Aim, Contract, Method, Scene, Unsuited, View, Viewer};
+use enfilade::{ChoiceGoal, Contract, Method, Scene, Unsuited, View, Viewer};
 use enfilade_draw::Stage;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
@@ -75,7 +75,7 @@ impl Prepared {
 pub(crate) fn prepare(
     opened: &Opened,
     choice: Choice,
-    aim: Aim,
+    aim: ChoiceGoal,
     how: &HowArgs,
     view: Option<&View>,
 ) -> Result<(Vec<Prepared>, Vec<Skipped>)> {
@@ -151,7 +151,7 @@ pub(crate) fn stays_visible(opened: &Opened, method: Option<Method>) -> Result<(
 }
 
 /// Each sector by the method that suits it.
-fn chosen(opened: &Opened, aim: Aim, how: &HowArgs, view: Option<&View>) -> Result<Prepared> {
+fn chosen(opened: &Opened, aim: ChoiceGoal, how: &HowArgs, view: Option<&View>) -> Result<Prepared> {
     let scene = &opened.scene;
     let size = view.map_or([1280, 720], |view| view.size);
     let terms = choose::terms(aim, !how.conservative, how.limits.memory());

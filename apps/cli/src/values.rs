@@ -1,7 +1,7 @@
 //! Values on the command line, from text, with messages that say what would be right.
 
 use crate::bench::row_names;
-use enfilade::{Aim, Method, View};
+use enfilade::{ChoiceGoal, Method, View};
 use enfilade_draw::Show;
 
 /// Which methods look.
@@ -51,10 +51,10 @@ pub(crate) fn methods_or_own() -> String {
     )
 }
 
-pub(crate) fn aim(text: &str) -> Result<Aim, String> {
+pub(crate) fn aim(text: &str) -> Result<ChoiceGoal, String> {
     match text {
-        "look" => Ok(Aim::Look),
-        "draw" => Ok(Aim::Draw),
+        "look" => Ok(ChoiceGoal::Look),
+        "draw" => Ok(ChoiceGoal::Draw),
         _ => Err(among(text, ["look", "draw"].into_iter())),
     }
 }

@@ -15,7 +15,7 @@ use crate::text::{count, ms, plural, table};
 use crate::values::Choice;
 use anyhow::{Result, bail};
 use clap::Parser;
-use enfilade::{Aim, Contract};
+use enfilade::{ChoiceGoal, Contract};
 use enfilade_draw::{Samples, Show};
 use std::path::Path;
 
@@ -45,7 +45,13 @@ pub(crate) fn run() -> Result<Outcome> {
         &mut files,
     )?;
     let views = cameras::views(cameras, &opened)?;
-    let (prepared, skipped) = prepare(&opened, Choice::All, Aim::Draw, &methods.how, views.first())?;
+    let (prepared, skipped) = prepare(
+        &opened,
+        Choice::All,
+        ChoiceGoal::Draw,
+        &methods.how,
+        views.first(),
+    )?;
     let mut rows = Vec::new();
     let mut shown = None;
     let progress = Progress::steps("drawing the palace", prepared.len() * 2 * (1 + PASSES));

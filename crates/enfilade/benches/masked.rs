@@ -6,8 +6,8 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use enfilade::cover::{Cover, Hides, MaskedDepth};
 use enfilade::order::{BvhOrder, Order, Visit};
 use enfilade::{
-    Choice, Faces, Geometry, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Occluder,
-    OccluderRoom, OccluderSet, Passage, Region, SceneBuilder, SectorId, Stats, Transform, View, Viewer,
+    Faces, Geometry, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Occluder, OccluderRoom,
+    OccluderSelection, OccluderSet, Passage, Region, SceneBuilder, SectorId, Stats, Transform, View, Viewer,
     Visibility,
 };
 
@@ -26,7 +26,7 @@ fn occluders<'a>(
     rooms: &'a mut Vec<OccluderRoom>,
 ) -> Vec<Occluder<'a>> {
     let set = OccluderSet::build(geometry);
-    let mut choice = Choice::default();
+    let mut choice = OccluderSelection::default();
     let chosen = set.choose(geometry, passage, MaskedDepth::MEASURE, budget, &mut choice);
     rooms.resize_with(chosen.len(), OccluderRoom::default);
     let all = chosen.iter().zip(rooms);

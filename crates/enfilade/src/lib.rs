@@ -72,7 +72,7 @@ mod visible;
 
 pub use aperture::{Aperture, Rect, Rows};
 pub use canvas::{Canvas, CoverShape, CoverSpan, HiddenBy, Span};
-pub use choose::{Aim, Cost, MethodChoice, NotTried, Terms, Trial, choose_methods};
+pub use choose::{ChoiceGoal, ChoiceOptions, Cost, MethodChoice, SkipReason, Trial, choose_methods};
 pub use collector::Collector;
 pub use cover::OccluderMesh;
 pub use detail::{
@@ -92,7 +92,10 @@ pub use method::{
     Masked, Method, Mobsp, NoTerrain, NotBaked, NotConvex, Ordered, PainterMean, PainterMin, Paired, Pvs,
     SBuffer, Svbsp, TooLarge, Unsuited, ZBuffer,
 };
-pub use occluders::{Choice, Chosen, Measure, Occluder, OccluderRoom, OccluderSet, OccluderSummary};
+pub use occluders::{
+    Occluder, OccluderMeasure, OccluderRoom, OccluderSelection, OccluderSet, OccluderSummary,
+    SelectedOccluder,
+};
 pub use passage::{Passage, PassageId};
 pub use query::{
     BodyInSector, BoxError, BoxVisibility, Capsule, LightReach, Location, MoveResult, NearItem, NearItems,

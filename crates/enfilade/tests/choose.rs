@@ -2,8 +2,8 @@
 
 use enfilade::laws::OwnerPicture;
 use enfilade::{
-    Aim, Contract, GeometryBuilder, Material, MaterialId, Mesh, Method, MethodChoice, NotTried, Scene,
-    SceneBuilder, Terms, Transform, View, Viewer, choose_methods, survey_in,
+    ChoiceGoal, ChoiceOptions, Contract, GeometryBuilder, Material, MaterialId, Mesh, Method, MethodChoice,
+    Scene, SceneBuilder, SkipReason, Transform, View, Viewer, choose_methods, survey_in,
 };
 use enfilade_scenes::built_in;
 use std::cell::Cell;
@@ -26,12 +26,12 @@ fn views(scene: &Scene) -> Vec<View> {
     views
 }
 
-fn choices(scene: &Scene, terms: &Terms) -> Vec<MethodChoice> {
+fn choices(scene: &Scene, terms: &ChoiceOptions) -> Vec<MethodChoice> {
     let start = Instant::now();
     choose_methods(scene, &views(scene), terms, &|| start.elapsed())
 }
 
-fn outcome(choice: &MethodChoice, method: Method) -> Result<enfilade::Cost, NotTried> {
+fn outcome(choice: &MethodChoice, method: Method) -> Result<enfilade::Cost, SkipReason> {
     let trial = choice.trials.iter().find(|trial| trial.method == method);
     trial.expect("all methods are there").outcome.clone()
 }
@@ -40,7 +40,7 @@ fn outcome(choice: &MethodChoice, method: Method) -> Result<enfilade::Cost, NotT
 fn whatever_is_chosen_the_set_and_the_picture_are_those_of_before() {
     let before = two_rooms();
     let mut after = before.clone();
-    for choice in choices(&before, &Terms::default()) {
+    for choice in choices(&before, &ChoiceOptions::default()) {
         after
             .set_method(choice.sector, choice.method)
             .expect("it was tried");
@@ -67,14 +67,14 @@ fn whatever_is_chosen_the_set_and_the_picture_are_those_of_before() {
 #[test]
 fn only_methods_that_promise_what_is_wanted_are_tried() {
     for exact in [true, false] {
-        let mut terms = Terms::default();
+        let mut terms = ChoiceOptions::default();
         terms.exact = exact;
         for choice in choices(&two_rooms(), &terms) {
             assert_eq!(choice.trials.len(), Method::ALL.len());
             for trial in &choice.trials {
                 let contract = trial.method.contract();
                 let may_be = contract == Contract::Exact || (!exact && contract != Contract::Approximate);
-                let promise = matches!(trial.outcome, Err(NotTried::Promise(_)));
+                let promise = matches!(trial.outcome, Err(SkipReason::Promise(_)));
                 assert_eq!(promise, !may_be, "{}", trial.method);
             }
             assert!(outcome(&choice, choice.method).is_ok(), "{}", choice.method);
@@ -84,8 +84,8 @@ fn only_methods_that_promise_what_is_wanted_are_tried() {
 
 #[test]
 fn what_counts_is_the_aim_and_the_share_of_building() {
-    for (aim, frames) in [(Aim::Look, 1), (Aim::Draw, 100)] {
-        let mut terms = Terms::default();
+    for (aim, frames) in [(ChoiceGoal::Look, 1), (ChoiceGoal::Draw, 100)] {
+        let mut terms = ChoiceOptions::default();
         (terms.aim, terms.frames) = (aim, frames);
         for choice in choices(&two_rooms(), &terms) {
             let tried = choice
@@ -95,7 +95,11 @@ fn what_counts_is_the_aim_and_the_share_of_building() {
             let costs: Vec<_> = tried.collect();
             assert!(costs.len() > 4, "several are tried");
             for cost in &costs {
-                let of_aim = if aim == Aim::Look { cost.look } else { cost.draw };
+                let of_aim = if aim == ChoiceGoal::Look {
+                    cost.look
+                } else {
+                    cost.draw
+                };
                 assert_eq!(cost.frame, of_aim + cost.build / frames);
                 assert!(cost.look > Duration::ZERO && cost.draw > Duration::ZERO);
             }
@@ -123,7 +127,7 @@ fn of_methods_that_are_as_fast_a_sector_keeps_its_own() {
         let mut tried = 0;
         // One view at a time: of several, those with little work count as disturbed if they take as long as the others.
         for view in views(&scene) {
-            for choice in choose_methods(&scene, &[view], &Terms::default(), &clock) {
+            for choice in choose_methods(&scene, &[view], &ChoiceOptions::default(), &clock) {
                 assert_eq!(choice.method, own);
                 assert_eq!(choice.sure, choice.views > 0);
                 tried += choice.views;
@@ -147,7 +151,7 @@ fn where_the_halves_of_the_views_disagree_a_sector_keeps_its_own() {
         time.set(time.get() + if call % 2 == 1 { 1 + random * random } else { 0 });
         Duration::from_micros(time.get())
     };
-    let mut terms = Terms::default();
+    let mut terms = ChoiceOptions::default();
     terms.rounds = 1;
     let choices = choose_methods(&scene, &views, &terms, &clock);
     let unsure: Vec<_> = choices.iter().filter(|choice| !choice.sure).collect();
@@ -160,7 +164,7 @@ fn where_the_halves_of_the_views_disagree_a_sector_keeps_its_own() {
 #[test]
 fn where_something_moves_a_tree_that_must_be_built_anew_pays_for_it() {
     let scene = two_rooms();
-    let mut terms = Terms::default();
+    let mut terms = ChoiceOptions::default();
     let still = choices(&scene, &terms);
     terms.moving = scene.sectors().take(1).collect();
     let moving = choices(&scene, &terms);
@@ -196,12 +200,12 @@ fn a_convex_room_whose_walls_move_is_no_cell() {
     let scene = scene.build().expect("a sector");
     let view = View::new([0.0; 3], [1.0, 0.2, 0.3], SIZE);
     let start = Instant::now();
-    let mut terms = Terms::default();
+    let mut terms = ChoiceOptions::default();
     for moves in [false, true] {
         terms.moving = if moves { vec![id] } else { Vec::new() };
         let choices = choose_methods(&scene, &[view], &terms, &|| start.elapsed());
         let cell = outcome(&choices[0], Method::Cell);
-        assert_eq!(cell.err(), moves.then_some(NotTried::Moves));
+        assert_eq!(cell.err(), moves.then_some(SkipReason::Moves));
         assert!(outcome(&choices[0], Method::ZBuffer).is_ok());
     }
 }
@@ -210,12 +214,12 @@ fn a_convex_room_whose_walls_move_is_no_cell() {
 fn a_sector_that_no_view_sees_keeps_its_method() {
     let scene = two_rooms();
     let start = Instant::now();
-    for choice in choose_methods(&scene, &[], &Terms::default(), &|| start.elapsed()) {
+    for choice in choose_methods(&scene, &[], &ChoiceOptions::default(), &|| start.elapsed()) {
         assert_eq!(
             (choice.views, Some(choice.method)),
             (0, scene.method(choice.sector))
         );
-        assert_eq!(outcome(&choice, Method::ZBuffer), Err(NotTried::NotSeen));
+        assert_eq!(outcome(&choice, Method::ZBuffer), Err(SkipReason::NotSeen));
     }
 }
 
@@ -237,15 +241,15 @@ fn what_takes_too_long_to_sort_is_not_tried() {
     let scene = scene.build().expect("a sector");
     let start = Instant::now();
     let view = View::new([70.0, 70.0, 90.0], [70.0, 70.0, 0.0], [64, 36]);
-    for longest_build in [Duration::from_millis(1), Duration::from_secs(20)] {
-        let mut terms = Terms::default();
-        terms.longest_build = longest_build;
+    for max_build_time in [Duration::from_millis(1), Duration::from_secs(20)] {
+        let mut terms = ChoiceOptions::default();
+        terms.max_build_time = max_build_time;
         let choices = choose_methods(&scene, &[view], &terms, &|| start.elapsed());
         let is_tried = !matches!(
             outcome(&choices[0], Method::BspFront),
-            Err(NotTried::BuildsTooLong(_))
+            Err(SkipReason::BuildsTooLong(_))
         );
-        assert_eq!(is_tried, longest_build > Duration::from_secs(1));
+        assert_eq!(is_tried, max_build_time > Duration::from_secs(1));
         assert!(outcome(&choices[0], Method::ZBuffer).is_ok());
     }
 }
@@ -257,8 +261,8 @@ fn as_many_views_as_are_allowed_are_taken_from_all_that_see() {
     let view = views(&scene)[0];
     let start = Instant::now();
     for (most, taken) in [(1, 1), (5, 5), (12, 12), (100, 12)] {
-        let mut terms = Terms::default();
-        (terms.most_views, terms.rounds) = (most, 1);
+        let mut terms = ChoiceOptions::default();
+        (terms.max_views, terms.rounds) = (most, 1);
         let choices = choose_methods(&scene, &[view; 12], &terms, &|| start.elapsed());
         let here = scene.sector_of(&view).expect("a sector");
         assert_eq!(choices[here.0 as usize].views, taken);

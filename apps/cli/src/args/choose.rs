@@ -2,7 +2,7 @@
 
 use super::{BadPortalArgs, JsonArg, LimitArgs, SceneArg};
 use crate::values;
-use enfilade::Aim;
+use enfilade::ChoiceGoal;
 use std::path::PathBuf;
 
 /// Options of `choose`.
@@ -24,7 +24,7 @@ pub(crate) struct ChooseArgs {
     pub(crate) output: Option<PathBuf>,
     /// What is to be cheap: look or draw
     #[arg(long, value_name = "WHAT", default_value = "look", value_parser = values::aim)]
-    pub(crate) aim: Aim,
+    pub(crate) aim: ChoiceGoal,
     /// Take also methods that may call more visible than is; without it, what is seen does not hang on the choice
     #[arg(long)]
     pub(crate) conservative: bool,

@@ -17,7 +17,7 @@ use crate::run_files::RunFiles;
 use crate::text::{bytes, count, ms, plural, point, short, table};
 use crate::values::Choice;
 use anyhow::Result;
-use enfilade::{Aim, Contract, Viewer};
+use enfilade::{ChoiceGoal, Contract, Viewer};
 use std::ffi::OsStr;
 
 /// Views of the survey, where no camera is told.
@@ -42,7 +42,7 @@ pub(crate) fn run(mut args: BenchArgs) -> Result<Outcome> {
     )?;
     args.cameras.survey_unless_told(VIEWS);
     let views = cameras::views(&args.cameras, &opened)?;
-    let (prepared, skipped) = prepare(&opened, args.method, Aim::Look, &args.how, views.first())?;
+    let (prepared, skipped) = prepare(&opened, args.method, ChoiceGoal::Look, &args.how, views.first())?;
     let mut viewers: Vec<Viewer> = prepared.iter().map(Prepared::viewer).collect();
     let mut reports = measure::all(&opened, &prepared, &mut viewers, &views, args.cameras.size);
     expected::hold(&mut reports, &prepared, &mut viewers, &views)?;

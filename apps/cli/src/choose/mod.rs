@@ -12,7 +12,7 @@ use crate::report::Sink;
 use crate::run_files::RunFiles;
 use crate::values::{Choice, among};
 use anyhow::{Context, Result, anyhow, ensure};
-use enfilade::{Aim, MethodChoice, Scene, SectorId, Terms, View, choose_methods, survey_in};
+use enfilade::{ChoiceGoal, ChoiceOptions, MethodChoice, Scene, SectorId, View, choose_methods, survey_in};
 use std::path::Path;
 use std::time::Instant;
 
@@ -51,7 +51,7 @@ pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
         );
         must_lie_beside(file, output)?;
     }
-    let mut terms = Terms::default();
+    let mut terms = ChoiceOptions::default();
     terms.aim = args.aim;
     terms.exact = !args.conservative;
     terms.limit_bytes = args.limits.memory();
@@ -77,7 +77,7 @@ pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
 }
 
 /// Finds the methods that suit a scene's sectors, by views from places all over them.
-pub(crate) fn choose(scene: &Scene, size: [u32; 2], terms: &Terms) -> Vec<MethodChoice> {
+pub(crate) fn choose(scene: &Scene, size: [u32; 2], terms: &ChoiceOptions) -> Vec<MethodChoice> {
     measured(scene, &views(scene, size, 0), terms, "trying methods")
 }
 
@@ -92,7 +92,7 @@ fn views(scene: &Scene, size: [u32; 2], from: usize) -> Vec<View> {
         .collect()
 }
 
-fn measured(scene: &Scene, views: &[View], terms: &Terms, what: &str) -> Vec<MethodChoice> {
+fn measured(scene: &Scene, views: &[View], terms: &ChoiceOptions, what: &str) -> Vec<MethodChoice> {
     let progress = Progress::spinner(what);
     let start = Instant::now();
     let choices = choose_methods(scene, views, terms, &|| start.elapsed());
@@ -116,8 +116,8 @@ pub(crate) fn take_over(scene: &mut Scene, choices: &[MethodChoice]) -> Result<(
 }
 
 /// Says for what `--method auto` chose, in the words of a verb.
-pub(crate) fn terms(aim: Aim, exact: bool, limit_bytes: u64) -> Terms {
-    let mut terms = Terms::default();
+pub(crate) fn terms(aim: ChoiceGoal, exact: bool, limit_bytes: u64) -> ChoiceOptions {
+    let mut terms = ChoiceOptions::default();
     (terms.aim, terms.exact, terms.limit_bytes) = (aim, exact, limit_bytes);
     terms
 }

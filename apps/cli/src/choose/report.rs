@@ -3,7 +3,9 @@
 use crate::open::Opened;
 use crate::report::{SceneReport, rounded};
 use crate::text::{bytes, count, ms, plural, short, table};
-use enfilade::{Aim, Contract, Cost, Method, MethodChoice, NotTried, Scene, Terms, Trial, Unsuited};
+use enfilade::{
+    ChoiceGoal, ChoiceOptions, Contract, Cost, Method, MethodChoice, Scene, SkipReason, Trial, Unsuited,
+};
 use serde::Serialize;
 use std::time::Duration;
 
@@ -149,17 +151,17 @@ impl TrialReport {
 }
 
 /// The reason in a word or two.
-fn word(why: &NotTried) -> &'static str {
+fn word(why: &SkipReason) -> &'static str {
     match why {
-        NotTried::Promise(Contract::Approximate) => "sets that may lack something",
-        NotTried::Promise(_) => "sets that may hold more (--conservative)",
-        NotTried::BuildsTooLong(_) => "too long to build",
-        NotTried::Moves => "what moves",
-        NotTried::NotSeen => "not seen",
-        NotTried::Unsuited(Unsuited::TooLarge(_)) => "too large (--memory)",
-        NotTried::Unsuited(Unsuited::NotBaked(_)) => "not baked",
-        NotTried::Unsuited(Unsuited::NotConvex(_)) => "not convex",
-        NotTried::Unsuited(Unsuited::NoTerrain(_)) => "no terrain",
+        SkipReason::Promise(Contract::Approximate) => "sets that may lack something",
+        SkipReason::Promise(_) => "sets that may hold more (--conservative)",
+        SkipReason::BuildsTooLong(_) => "too long to build",
+        SkipReason::Moves => "what moves",
+        SkipReason::NotSeen => "not seen",
+        SkipReason::Unsuited(Unsuited::TooLarge(_)) => "too large (--memory)",
+        SkipReason::Unsuited(Unsuited::NotBaked(_)) => "not baked",
+        SkipReason::Unsuited(Unsuited::NotConvex(_)) => "not convex",
+        SkipReason::Unsuited(Unsuited::NoTerrain(_)) => "no terrain",
         _ => "unsuited",
     }
 }
@@ -203,7 +205,7 @@ impl Chosen {
     pub(super) fn new(
         opened: &Opened,
         choices: &[MethodChoice],
-        terms: &Terms,
+        terms: &ChoiceOptions,
         size: [u32; 2],
         held_back: Option<HeldBack>,
     ) -> Chosen {
@@ -212,7 +214,11 @@ impl Chosen {
             size,
             threads: rayon::current_num_threads(),
             simd: enfilade::simd_level(),
-            aim: if terms.aim == Aim::Draw { "draw" } else { "look" },
+            aim: if terms.aim == ChoiceGoal::Draw {
+                "draw"
+            } else {
+                "look"
+            },
             choices: choices
                 .iter()
                 .map(|choice| ChoiceReport::new(&opened.scene, choice))

@@ -25,7 +25,7 @@ use crate::run_files::RunFiles;
 use crate::save::Destination;
 use crate::text::plural;
 use anyhow::{Result, bail};
-use enfilade::{Aim, Scene, View, Viewer};
+use enfilade::{ChoiceGoal, Scene, View, Viewer};
 use pictures::{Artist, ViewPictures};
 use std::path::Path;
 
@@ -58,7 +58,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
         &mut files,
     )?;
     let views = cameras::views(&args.cameras, &opened)?;
-    let (prepared, skipped) = prepare(&opened, args.method, Aim::Draw, &args.how, views.first())?;
+    let (prepared, skipped) = prepare(&opened, args.method, ChoiceGoal::Draw, &args.how, views.first())?;
     let mut viewers: Vec<Viewer> = prepared.iter().map(Prepared::viewer).collect();
     let mut reports = measure::all(&opened, &prepared, &mut viewers, &views, args.cameras.size);
     let (found, pictures) = check_and_draw(&prepared, &mut viewers, &views, args.pictures)?;

@@ -27,9 +27,9 @@ use trial::Tried;
 /// What methods are chosen for.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
-pub struct Terms {
+pub struct ChoiceOptions {
     /// What is to be cheap.
-    pub aim: Aim,
+    pub aim: ChoiceGoal,
     /// Only methods whose set is what is seen at the samples of the screen, so that no answer depends on the choice? On unless
     /// told. Else also those that may call more visible; never those that may miss anything.
     pub exact: bool,
@@ -40,25 +40,25 @@ pub struct Terms {
     /// What one sector's method may build, in bytes.
     pub limit_bytes: u64,
     /// Methods that take longer to build, by an estimate, are not tried: 20 s unless told.
-    pub longest_build: Duration,
+    pub max_build_time: Duration,
     /// Number of measurements per view, of which the minimum counts; default 4. Methods far from the best are measured less often.
     pub rounds: u32,
     /// Maximum number of views per sector, taken evenly from those that see it; default 64. The costs of methods vary more from
     /// view to view than from one measurement to the next.
-    pub most_views: u32,
+    pub max_views: u32,
 }
 
-impl Default for Terms {
-    fn default() -> Terms {
-        Terms {
-            aim: Aim::Look,
+impl Default for ChoiceOptions {
+    fn default() -> ChoiceOptions {
+        ChoiceOptions {
+            aim: ChoiceGoal::Look,
             exact: true,
             moving: Vec::new(),
             frames: 10_000,
             limit_bytes: Method::DEFAULT_LIMIT,
-            longest_build: Duration::from_secs(20),
+            max_build_time: Duration::from_secs(20),
             rounds: 4,
-            most_views: 64,
+            max_views: 64,
         }
     }
 }
@@ -66,7 +66,7 @@ impl Default for Terms {
 /// What is to be cheap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Aim {
+pub enum ChoiceGoal {
     /// [`Viewer::look`]: the set.
     Look,
     /// [`Viewer::draw`], but for what a canvas does with what it gets.
@@ -98,7 +98,7 @@ pub struct Trial {
     /// Which method.
     pub method: Method,
     /// What it cost, or why it was not tried.
-    pub outcome: Result<Cost, NotTried>,
+    pub outcome: Result<Cost, SkipReason>,
 }
 
 /// What a method cost in a sector.
@@ -123,7 +123,7 @@ pub struct Cost {
 /// Why a method was not tried in a sector.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
-pub enum NotTried {
+pub enum SkipReason {
     /// It cannot see the geometry, or not within the limit.
     #[error(transparent)]
     Unsuited(#[from] Unsuited),
@@ -181,7 +181,7 @@ impl Views {
 pub fn choose_methods(
     scene: &Scene,
     views: &[View],
-    terms: &Terms,
+    terms: &ChoiceOptions,
     clock: &dyn Fn() -> Duration,
 ) -> Vec<MethodChoice> {
     let mut viewer = Viewer::new();
@@ -191,7 +191,7 @@ pub fn choose_methods(
         .collect();
     let choices = scene.sectors().filter_map(|sector| {
         let own = scene.method(sector)?;
-        let through = ways_into(sector, &ways, terms.most_views);
+        let through = ways_into(sector, &ways, terms.max_views);
         Some(choose(scene, sector, own, &through, terms, clock))
     });
     choices.collect()
@@ -219,10 +219,10 @@ fn choose(
     sector: SectorId,
     own: Method,
     through: &[Vec<&Passage>],
-    terms: &Terms,
+    terms: &ChoiceOptions,
     clock: &dyn Fn() -> Duration,
 ) -> MethodChoice {
-    let mut tried: Vec<(Method, Result<Tried, NotTried>)> = Method::ALL
+    let mut tried: Vec<(Method, Result<Tried, SkipReason>)> = Method::ALL
         .into_iter()
         .map(|method| (method, begin(scene, sector, method, through, terms, clock)))
         .collect();
@@ -250,10 +250,14 @@ fn choose(
     }
 }
 
-type Outcomes = [(Method, Result<Tried, NotTried>)];
+type Outcomes = [(Method, Result<Tried, SkipReason>)];
 
 /// Methods that run, and what a frame of each takes by some of the views.
-fn frames(tried: &Outcomes, views: Views, terms: &Terms) -> impl Iterator<Item = (Method, Duration, u64)> {
+fn frames(
+    tried: &Outcomes,
+    views: Views,
+    terms: &ChoiceOptions,
+) -> impl Iterator<Item = (Method, Duration, u64)> {
     let running = tried
         .iter()
         .filter_map(|(method, tried)| Some((*method, tried.as_ref().ok()?)));
@@ -261,7 +265,12 @@ fn frames(tried: &Outcomes, views: Views, terms: &Terms) -> impl Iterator<Item =
 }
 
 /// Measures all methods that run; those that are far from the best not to the end.
-fn measure(tried: &mut Outcomes, through: &[Vec<&Passage>], terms: &Terms, clock: &dyn Fn() -> Duration) {
+fn measure(
+    tried: &mut Outcomes,
+    through: &[Vec<&Passage>],
+    terms: &ChoiceOptions,
+    clock: &dyn Fn() -> Duration,
+) {
     let count = tried.len();
     let mut left = vec![true; count];
     for round in 0..terms.rounds.max(1) {
@@ -290,7 +299,7 @@ fn measure(tried: &mut Outcomes, through: &[Vec<&Passage>], terms: &Terms, clock
 
 /// Returns the cheapest method; of those at most `within` times as slow as it the sector's own, else the one that takes least
 /// memory, else the first of [`Method::ALL`].
-fn cheapest(tried: &Outcomes, own: Method, terms: &Terms, within: f64) -> Option<Method> {
+fn cheapest(tried: &Outcomes, own: Method, terms: &ChoiceOptions, within: f64) -> Option<Method> {
     let all = || frames(tried, Views::All, terms);
     let best = all().map(|(_, frame, _)| frame).min()?;
     let as_fast = all().filter(|&(_, frame, _)| frame <= best.mul_f64(within));
@@ -299,7 +308,7 @@ fn cheapest(tried: &Outcomes, own: Method, terms: &Terms, within: f64) -> Option
         .map(|(method, ..)| method)
 }
 
-fn is_near_the_best(tried: &Outcomes, method: Method, views: Views, terms: &Terms) -> bool {
+fn is_near_the_best(tried: &Outcomes, method: Method, views: Views, terms: &ChoiceOptions) -> bool {
     let all = || frames(tried, views, terms);
     let best = all().map(|(_, frame, _)| frame).min().unwrap_or_default();
     all().any(|(other, frame, _)| other == method && frame <= best.mul_f64(NEAR_THE_BEST))
@@ -311,19 +320,19 @@ fn begin(
     sector: SectorId,
     method: Method,
     through: &[Vec<&Passage>],
-    terms: &Terms,
+    terms: &ChoiceOptions,
     clock: &dyn Fn() -> Duration,
-) -> Result<Tried, NotTried> {
+) -> Result<Tried, SkipReason> {
     let contract = method.contract();
     if contract == Contract::Approximate || (terms.exact && contract != Contract::Exact) {
-        return Err(NotTried::Promise(contract));
+        return Err(SkipReason::Promise(contract));
     }
-    let geometry = scene.geometry(sector).ok_or(NotTried::NotSeen)?;
-    let first = through.first().ok_or(NotTried::NotSeen)?;
+    let geometry = scene.geometry(sector).ok_or(SkipReason::NotSeen)?;
+    let first = through.first().ok_or(SkipReason::NotSeen)?;
     if method.sorts_faces() {
         let estimate = sorting(geometry.face_count());
-        if estimate > terms.longest_build {
-            return Err(NotTried::BuildsTooLong(estimate));
+        if estimate > terms.max_build_time {
+            return Err(SkipReason::BuildsTooLong(estimate));
         }
     }
     let size = first[0].size;
@@ -342,7 +351,7 @@ fn edit(
     method: Method,
     geometry: &Geometry,
     clock: &dyn Fn() -> Duration,
-) -> Result<Duration, NotTried> {
+) -> Result<Duration, SkipReason> {
     let is_ground = |item: u32| {
         geometry
             .terrains()
@@ -355,7 +364,7 @@ fn edit(
         return Ok(Duration::ZERO);
     };
     let mut scene = scene.clone();
-    scene.set_method(sector, method).map_err(|_| NotTried::Moves)?;
+    scene.set_method(sector, method).map_err(|_| SkipReason::Moves)?;
     let here = geometry.item(item).transform();
     // Out of whatever plane it may lie in: a wall that slides along itself would leave a room convex.
     let step = 0.01 * geometry.bounds().longest_side();
@@ -366,8 +375,8 @@ fn edit(
         let start = clock();
         let mut edit = scene.edit();
         let placed = edit.place(sector, item, if time % 2 == 0 { there } else { here });
-        placed.map_err(|_| NotTried::Moves)?;
-        edit.finish().map_err(|_| NotTried::Moves)?;
+        placed.map_err(|_| SkipReason::Moves)?;
+        edit.finish().map_err(|_| SkipReason::Moves)?;
         let took = clock().saturating_sub(start);
         if time > 0 {
             least = Some(least.map_or(took, |least| least.min(took)));

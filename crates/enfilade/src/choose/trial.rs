@@ -1,6 +1,6 @@
 //! One method tried in one sector.
 
-use super::{Aim, Cost, Terms, Views};
+use super::{ChoiceGoal, ChoiceOptions, Cost, Views};
 use crate::canvas::{Canvas, Span};
 use crate::collector::Collector;
 use crate::geometry::{Geometry, Owner};
@@ -78,12 +78,18 @@ impl Tried {
     }
 
     /// Measures what is aimed at from view number `view`; the first time also what is not, if it is one of [`OTHER_AIM`] views.
-    pub(super) fn run(&mut self, view: usize, passages: &[&Passage], aim: Aim, clock: &dyn Fn() -> Duration) {
+    pub(super) fn run(
+        &mut self,
+        view: usize,
+        passages: &[&Passage],
+        aim: ChoiceGoal,
+        clock: &dyn Fn() -> Duration,
+    ) {
         let (time, work) = self.timed(passages, clock, aim);
         self.measured(aim).take(view, time, work);
         let other = match aim {
-            Aim::Look => Aim::Draw,
-            Aim::Draw => Aim::Look,
+            ChoiceGoal::Look => ChoiceGoal::Draw,
+            ChoiceGoal::Draw => ChoiceGoal::Look,
         };
         if view.is_multiple_of(OTHER_AIM) && self.measured(other).times.len() == view / OTHER_AIM {
             let (time, work) = self.timed(passages, clock, other);
@@ -91,10 +97,10 @@ impl Tried {
         }
     }
 
-    fn measured(&mut self, aim: Aim) -> &mut Measured {
+    fn measured(&mut self, aim: ChoiceGoal) -> &mut Measured {
         match aim {
-            Aim::Look => &mut self.look,
-            Aim::Draw => &mut self.draw,
+            ChoiceGoal::Look => &mut self.look,
+            ChoiceGoal::Draw => &mut self.draw,
         }
     }
 
@@ -106,10 +112,15 @@ impl Tried {
         }
     }
 
-    fn timed(&mut self, passages: &[&Passage], clock: &dyn Fn() -> Duration, aim: Aim) -> (Duration, u64) {
+    fn timed(
+        &mut self,
+        passages: &[&Passage],
+        clock: &dyn Fn() -> Duration,
+        aim: ChoiceGoal,
+    ) -> (Duration, u64) {
         let run = match aim {
-            Aim::Look => Tried::look,
-            Aim::Draw => Tried::draw,
+            ChoiceGoal::Look => Tried::look,
+            ChoiceGoal::Draw => Tried::draw,
         };
         self.memory.stats = Stats::default();
         let start = clock();
@@ -139,10 +150,10 @@ impl Tried {
     }
 
     /// What counts, as far as it is known, by some of the views.
-    pub(super) fn frame(&self, views: Views, terms: &Terms) -> Duration {
+    pub(super) fn frame(&self, views: Views, terms: &ChoiceOptions) -> Duration {
         let aim = match terms.aim {
-            Aim::Look => self.look.mean(views),
-            Aim::Draw => self.draw.mean(views),
+            ChoiceGoal::Look => self.look.mean(views),
+            ChoiceGoal::Draw => self.draw.mean(views),
         };
         aim + self.edit + self.build / terms.frames.max(1)
     }
@@ -151,7 +162,7 @@ impl Tried {
         self.bytes
     }
 
-    pub(super) fn cost(&self, terms: &Terms) -> Cost {
+    pub(super) fn cost(&self, terms: &ChoiceOptions) -> Cost {
         Cost {
             build: self.build,
             bytes: self.bytes,

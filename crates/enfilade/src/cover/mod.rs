@@ -41,7 +41,7 @@ use crate::collector::Collector;
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::Owners;
-use crate::occluders::{Measure, Occluder};
+use crate::occluders::{Occluder, OccluderMeasure};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
 use crate::stats::Stats;
@@ -121,7 +121,7 @@ pub trait Paints: Cover {
 /// A cover that holds no picture: chosen occluders go in first, and then it says what they hide.
 pub trait Hides: Cover + Sync {
     /// Which occluders are worth most to it.
-    const MEASURE: Measure;
+    const MEASURE: OccluderMeasure;
     /// How many occluders go in unless told otherwise.
     const OCCLUDERS: u32;
 

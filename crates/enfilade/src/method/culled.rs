@@ -18,7 +18,7 @@ use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::{Changes, Geometry, ItemId, Opening};
 use crate::memory::Memory;
-use crate::occluders::{Choice, OccluderRoom, OccluderSet};
+use crate::occluders::{OccluderRoom, OccluderSelection, OccluderSet};
 use crate::order::{Gives, Order};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
@@ -80,7 +80,7 @@ where
         if budget == 0 {
             return;
         }
-        let mut choice = memory.take::<Choice>();
+        let mut choice = memory.take::<OccluderSelection>();
         let mut room = memory.take::<OccluderRoom>();
         let set = self.occluders();
         let mut choosing = set.choosing(&self.geometry, passage, C::MEASURE, &mut choice);

@@ -9,7 +9,7 @@
 //! Cost: O(boxes met · log waiting), about a few for each occluder chosen; no memory is asked for once warm.
 //! Where nothing is called hidden, the answer is that of measuring every polygon of every item, to the last of them.
 
-use super::measure::{Chooser, Entered, Measure};
+use super::measure::{Chooser, Entered, OccluderMeasure};
 use super::{OccluderSet, Polygon};
 use crate::geom::Aabb;
 use crate::geometry::{Geometry, ItemId};
@@ -20,7 +20,7 @@ use std::collections::BinaryHeap;
 
 /// An occluder that was chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Chosen {
+pub struct SelectedOccluder {
     /// The item whose faces it stands for.
     pub item: ItemId,
     /// Which polygon of the item's mesh, counted from 0.
@@ -32,10 +32,10 @@ pub struct Chosen {
 }
 
 #[cfg(test)]
-impl Chosen {
+impl SelectedOccluder {
     /// A polygon of the first item, which is a copy of the first mesh.
-    pub(super) fn for_tests(place: u32) -> Chosen {
-        Chosen {
+    pub(super) fn for_tests(place: u32) -> SelectedOccluder {
+        SelectedOccluder {
             item: ItemId(0),
             polygon: place,
             value: 1.0,
@@ -46,18 +46,18 @@ impl Chosen {
 
 /// What choosing needs, kept from one look to the next, and what was chosen.
 #[derive(Debug, Default)]
-pub struct Choice {
+pub struct OccluderSelection {
     waiting: BinaryHeap<Waiting>,
     entered: Vec<Entered>,
     corners: Vec<DVec3>,
-    chosen: Vec<Chosen>,
+    chosen: Vec<SelectedOccluder>,
     /// How many boxes and polygons were held against the passage.
     met: u64,
 }
 
-impl Choice {
+impl OccluderSelection {
     /// What was chosen last, the best first.
-    pub fn chosen(&self) -> &[Chosen] {
+    pub fn chosen(&self) -> &[SelectedOccluder] {
         &self.chosen
     }
 
@@ -79,7 +79,7 @@ struct Waiting {
 enum What {
     Node(u32),
     Item(u32),
-    /// A node over a mesh's polygons; the item by its place in [`Choice::entered`].
+    /// A node over a mesh's polygons; the item by its place in [`OccluderSelection::entered`].
     MeshNode {
         entered: u32,
         node: u32,
@@ -121,10 +121,10 @@ impl OccluderSet {
         &self,
         geometry: &Geometry,
         passage: &Passage,
-        measure: Measure,
+        measure: OccluderMeasure,
         budget: usize,
-        choice: &'a mut Choice,
-    ) -> &'a [Chosen] {
+        choice: &'a mut OccluderSelection,
+    ) -> &'a [SelectedOccluder] {
         let mut choosing = self.choosing(geometry, passage, measure, choice);
         while choosing.choice.chosen.len() < budget && choosing.next(|_, _| true).is_some() {}
         &choice.chosen
@@ -135,8 +135,8 @@ impl OccluderSet {
         &'a self,
         geometry: &'a Geometry,
         passage: &'a Passage,
-        measure: Measure,
-        choice: &'a mut Choice,
+        measure: OccluderMeasure,
+        choice: &'a mut OccluderSelection,
     ) -> Choosing<'a> {
         choice.waiting.clear();
         choice.entered.clear();
@@ -162,9 +162,9 @@ impl OccluderSet {
         &self,
         geometry: &Geometry,
         passage: &Passage,
-        measure: Measure,
+        measure: OccluderMeasure,
         budget: usize,
-    ) -> Vec<Chosen> {
+    ) -> Vec<SelectedOccluder> {
         let chooser = Chooser::new(self, geometry, passage, measure);
         let mut corners = Vec::new();
         let mut all = Vec::new();
@@ -178,7 +178,7 @@ impl OccluderSet {
                     .seen_from(polygon, placed.eye)
                     .filter(|_| item.transform().inverse().is_some())
                     .and_then(|_| chooser.value(&placed, polygon, &mut corners));
-                all.extend(value.map(|value| Chosen {
+                all.extend(value.map(|value| SelectedOccluder {
                     item: item_id,
                     polygon: place - first,
                     value,
@@ -195,7 +195,7 @@ impl OccluderSet {
         all
     }
 
-    pub(super) fn polygon(&self, chosen: &Chosen) -> &Polygon {
+    pub(super) fn polygon(&self, chosen: &SelectedOccluder) -> &Polygon {
         &self.polygons[chosen.place as usize]
     }
 }
@@ -203,13 +203,16 @@ impl OccluderSet {
 /// A choice at work.
 pub(crate) struct Choosing<'a> {
     chooser: Chooser<'a>,
-    choice: &'a mut Choice,
+    choice: &'a mut OccluderSelection,
 }
 
 impl Choosing<'_> {
     /// The best occluder of those that are left, but for what is in a box, given in another space, that `may_be_seen` says
     /// no of: what hides all of it hides all that it would hide.
-    pub(crate) fn next(&mut self, mut may_be_seen: impl FnMut(&DAffine3, &Aabb) -> bool) -> Option<Chosen> {
+    pub(crate) fn next(
+        &mut self,
+        mut may_be_seen: impl FnMut(&DAffine3, &Aabb) -> bool,
+    ) -> Option<SelectedOccluder> {
         let Choosing { chooser, choice } = self;
         let Chooser {
             set,
@@ -254,7 +257,7 @@ impl Choosing<'_> {
                         continue;
                     }
                     let first = set.meshes[geometry.item(item).mesh.0 as usize].polygons[0];
-                    let chosen = Chosen {
+                    let chosen = SelectedOccluder {
                         item,
                         polygon: place - first,
                         value: most,
@@ -269,7 +272,7 @@ impl Choosing<'_> {
     }
 }
 
-impl Choice {
+impl OccluderSelection {
     fn push(&mut self, most: Option<f64>, what: What) {
         self.met += 1;
         if let Some(most) = most {
@@ -279,7 +282,7 @@ impl Choice {
 }
 
 impl Chooser<'_> {
-    fn enter_node(&self, node: u32, choice: &mut Choice) {
+    fn enter_node(&self, node: u32, choice: &mut OccluderSelection) {
         let (set, screen) = (self.set, &self.passage.screen_from_sector);
         for child in set.tree.children(node) {
             let most = self.most(
@@ -299,14 +302,14 @@ impl Chooser<'_> {
         }
     }
 
-    fn enter_item(&self, item: ItemId, choice: &mut Choice) {
+    fn enter_item(&self, item: ItemId, choice: &mut OccluderSelection) {
         choice
             .entered
             .push(Entered::of(item, self.geometry, self.passage));
         self.enter_mesh_node(choice.entered.len() as u32 - 1, 0, choice);
     }
 
-    fn enter_mesh_node(&self, entered: u32, node: u32, choice: &mut Choice) {
+    fn enter_mesh_node(&self, entered: u32, node: u32, choice: &mut OccluderSelection) {
         let placed = choice.entered[entered as usize];
         let mesh = &self.set.meshes[self.geometry.item(placed.item).mesh.0 as usize];
         let most = |bounds: &Aabb, area: f64| {
@@ -332,7 +335,7 @@ impl Chooser<'_> {
         }
     }
 
-    fn measure(&self, entered: u32, place: u32, choice: &mut Choice) {
+    fn measure(&self, entered: u32, place: u32, choice: &mut OccluderSelection) {
         let placed = &choice.entered[entered as usize];
         let item = placed.item.0;
         let value = self.value(placed, &self.set.polygons[place as usize], &mut choice.corners);

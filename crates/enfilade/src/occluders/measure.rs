@@ -15,7 +15,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 /// What makes an occluder a good one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Measure {
+pub enum OccluderMeasure {
     /// A · (N · V) / D² with A its area, N its normal, V the direction from its middle to the eye and D the distance:
     /// about the solid angle that it hides. V is not the line of sight: by that the walls of a corridor would count for
     /// nothing.
@@ -72,7 +72,7 @@ pub(super) struct Chooser<'a> {
     pub(super) set: &'a OccluderSet,
     pub(super) geometry: &'a Geometry,
     pub(super) passage: &'a Passage,
-    measure: Measure,
+    measure: OccluderMeasure,
     /// The eye in the space of the sector.
     pub(super) eye: DVec3,
     /// Pixels that an area of 1 at distance 1 along the line of sight can cover, at most.
@@ -84,7 +84,7 @@ impl<'a> Chooser<'a> {
         set: &'a OccluderSet,
         geometry: &'a Geometry,
         passage: &'a Passage,
-        measure: Measure,
+        measure: OccluderMeasure,
     ) -> Chooser<'a> {
         let focal = passage.focal();
         let rect = passage.aperture.rect();
@@ -118,14 +118,14 @@ impl<'a> Chooser<'a> {
         shrink: f64,
     ) -> Option<f64> {
         match self.measure {
-            Measure::ProjectedArea => self.most_pixels(screen_from_local, bounds, area),
-            Measure::AreaAngle => self.most_angle(screen_from_local, bounds, area, eye, shrink),
+            OccluderMeasure::ProjectedArea => self.most_pixels(screen_from_local, bounds, area),
+            OccluderMeasure::AreaAngle => self.most_angle(screen_from_local, bounds, area, eye, shrink),
         }
     }
 
     /// Does [`Chooser::most`] hold boxes against the frame, or is that left to who enters them?
     pub(super) fn bounds_ignore_the_frame(&self) -> bool {
-        self.measure == Measure::AreaAngle
+        self.measure == OccluderMeasure::AreaAngle
     }
 
     fn most_pixels(&self, screen_from_local: &DAffine3, bounds: &Aabb, area: f64) -> Option<f64> {
@@ -177,8 +177,8 @@ impl<'a> Chooser<'a> {
             return None;
         }
         Some(match self.measure {
-            Measure::ProjectedArea => pixels,
-            Measure::AreaAngle => {
+            OccluderMeasure::ProjectedArea => pixels,
+            OccluderMeasure::AreaAngle => {
                 let way = placed.sector_from_item.transform_point3(polygon.centre) - self.eye;
                 let distance = way.length();
                 polygon.area * (placed.areas * polygon.normal).dot(way).abs()

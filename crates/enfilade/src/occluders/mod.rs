@@ -25,8 +25,8 @@ mod summary;
 #[cfg(test)]
 mod tests;
 
-pub use choose::{Choice, Chosen};
-pub use measure::Measure;
+pub use choose::{OccluderSelection, SelectedOccluder};
+pub use measure::OccluderMeasure;
 pub use screen::{Occluder, OccluderRoom};
 pub use summary::OccluderSummary;
 

@@ -7,7 +7,7 @@
 //! See the header of [`super`] for why what it hides is hidden.
 
 use super::outline::EXACT;
-use super::{Chosen, OccluderSet, Polygon};
+use super::{OccluderSet, Polygon, SelectedOccluder};
 use crate::geometry::Geometry;
 use crate::passage::{BEYOND, Passage, eye_in};
 use glam::{DAffine3, DVec3};
@@ -53,7 +53,7 @@ impl OccluderSet {
         &self,
         geometry: &Geometry,
         passage: &Passage,
-        chosen: &Chosen,
+        chosen: &SelectedOccluder,
         room: &'a mut OccluderRoom,
     ) -> Option<Occluder<'a>> {
         let OccluderRoom { corners, whole } = room;

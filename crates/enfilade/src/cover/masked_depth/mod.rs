@@ -31,7 +31,7 @@ use super::{Cover, Hides};
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, CoverShape};
 use crate::faces::Faces;
-use crate::occluders::{Measure, Occluder};
+use crate::occluders::{Occluder, OccluderMeasure};
 use crate::order::Unsorted;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
@@ -104,7 +104,7 @@ impl Cover for MaskedDepth {
 }
 
 impl Hides for MaskedDepth {
-    const MEASURE: Measure = Measure::ProjectedArea;
+    const MEASURE: OccluderMeasure = OccluderMeasure::ProjectedArea;
     // The faces that are found, from near to far, hide as much, and choosing takes longer than letting them in.
     const OCCLUDERS: u32 = 0;
 

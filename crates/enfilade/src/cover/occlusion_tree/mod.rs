@@ -42,7 +42,7 @@ use super::{Cover, Hides};
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, CoverShape};
 use crate::geom::Aabb;
-use crate::occluders::{Measure, Occluder};
+use crate::occluders::{Occluder, OccluderMeasure};
 use crate::order::Unsorted;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility, Volume};
@@ -209,7 +209,7 @@ impl<A: Asks> Cover for OcclusionTree<A> {
 }
 
 impl<A: Asks> Hides for OcclusionTree<A> {
-    const MEASURE: Measure = Measure::AreaAngle;
+    const MEASURE: OccluderMeasure = OccluderMeasure::AreaAngle;
     const OCCLUDERS: u32 = 128;
 
     fn clear(&mut self, passage: &Passage) {

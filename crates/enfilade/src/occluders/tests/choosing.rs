@@ -26,7 +26,7 @@ fn room(dice: &mut Dice, double_sided: bool) -> Geometry {
 #[test]
 fn the_chosen_are_the_best_of_all() {
     let mut dice = Dice(5);
-    let mut choice = Choice::default();
+    let mut choice = OccluderSelection::default();
     for round in 0..60 {
         let geometry = room(&mut dice, round % 2 == 0);
         let set = OccluderSet::build(&geometry);
@@ -38,7 +38,7 @@ fn the_chosen_are_the_best_of_all() {
             // As through a mirror.
             passage.screen_from_sector *= Transform::scaling([-1.0, 1.0, 1.0]).0;
         }
-        for measure in [Measure::AreaAngle, Measure::ProjectedArea] {
+        for measure in [OccluderMeasure::AreaAngle, OccluderMeasure::ProjectedArea] {
             for budget in [0, 1, 16, 10_000] {
                 let chosen = set.choose(&geometry, &passage, measure, budget, &mut choice);
                 let expected = set.choose_from_all(&geometry, &passage, measure, budget);
@@ -52,7 +52,7 @@ fn the_chosen_are_the_best_of_all() {
 #[test]
 fn the_chosen_stand_in_order_on_the_screen_also_where_mirrored() {
     let mut dice = Dice(6);
-    let (mut choice, mut room_for_one) = (Choice::default(), OccluderRoom::default());
+    let (mut choice, mut room_for_one) = (OccluderSelection::default(), OccluderRoom::default());
     let mut seen = 0;
     for round in 0..20 {
         let geometry = room(&mut dice, round % 2 == 0);
@@ -63,7 +63,13 @@ fn the_chosen_stand_in_order_on_the_screen_also_where_mirrored() {
         }
         passage.entry = (round % 3 == 0).then_some((DVec3::Z, 15.0));
         for chosen in set
-            .choose(&geometry, &passage, Measure::ProjectedArea, 64, &mut choice)
+            .choose(
+                &geometry,
+                &passage,
+                OccluderMeasure::ProjectedArea,
+                64,
+                &mut choice,
+            )
             .to_vec()
         {
             let Some(occluder) = set.on_screen(&geometry, &passage, &chosen, &mut room_for_one) else {
@@ -97,9 +103,9 @@ fn a_choice_among_many_copies_touches_few_of_them() {
         let set = OccluderSet::build(&geometry);
         let middle = [2.0 * side as f64 + 1.0; 3];
         let passage = passage(middle, [middle[0] + 1.0, middle[1] + 0.3, middle[2] - 2.0]);
-        let mut choice = Choice::default();
+        let mut choice = OccluderSelection::default();
         assert_eq!(
-            set.choose(&geometry, &passage, Measure::AreaAngle, 32, &mut choice)
+            set.choose(&geometry, &passage, OccluderMeasure::AreaAngle, 32, &mut choice)
                 .len(),
             32
         );

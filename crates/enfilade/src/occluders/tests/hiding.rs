@@ -42,7 +42,7 @@ fn check(what: &str, wall: &Wall, double_sided: bool, dice: &mut Dice) -> usize 
             let height = size * 10_f64.powf(dice.between(-5.0, 1.0)) * (dice.next() - 0.3).signum();
             let eye = (middle + aside + normal * height).as_vec3().as_dvec3();
             let passage = passage(eye.to_array(), middle.to_array());
-            let chosen = Chosen::for_tests(place);
+            let chosen = SelectedOccluder::for_tests(place);
             let mut room = OccluderRoom::default();
             let Some(occluder) = set.on_screen(&geometry, &passage, &chosen, &mut room) else {
                 continue;

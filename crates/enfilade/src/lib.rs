@@ -104,8 +104,8 @@ pub use query::{
 };
 pub use region::{Region, Visibility};
 pub use scene::{
-    Edit, EditError, End, Light, LightId, LightShape, NestedId, Portal, PortalId, Scene, SceneBuilder,
-    SceneError, SectorId, Way,
+    Edit, EditError, ErrorSubject, Light, LightId, LightShape, NestedId, Portal, PortalEnd, PortalId, Scene,
+    SceneBuilder, SceneError, SectorId,
 };
 pub use sector::{BuildStats, Contract, Hit, Ray, Sector, Surface};
 pub use simd::{SimdLevelError, simd_level, simd_levels, use_simd_level};

@@ -3,8 +3,8 @@
 //! A scene cannot stand in itself: [`SceneBuilder::nest`] takes one that is built already.
 
 use enfilade::{
-    Aabb, Canvas, Collector, Contract, ConvexPolygon, End, Geometry, GeometryBuilder, Hit, ItemId, Light,
-    Material, MaterialId, Memory, Mesh, Method, Opening, OpeningId, Passage, PortalId, Ray, Scene,
+    Aabb, Canvas, Collector, Contract, ConvexPolygon, Geometry, GeometryBuilder, Hit, ItemId, Light,
+    Material, MaterialId, Memory, Mesh, Method, Opening, OpeningId, Passage, PortalEnd, PortalId, Ray, Scene,
     SceneBuilder, SceneError, Sector, SectorId, Surface, Transform,
 };
 use std::sync::Arc;
@@ -126,7 +126,7 @@ fn a_way_out_of_anywhere() {
     });
     says(&error, &format!("portal 0 {rule}"));
     let error = refused(|scene, hall| {
-        scene.exit("gate", End::Anywhere(hall));
+        scene.exit("gate", PortalEnd::Anywhere(hall));
     });
     says(&error, &format!("exit `gate` {rule}"));
 }

@@ -1,7 +1,9 @@
 //! Puts a scene together, and refuses one that cannot be.
 
 use super::locate::Boxes;
-use super::{Body, Exit, Light, LightId, Placed, Portal, PortalId, Scene, SceneError, SectorId, Way};
+use super::{
+    Body, ErrorSubject, Exit, Light, LightId, Placed, Portal, PortalId, Scene, SceneError, SectorId,
+};
 use crate::geom::{Transform, is_in_range};
 use crate::geometry::{Geometry, Opening, OpeningId};
 use crate::method::Method;
@@ -13,8 +15,8 @@ use std::sync::Arc;
 pub struct SceneBuilder {
     sectors: Vec<Waiting>,
     nested: Vec<Scene>,
-    portals: Vec<(End, End, Transform)>,
-    exits: Vec<(String, End)>,
+    portals: Vec<(PortalEnd, PortalEnd, Transform)>,
+    exits: Vec<(String, PortalEnd)>,
     lights: Vec<Light>,
     open_above: Vec<SectorId>,
     limit_bytes: Option<u64>,
@@ -31,7 +33,7 @@ pub struct NestedId(u32);
 
 /// One end of a portal: an opening of a sector, a named exit of a nested scene, or anywhere in a sector.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum End {
+pub enum PortalEnd {
     /// An opening of a sector of this scene.
     Opening(SectorId, OpeningId),
     /// An exit of a scene that stands in this one.
@@ -41,21 +43,21 @@ pub enum End {
     Anywhere(SectorId),
 }
 
-impl From<(SectorId, OpeningId)> for End {
-    fn from((sector, opening): (SectorId, OpeningId)) -> End {
-        End::Opening(sector, opening)
+impl From<(SectorId, OpeningId)> for PortalEnd {
+    fn from((sector, opening): (SectorId, OpeningId)) -> PortalEnd {
+        PortalEnd::Opening(sector, opening)
     }
 }
 
-impl From<SectorId> for End {
-    fn from(sector: SectorId) -> End {
-        End::Anywhere(sector)
+impl From<SectorId> for PortalEnd {
+    fn from(sector: SectorId) -> PortalEnd {
+        PortalEnd::Anywhere(sector)
     }
 }
 
-impl From<(NestedId, &str)> for End {
-    fn from((scene, exit): (NestedId, &str)) -> End {
-        End::Exit(scene, exit.to_owned())
+impl From<(NestedId, &str)> for PortalEnd {
+    fn from((scene, exit): (NestedId, &str)) -> PortalEnd {
+        PortalEnd::Exit(scene, exit.to_owned())
     }
 }
 
@@ -92,8 +94,8 @@ impl SceneBuilder {
     /// One way out of `from`, into the sector that `to` is an opening of.
     pub fn portal(
         &mut self,
-        from: impl Into<End>,
-        to: impl Into<End>,
+        from: impl Into<PortalEnd>,
+        to: impl Into<PortalEnd>,
         there_from_here: Transform,
     ) -> &mut Self {
         self.portals.push((from.into(), to.into(), there_from_here));
@@ -101,7 +103,7 @@ impl SceneBuilder {
     }
 
     /// Two portals between two openings at one place, in sectors that share their space.
-    pub fn door(&mut self, a: impl Into<End>, b: impl Into<End>) -> &mut Self {
+    pub fn door(&mut self, a: impl Into<PortalEnd>, b: impl Into<PortalEnd>) -> &mut Self {
         let (a, b) = (a.into(), b.into());
         self.portal(a.clone(), b.clone(), Transform::IDENTITY)
             .portal(b, a, Transform::IDENTITY)
@@ -124,7 +126,7 @@ impl SceneBuilder {
     }
 
     /// Names an opening through which one leaves this scene when it stands in another.
-    pub fn exit(&mut self, name: &str, from: impl Into<End>) -> &mut Self {
+    pub fn exit(&mut self, name: &str, from: impl Into<PortalEnd>) -> &mut Self {
         self.exits.push((name.to_owned(), from.into()));
         self
     }
@@ -156,7 +158,7 @@ impl SceneBuilder {
         for id in self.open_above {
             let placed = sectors.get_mut(id.0 as usize);
             let placed = placed.ok_or(SceneError::NoSuchSector {
-                way: Way::OpenAbove,
+                subject: ErrorSubject::OpenAbove,
                 sector: id.0,
                 sectors: custom_sectors,
             })?;
@@ -183,9 +185,9 @@ impl SceneBuilder {
             if !there_from_here.is_similarity() {
                 return Err(SceneError::NotSimilar(number));
             }
-            let way = Way::Portal(number);
-            let (from, opening) = joined.resolve_opening(&way, &from)?;
-            let (to, _) = joined.resolve(&way, &to)?;
+            let way = ErrorSubject::Portal(number);
+            let (from, opening) = joined.resolve_opening(&subject, &from)?;
+            let (to, _) = joined.resolve(&subject, &to)?;
             let portal = Portal {
                 from,
                 opening,
@@ -200,11 +202,11 @@ impl SceneBuilder {
         }
         let mut exits = Vec::new();
         for (name, from) in self.exits {
-            let way = Way::Exit(name.clone());
+            let way = ErrorSubject::Exit(name.clone());
             if exits.iter().any(|exit: &Exit| exit.name == name) {
                 return Err(SceneError::TwoExits(name));
             }
-            let (sector, opening) = joined.resolve_opening(&way, &from)?;
+            let (sector, opening) = joined.resolve_opening(&subject, &from)?;
             exits.push(Exit {
                 name,
                 sector,
@@ -279,21 +281,29 @@ impl Joined {
         self.sectors.extend(scene.sectors);
     }
 
-    fn resolve_opening(&self, way: &Way, end: &End) -> Result<(SectorId, OpeningId), SceneError> {
-        let (sector, opening) = self.resolve(way, end)?;
-        let opening = opening.ok_or_else(|| SceneError::NoOpening(way.clone()))?;
+    fn resolve_opening(
+        &self,
+        subject: &ErrorSubject,
+        end: &PortalEnd,
+    ) -> Result<(SectorId, OpeningId), SceneError> {
+        let (sector, opening) = self.resolve(subject, end)?;
+        let opening = opening.ok_or_else(|| SceneError::NoOpening(subject.clone()))?;
         Ok((sector, opening))
     }
 
-    fn resolve(&self, way: &Way, end: &End) -> Result<(SectorId, Option<OpeningId>), SceneError> {
+    fn resolve(
+        &self,
+        subject: &ErrorSubject,
+        end: &PortalEnd,
+    ) -> Result<(SectorId, Option<OpeningId>), SceneError> {
         let (sector, opening) = match end {
-            End::Anywhere(sector) => (*sector, None),
-            End::Opening(sector, opening) => (*sector, Some(*opening)),
-            End::Exit(scene, name) => {
+            PortalEnd::Anywhere(sector) => (*sector, None),
+            PortalEnd::Opening(sector, opening) => (*sector, Some(*opening)),
+            PortalEnd::Exit(scene, name) => {
                 let exits = self.scenes.get(scene.0 as usize).map_or(&[][..], Vec::as_slice);
                 let found = exits.iter().find(|exit| exit.name == *name);
                 let exit = found.ok_or_else(|| SceneError::NoSuchExit {
-                    way: way.clone(),
+                    subject: subject.clone(),
                     exit: name.clone(),
                     exits: exits.iter().map(|exit| exit.name.clone()).collect(),
                 })?;
@@ -302,7 +312,7 @@ impl Joined {
         };
         if sector.0 as usize >= self.custom_sectors {
             return Err(SceneError::NoSuchSector {
-                way: way.clone(),
+                subject: subject.clone(),
                 sector: sector.0,
                 sectors: self.custom_sectors,
             });
@@ -312,7 +322,7 @@ impl Joined {
         if let Some(opening) = opening.filter(|opening| usize::from(opening.0) >= openings) {
             let sector = placed.name.clone();
             return Err(SceneError::NoSuchOpening {
-                way: way.clone(),
+                subject: subject.clone(),
                 sector,
                 opening: opening.0,
                 openings,
@@ -330,7 +340,7 @@ impl Joined {
         let way = |number: usize| {
             number
                 .checked_sub(taken_in)
-                .map_or(Way::PortalWithin, Way::Portal)
+                .map_or(ErrorSubject::PortalWithin, ErrorSubject::Portal)
         };
         for (number, portal) in self.portals.iter().enumerate() {
             let slot = first_opening[portal.from.0 as usize] as usize + usize::from(portal.opening.0);

@@ -10,20 +10,20 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum SceneError {
     /// A portal or an exit names a sector that is not there.
-    #[error("{way} names sector {sector}, but there are only {sectors}")]
+    #[error("{subject} names sector {sector}, but there are only {sectors}")]
     NoSuchSector {
         /// Which portal or exit.
-        way: Way,
+        subject: ErrorSubject,
         /// The sector it names.
         sector: u32,
         /// How many there are.
         sectors: usize,
     },
     /// A portal or an exit names an opening that its sector does not have.
-    #[error("{way} uses opening {opening} of sector `{sector}`, which has only {openings}")]
+    #[error("{subject} uses opening {opening} of sector `{sector}`, which has only {openings}")]
     NoSuchOpening {
         /// Which portal or exit.
-        way: Way,
+        subject: ErrorSubject,
         /// The sector's name.
         sector: String,
         /// The opening it names.
@@ -32,10 +32,10 @@ pub enum SceneError {
         openings: usize,
     },
     /// A portal or an exit names an exit that the nested scene does not have.
-    #[error("{way} uses exit `{exit}` of a nested scene, which has {}", self.exits_in_words())]
+    #[error("{subject} uses exit `{exit}` of a nested scene, which has {}", self.exits_in_words())]
     NoSuchExit {
         /// Which portal or exit.
-        way: Way,
+        subject: ErrorSubject,
         /// The exit it names.
         exit: String,
         /// Those that there are.
@@ -45,7 +45,7 @@ pub enum SceneError {
     #[error(
         "{0} begins anywhere in a sector; it must lead out of an opening, or out of a nested scene's exit"
     )]
-    NoOpening(Way),
+    NoOpening(ErrorSubject),
     /// Geometry or a method is given to a sector that is the user's own.
     #[error("sector `{0}` is one of your own: it has neither geometry nor method to exchange")]
     NotOurs(String),
@@ -71,9 +71,9 @@ pub enum SceneError {
     #[error("{first} and {second} both lead out of opening `{opening}` of sector `{sector}`")]
     TwoPortals {
         /// The first of the two.
-        first: Way,
+        first: ErrorSubject,
         /// The second of the two.
-        second: Way,
+        second: ErrorSubject,
         /// The opening's name.
         opening: String,
         /// The sector's name.
@@ -128,7 +128,7 @@ pub enum SceneError {
 
 /// What a broken rule is about.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Way {
+pub enum ErrorSubject {
     /// A portal, by the order in which they were added; a door is two.
     Portal(usize),
     /// A portal of a scene that stands in this one.
@@ -139,13 +139,13 @@ pub enum Way {
     OpenAbove,
 }
 
-impl fmt::Display for Way {
+impl fmt::Display for ErrorSubject {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Way::Portal(number) => write!(f, "portal {number}"),
-            Way::PortalWithin => f.write_str("a portal of a nested scene"),
-            Way::Exit(name) => write!(f, "exit `{name}`"),
-            Way::OpenAbove => f.write_str("open_above"),
+            ErrorSubject::Portal(number) => write!(f, "portal {number}"),
+            ErrorSubject::PortalWithin => f.write_str("a portal of a nested scene"),
+            ErrorSubject::Exit(name) => write!(f, "exit `{name}`"),
+            ErrorSubject::OpenAbove => f.write_str("open_above"),
         }
     }
 }

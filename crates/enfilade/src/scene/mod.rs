@@ -11,9 +11,9 @@ mod light;
 mod locate;
 mod portal;
 
-pub use builder::{End, NestedId, SceneBuilder};
+pub use builder::{NestedId, PortalEnd, SceneBuilder};
 pub use edit::{Edit, EditError};
-pub use error::{SceneError, Way};
+pub use error::{ErrorSubject, SceneError};
 pub use light::{Light, LightId, LightShape};
 pub use portal::{Portal, PortalId, SectorId};
 

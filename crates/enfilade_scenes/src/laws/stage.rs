@@ -4,8 +4,8 @@ use crate::envelope::{Ceiling, Finish, Hole, Plan, Side, envelope};
 use crate::shape::Shape;
 use crate::{BuiltIn, Camera};
 use enfilade::{
-    Alpha, BakedCells, ConvexPolygon, End, Geometry, GeometryBuilder, Light, Material, MaterialId, Mesh,
-    Method, OpeningId, SceneBuilder, SectorId, Transform,
+    Alpha, BakedCells, ConvexPolygon, Geometry, GeometryBuilder, Light, Material, MaterialId, Mesh, Method,
+    OpeningId, PortalEnd, SceneBuilder, SectorId, Transform,
 };
 use glam::{Vec3, vec2, vec3};
 use std::sync::Arc;
@@ -238,8 +238,8 @@ pub(crate) fn joined(
 /// A portal and the way back through it.
 pub(crate) fn both_ways(
     scene: &mut SceneBuilder,
-    here: impl Into<End>,
-    there: impl Into<End>,
+    here: impl Into<PortalEnd>,
+    there: impl Into<PortalEnd>,
     there_from_here: Transform,
 ) {
     let (here, there) = (here.into(), there.into());

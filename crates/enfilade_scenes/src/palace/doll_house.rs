@@ -13,7 +13,7 @@ use super::{ceiling, column, drapery, light, seat, statue, table};
 use crate::envelope::{Axis, Ceiling, Plan, Side};
 use crate::random::Random;
 use crate::shape::{Shape, block, fill, lathe, prism};
-use enfilade::{End, NestedId, OpeningId, Scene, SceneBuilder, SectorId, Transform};
+use enfilade::{NestedId, OpeningId, PortalEnd, Scene, SceneBuilder, SectorId, Transform};
 use glam::{Vec3, vec3};
 
 /// So many times larger the house is inside.
@@ -266,7 +266,7 @@ fn shell(opening: &[Vec3]) -> Shape {
 /// Joins the study's opening and the house's exit, both ways.
 pub(super) fn join(scene: &mut SceneBuilder, here: (SectorId, OpeningId), house: &Scene) {
     let house: NestedId = scene.nest(house);
-    let there = End::from((house, "front"));
+    let there = PortalEnd::from((house, "front"));
     scene.portal(here, there.clone(), there_from_here());
     scene.portal(there, here, here_from_there());
 }

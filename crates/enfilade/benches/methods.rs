@@ -120,7 +120,7 @@ fn four_cylinders(criterion: &mut Criterion) {
     let geometry = built.scene.geometry(SectorId(0)).expect("a geometry");
     let view = built.cameras[0].view(SIZE);
     let mut group = criterion.benchmark_group("@four-cylinders");
-    let pieces = |tree: &Bsp<FarToNear>| tree.built(geometry).faces;
+    let pieces = |tree: &Bsp<FarToNear>| tree.build_stats(geometry).faces;
     for (name, free_splits) in [
         (
             "build a BSP tree, every polygon scored",

@@ -216,7 +216,10 @@ impl Geometry {
             if self.mesh_of(item).face_count() != had {
                 renumbered = renumbered.min(item.0 as usize);
             }
-            done.moved.push(MovedItem { item, old_bounds });
+            done.moved.push(MovedItem {
+                item,
+                old_bounds: was,
+            });
         }
         changes.more_faces = -changes.more_faces;
         // Only now: of what one item leaves another may have become a copy.
@@ -308,7 +311,7 @@ impl Geometry {
         let all = if let Some(tree) = self.item_tree.get_mut() {
             let mut touched = Vec::new();
             for MovedItem { item, old_bounds } in &done.moved {
-                tree.shift(item.0, was, &boxes, &mut touched);
+                tree.shift(item.0, old_bounds, &boxes, &mut touched);
             }
             done.nodes = touched.len() as u64;
             tree.tidy(items.len(), &boxes);

@@ -214,7 +214,7 @@ where
     }
 
     fn build_stats(&self) -> BuildStats {
-        self.order.built(&self.geometry)
+        self.order.build_stats(&self.geometry)
     }
 
     fn bytes(&self) -> u64 {

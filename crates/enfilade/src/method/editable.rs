@@ -12,13 +12,13 @@ pub(crate) trait EditableSector: Sector {
 
     /// Exchanges items for those of `changes`, which then undo it; geometry that others share becomes a copy first. Where
     /// that needs more than `limit` bytes, or leaves what the method cannot see, nothing is changed.
-    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<Edited, Unsuited>;
+    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<EditStats, Unsuited>;
 }
 
 /// What an edit came to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
-pub struct Edited {
+pub struct EditStats {
     /// Items that were added, removed, moved or otherwise changed.
     pub items: u64,
     /// Nodes of trees that were touched for it, where orders could follow in place.
@@ -27,8 +27,8 @@ pub struct Edited {
     pub rebuilt: u64,
 }
 
-impl Edited {
-    pub(crate) fn add(&mut self, other: &Edited) {
+impl EditStats {
+    pub(crate) fn add(&mut self, other: &EditStats) {
         self.items += other.items;
         self.nodes += other.nodes;
         self.rebuilt += other.rebuilt;
@@ -44,7 +44,7 @@ pub(super) fn edit_order<O: Order>(
     changes: &mut Changes,
     limit: u64,
     beside: impl Fn(&Geometry) -> u64,
-) -> Result<(Edited, Exchanged), Unsuited> {
+) -> Result<(EditStats, Exchanged), Unsuited> {
     let edited = Arc::make_mut(geometry);
     let done = edited.exchange(changes);
     let needs = O::needs_bytes(edited) + beside(edited);
@@ -64,7 +64,7 @@ pub(super) fn edit_order<O: Order>(
             }
         }
     }
-    let counts = Edited {
+    let counts = EditStats {
         items: done.moved.len() as u64,
         nodes: done.nodes + touched.len() as u64,
         rebuilt: u64::from(!follows),

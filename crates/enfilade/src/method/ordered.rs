@@ -101,7 +101,7 @@ impl<O: Order> Sector for Ordered<O> {
     }
 
     fn build_stats(&self) -> BuildStats {
-        self.order.built(&self.geometry)
+        self.order.build_stats(&self.geometry)
     }
 
     fn bytes(&self) -> u64 {

@@ -170,7 +170,7 @@ impl OccluderSet {
         let boxes = |item: u32| box_of(geometry, areas, item);
         let mut touched = Vec::new();
         for MovedItem { item, old_bounds } in &done.moved {
-            tree.shift(item.0, was, &boxes, &mut touched);
+            tree.shift(item.0, old_bounds, &boxes, &mut touched);
         }
         if tree.tidy(geometry.items().len(), &boxes) {
             self.largest = largest_below(&self.tree, |item| self.areas[item as usize]);

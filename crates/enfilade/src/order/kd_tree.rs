@@ -51,7 +51,7 @@ impl Order for KdTreeOrder {
     fn follow(&mut self, geometry: &Geometry, moved: &[MovedItem], touched: &mut Vec<u32>) -> bool {
         let boxes = |item: u32| geometry.items()[item as usize].bounds;
         for MovedItem { item, old_bounds } in moved {
-            self.tree.shift(item.0, was, &boxes, touched);
+            self.tree.shift(item.0, old_bounds, &boxes, touched);
         }
         self.tree.tidy(geometry.items().len(), &boxes);
         true

@@ -57,12 +57,12 @@ impl Scene {
             direction,
         };
         let RayCast {
-            met,
+            end,
             distance,
             crossed: followed,
             ..
         } = self.cast_until(from.sector, &ray, THERE);
-        let arrives = direction == [0.0; 3] || met == RayEnd::Nothing || distance >= THERE;
+        let arrives = direction == [0.0; 3] || end == RayEnd::Nothing || distance >= THERE;
         (arrives && followed.starts_with(&crossed)).then_some(SightLine { direction, crossed })
     }
 }

@@ -185,7 +185,7 @@ impl SceneBuilder {
             if !there_from_here.is_similarity() {
                 return Err(SceneError::NotSimilar(number));
             }
-            let way = ErrorSubject::Portal(number);
+            let subject = ErrorSubject::Portal(number);
             let (from, opening) = joined.resolve_opening(&subject, &from)?;
             let (to, _) = joined.resolve(&subject, &to)?;
             let portal = Portal {
@@ -202,7 +202,7 @@ impl SceneBuilder {
         }
         let mut exits = Vec::new();
         for (name, from) in self.exits {
-            let way = ErrorSubject::Exit(name.clone());
+            let subject = ErrorSubject::Exit(name.clone());
             if exits.iter().any(|exit: &Exit| exit.name == name) {
                 return Err(SceneError::TwoExits(name));
             }
@@ -337,7 +337,7 @@ impl Joined {
             first_opening.push(first_opening[first_opening.len() - 1] + placed.openings().len() as u32);
         }
         let mut portal_of: Vec<Option<PortalId>> = vec![None; first_opening[self.sectors.len()] as usize];
-        let way = |number: usize| {
+        let subject = |number: usize| {
             number
                 .checked_sub(taken_in)
                 .map_or(ErrorSubject::PortalWithin, ErrorSubject::Portal)
@@ -347,8 +347,8 @@ impl Joined {
             if let Some(first) = portal_of[slot].replace(PortalId(number as u32)) {
                 let placed = &self.sectors[portal.from.0 as usize];
                 return Err(SceneError::TwoPortals {
-                    first: way(first.0 as usize),
-                    second: way(number),
+                    first: subject(first.0 as usize),
+                    second: subject(number),
                     opening: placed.openings()[usize::from(portal.opening.0)].name.clone(),
                     sector: placed.name.clone(),
                 });

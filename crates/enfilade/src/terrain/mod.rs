@@ -47,7 +47,7 @@ pub struct HeightField {
 #[non_exhaustive]
 pub enum HeightFieldError {
     /// There is no cell, or there are more than are numbered.
-    #[error("a height field has 2 to {MOST_SAMPLES} samples along each side, but this one has {} x {}", .0[0], .0[1])]
+    #[error("a height field has 2 to {MAX_SAMPLES} samples along each side, but this one has {} x {}", .0[0], .0[1])]
     Size([u32; 2]),
     /// A cell has no length, or all together are longer than [`MAX_COORDINATE`].
     #[error("cells are {} long from west to east and {} from north to south; that must be above 0, and all of them within {MAX_COORDINATE:e}", .0[0], .0[1])]

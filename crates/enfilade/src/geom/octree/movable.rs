@@ -5,12 +5,12 @@
 //! Cost: O(depth) for a change, 64 nodes at most, and O(things of a node) where its box may shrink.
 //! Boxes are as tight as after building, so nothing is met that need not be.
 
-use super::{Cell, Location, Node, Octree, eighth};
+use super::{Cell, Node, Octree, Place, eighth};
 use crate::geom::Aabb;
 use smallvec::SmallVec;
 
 /// From the root down.
-type Path = SmallVec<[Location; 8]>;
+type Path = SmallVec<[Place; 8]>;
 
 impl Octree {
     /// Puts in a thing that did not stand in it. `boxes` tells the boxes as they are now, of all things; one that is
@@ -113,7 +113,7 @@ impl Octree {
         found.then_some(path)
     }
 
-    fn seek(&self, thing: u32, boxes: [&Aabb; 2], place: Location, path: &mut Path) -> bool {
+    fn seek(&self, thing: u32, boxes: [&Aabb; 2], place: Place, path: &mut Path) -> bool {
         path.push(place);
         let node = &self.nodes[place.node as usize];
         let ways = boxes.map(|thing| self.belongs(&place, thing));
@@ -126,7 +126,7 @@ impl Octree {
                 continue;
             };
             if let Some(child) = self.child(place.node, octant) {
-                let below = Location {
+                let below = Place {
                     node: child,
                     space: eighth(&place.space, node.center, octant),
                     depth: place.depth + 1,
@@ -163,7 +163,7 @@ impl Octree {
             let center = self.nodes[place.node as usize].center;
             let space = eighth(&place.space, center, octant);
             let child = self.child(place.node, octant);
-            place = Location {
+            place = Place {
                 node: child.unwrap_or_else(|| self.add_child(place.node, octant, &space, touched)),
                 space,
                 depth: place.depth + 1,
@@ -248,13 +248,13 @@ impl Octree {
     /// Makes boxes as large as what is in them, bottom up, after that went out of one box and came into another.
     fn refit(
         &mut self,
-        path: &[Location],
+        path: &[Place],
         was: &Aabb,
         now: &Aabb,
         boxes: &impl Fn(u32) -> Aabb,
         touched: &mut Vec<u32>,
     ) {
-        for &Location { node, .. } in path.iter().rev() {
+        for &Place { node, .. } in path.iter().rev() {
             let held = self.nodes[node as usize].bounds;
             let may_shrink = (0..3).any(|axis| {
                 was.min[axis] <= held.min[axis] && held.min[axis] < now.min[axis]

@@ -140,9 +140,9 @@ fn open_file(
     };
     let scene = import.scene(method, limits.memory()).map_err(|why| {
         let remedy = match why {
-            SceneError::NotBaked { .. } | SceneError::NotConvex { .. } | SceneError::NoTerrain { .. } => {
-                "choose another --method, or have the file name another"
-            }
+            SceneError::NotBaked { .. }
+            | SceneError::NotConvex { .. }
+            | SceneError::TerrainUnusable { .. } => "choose another --method, or have the file name another",
             _ => "raise --memory, or choose another --method",
         };
         anyhow!("{file}: {why}; {remedy}")

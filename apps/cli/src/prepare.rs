@@ -104,7 +104,7 @@ pub(crate) fn prepare(
             let remedy = match why {
                 Unsuited::NotBaked(_) => "choose another --method, or a scene that has cells",
                 Unsuited::NotConvex(_) => "choose another --method, or split the scene into convex rooms",
-                Unsuited::NoTerrain(_) => "choose another --method, or a scene that is terrain",
+                Unsuited::TerrainUnusable(_) => "choose another --method, or a scene that is terrain",
                 _ => "raise --memory, or choose a smaller --size or another --method",
             };
             anyhow!("{}: {why}; {remedy}", opened.file)

@@ -161,7 +161,7 @@ fn word(why: &SkipReason) -> &'static str {
         SkipReason::Unsuited(Unsuited::TooLarge(_)) => "too large (--memory)",
         SkipReason::Unsuited(Unsuited::NotBaked(_)) => "not baked",
         SkipReason::Unsuited(Unsuited::NotConvex(_)) => "not convex",
-        SkipReason::Unsuited(Unsuited::NoTerrain(_)) => "no terrain",
+        SkipReason::Unsuited(Unsuited::TerrainUnusable(_)) => "no terrain",
         _ => "unsuited",
     }
 }

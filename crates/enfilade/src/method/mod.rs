@@ -19,7 +19,7 @@ pub use editable::EditStats;
 pub(crate) use editable::EditableSector;
 pub use ordered::Ordered;
 pub use paired::Paired;
-pub use unsuited::{FaceName, NoTerrain, NotBaked, NotConvex, TooLarge, Unsuited};
+pub use unsuited::{FaceName, NotBaked, NotConvex, TerrainUnusable, TooLarge, Unsuited};
 
 use crate::canvas::CoverShape;
 use crate::cover::{
@@ -251,7 +251,7 @@ impl Method {
     ///
     /// # Errors
     /// [`Unsuited::TooLarge`] where more than `limit_bytes` would be needed, [`Unsuited::NotBaked`], [`Unsuited::NotConvex`] and
-    /// [`Unsuited::NoTerrain`] where the geometry has not what the method goes by.
+    /// [`Unsuited::TerrainUnusable`] where the geometry has not what the method goes by.
     pub fn build(self, geometry: Arc<Geometry>, limit_bytes: u64) -> Result<Arc<dyn Sector>, Unsuited> {
         Ok(self.build_editable(geometry, limit_bytes)?)
     }

@@ -19,9 +19,9 @@ pub enum Unsuited {
     /// It sees convex geometries alone, and this is none.
     #[error(transparent)]
     NotConvex(#[from] Box<NotConvex>),
-    /// It goes by a field of heights, and there is none.
+    /// The method needs a height field; the geometry has none, or its blocks were edited.
     #[error(transparent)]
-    NoTerrain(#[from] NoTerrain),
+    TerrainUnusable(#[from] TerrainUnusable),
 }
 
 impl Unsuited {
@@ -32,8 +32,8 @@ impl Unsuited {
             // What turns out to be more than estimated is twice the limit, as far as is known.
             Refusal::TooLarge => TooLarge::new(method, limit.saturating_mul(2), limit).into(),
             Refusal::NotBaked => NotBaked { method, instead }.into(),
-            Refusal::NoTerrain => NoTerrain::new(method, false, instead).into(),
-            Refusal::TerrainChanged => NoTerrain::new(method, true, instead).into(),
+            Refusal::NoTerrain => TerrainUnusable::Missing { method, instead }.into(),
+            Refusal::TerrainChanged => TerrainUnusable::Edited { method, instead }.into(),
             Refusal::NotConvex(dent) => Box::new(NotConvex::new(method, geometry, &dent, instead)).into(),
         }
     }
@@ -50,35 +50,31 @@ pub struct NotBaked {
     pub instead: Method,
 }
 
-/// A method goes by a field of heights, but a geometry has none, or its blocks are not what they were.
+/// A method needs a height field that the geometry lacks, or whose blocks were edited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("no terrain: {method} needs a height field, {}; {instead} takes any geometry", self.why())]
 #[non_exhaustive]
-pub struct NoTerrain {
-    /// The method that was asked for.
-    pub method: Method,
-    /// Is there one, but a block of it was moved, removed or given another mesh?
-    pub is_changed: bool,
-    /// A method that takes any geometry.
-    pub instead: Method,
-}
-
-impl NoTerrain {
-    fn new(method: Method, is_changed: bool, instead: Method) -> NoTerrain {
-        NoTerrain {
-            method,
-            is_changed,
-            instead,
-        }
-    }
-
-    fn why(&self) -> &'static str {
-        if self.is_changed {
-            "and a block of this one was edited"
-        } else {
-            "and there is none"
-        }
-    }
+pub enum TerrainUnusable {
+    /// The geometry has no height field.
+    #[error(
+        "no terrain: {method} needs a height field, and this sector has none; {instead} takes any geometry"
+    )]
+    Missing {
+        /// The requested method.
+        method: Method,
+        /// A method that takes any geometry.
+        instead: Method,
+    },
+    /// A block of the height field was moved, removed or given another mesh.
+    #[error(
+        "terrain edited: {method} needs an unchanged height field, and a block of this one was edited; \
+         {instead} takes any geometry"
+    )]
+    Edited {
+        /// The requested method.
+        method: Method,
+        /// A method that takes any geometry.
+        instead: Method,
+    },
 }
 
 /// A method sees geometries in which every face has all others on one side, but in this one a face has some on both.

@@ -1,7 +1,7 @@
 //! Why sectors and portals do not make a scene.
 
 use crate::geom::MAX_COORDINATE;
-use crate::method::{NoTerrain, NotBaked, NotConvex, TooLarge, Unsuited};
+use crate::method::{NotBaked, NotConvex, TerrainUnusable, TooLarge, Unsuited};
 use std::fmt;
 use thiserror::Error;
 
@@ -118,11 +118,11 @@ pub enum SceneError {
     },
     /// A sector has no height field, or its blocks were changed, and its method goes by one.
     #[error("sector `{sector}`: {why}")]
-    NoTerrain {
+    TerrainUnusable {
         /// The sector's name.
         sector: String,
         /// Which of the two.
-        why: NoTerrain,
+        why: TerrainUnusable,
     },
 }
 
@@ -158,7 +158,7 @@ impl SceneError {
             Unsuited::TooLarge(why) => SceneError::TooLarge { sector, why },
             Unsuited::NotBaked(why) => SceneError::NotBaked { sector, why },
             Unsuited::NotConvex(why) => SceneError::NotConvex { sector, why },
-            Unsuited::NoTerrain(why) => SceneError::NoTerrain { sector, why },
+            Unsuited::TerrainUnusable(why) => SceneError::TerrainUnusable { sector, why },
         }
     }
 

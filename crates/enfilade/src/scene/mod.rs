@@ -161,7 +161,7 @@ impl Scene {
     /// Has a sector seen by another method; no other is touched.
     ///
     /// # Errors
-    /// [`SceneError::NotOurs`], [`SceneError::TooLarge`], [`SceneError::NotBaked`], [`SceneError::NotConvex`] or [`SceneError::NoTerrain`], and then it
+    /// [`SceneError::NotOurs`], [`SceneError::TooLarge`], [`SceneError::NotBaked`], [`SceneError::NotConvex`] or [`SceneError::TerrainUnusable`], and then it
     /// stays as it was.
     pub fn set_method(&mut self, id: SectorId, method: Method) -> Result<(), SceneError> {
         let (geometry, _) = self.ours(id)?;
@@ -208,7 +208,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`Unsuited::TooLarge`] where a sector would need more than `limit_bytes` for what the method builds,
-    /// [`Unsuited::NotBaked`], [`Unsuited::NotConvex`] or [`Unsuited::NoTerrain`] where one has not what the method goes by.
+    /// [`Unsuited::NotBaked`], [`Unsuited::NotConvex`] or [`Unsuited::TerrainUnusable`] where one has not what the method goes by.
     pub fn with_method(&self, method: Method, limit_bytes: u64) -> Result<Scene, Unsuited> {
         let mut scene = self.clone();
         scene.limit_bytes = limit_bytes;

@@ -186,10 +186,10 @@ fn what_has_no_ground_and_ground_that_was_moved_are_refused() {
     let bare = GeometryBuilder::new([]).build().expect("nothing");
     assert!(!Method::FloatingHorizon.suits(&bare));
     let refused = Method::FloatingHorizon.build(Arc::new(bare), u64::MAX);
-    let Err(Unsuited::NoTerrain(why)) = refused.map(|_| ()) else {
+    let Err(Unsuited::TerrainUnusable(why)) = refused.map(|_| ()) else {
         panic!("there is no ground");
     };
-    assert!(why.to_string().contains("and there is none"), "{why}");
+    assert!(why.to_string().contains("and this sector has none"), "{why}");
 
     let ground = field(random);
     let mut builder = GeometryBuilder::new([Material::opaque([0.3; 3])]);
@@ -208,6 +208,6 @@ fn what_has_no_ground_and_ground_that_was_moved_are_refused() {
     edit.place(SectorId(0), ItemId(1), Transform::translation([3.0, 1.0, 0.0]))
         .expect("it is there");
     let refused = edit.finish().expect_err("the ground stays");
-    assert!(matches!(refused, SceneError::NoTerrain { .. }), "{refused}");
+    assert!(matches!(refused, SceneError::TerrainUnusable { .. }), "{refused}");
     assert!(refused.to_string().contains("was edited"), "{refused}");
 }

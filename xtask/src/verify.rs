@@ -212,7 +212,7 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
                 let verdict = layers.check(&picture);
                 glass += verdict.compared;
                 candidate.glass += verdict.different.len();
-                let different = candidate.contract > Contract::Approximate && !verdict.different.is_empty();
+                let different = candidate.contract.never_misses() && !verdict.different.is_empty();
                 is_wrong |= different;
             }
             wrong += usize::from(is_wrong);
@@ -267,8 +267,7 @@ impl Candidate {
         self.extra += verdict.extra;
         self.items += self.viewer.visible().items().len();
         let contract = self.contract;
-        let broken = contract > Contract::Approximate
-            && (!verdict.missed.is_empty() || verdict.pixels_different > 0)
+        let broken = contract.never_misses() && (!verdict.missed.is_empty() || verdict.pixels_different > 0)
             || contract == Contract::Exact && verdict.extra > 0;
         if broken {
             let [eye, toward] = [view.eye, view.toward].map(|[x, y, z]| format!("{x},{y},{z}"));

@@ -256,7 +256,7 @@ fn finish(
                 Some(method) if cover_size.is_some() => method.contract_in_cells(),
                 _ => scene.sector(id).contract(),
             })
-            .reduce(Contract::together)
+            .reduce(Contract::combined_with)
             .unwrap_or(Contract::Exact),
         scene: if how.portals.flat {
             scene.without_portals()

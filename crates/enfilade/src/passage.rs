@@ -125,7 +125,7 @@ impl Passage {
     pub(crate) fn held_to(self, own: Contract, painted: bool) -> Passage {
         Passage {
             contract: match self.parent {
-                Some(_) => self.contract.together(own),
+                Some(_) => self.contract.combined_with(own),
                 None => own,
             },
             any_place: own == Contract::Strict && !painted,

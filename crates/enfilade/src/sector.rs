@@ -128,7 +128,7 @@ pub struct Surface {
 }
 
 /// What a method promises of its visible set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Contract {
     /// It may be wrong; the method's docs say on which scenes.
@@ -142,11 +142,16 @@ pub enum Contract {
 }
 
 impl Contract {
+    /// Returns `true` if no visible item is ever missing from the set: for all contracts but [`Contract::Approximate`].
+    pub fn never_misses(self) -> bool {
+        self != Contract::Approximate
+    }
+
     /// What is promised of what two sectors report together, one seen through an opening of the other: the weaker, and
     /// of exact and strict neither. A strict parent opens more than is seen, an exact one only what the middles of pixels
     /// show.
     #[must_use]
-    pub fn together(self, other: Contract) -> Contract {
+    pub fn combined_with(self, other: Contract) -> Contract {
         match (self, other) {
             (Contract::Approximate, _) | (_, Contract::Approximate) => Contract::Approximate,
             (a, b) if a == b => a,

@@ -119,7 +119,7 @@ fn a_fountain_that_moves_is_seen_as_it_is_at_every_moment_and_nothing_else_is_bu
     for (method, scene) in subject
         .seen
         .iter()
-        .filter(|(method, _)| method.contract() > Contract::Approximate)
+        .filter(|(method, _)| method.contract().never_misses())
     {
         let mut scene = scene.clone();
         let fountain = find(&scene);

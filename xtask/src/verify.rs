@@ -161,7 +161,7 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
     let mut reference = Reference::new(&scene);
     let mut candidates = Vec::new();
     for &method in methods {
-        if args.edits > 0 && !method.takes_any_content() {
+        if args.edits > 0 && method.requires().is_some() {
             println!("{name}: {method} needs walls that stay: skipped where all is edited");
             continue;
         }

@@ -25,7 +25,7 @@ fn a_page_has_a_section_for_each_method_and_needs_nothing_else() {
     let page = page(&folder, "@two-rooms --size 96x54");
     let methods = Method::ALL
         .into_iter()
-        .filter(|method| method.takes_any_content());
+        .filter(|method| method.requires().is_none());
     for method in methods.clone() {
         let card = format!("alt=\"Difference by {method}, view 1\"");
         assert!(page.contains(&card), "{method}");

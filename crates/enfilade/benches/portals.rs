@@ -317,7 +317,7 @@ fn mirrors_face_to_face(times: bool) {
     let mirrors = enfilade_scenes::built_in("mirrors").expect("it is built in");
     for method in Method::ALL
         .into_iter()
-        .filter(|method| method.takes_any_content())
+        .filter(|method| method.requires().is_none())
     {
         let scene = mirrors
             .scene
@@ -355,7 +355,7 @@ fn memory_of_mirrors() {
     ];
     for method in Method::ALL
         .into_iter()
-        .filter(|method| method.takes_any_content())
+        .filter(|method| method.requires().is_none())
     {
         let taken = [0, 1].map(|which| {
             let (scene, view) = &scenes[which];

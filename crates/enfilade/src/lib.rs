@@ -89,8 +89,8 @@ pub use memory::Memory;
 pub use mesh::{Attributes, Cluster, Mesh, MeshError, Part};
 pub use method::{
     BspFront, BspPainter, Cell, Culled, EditStats, FaceName, FloatingHorizon, HierarchicalS, HierarchicalZ,
-    Masked, Method, Mobsp, NotBaked, NotConvex, Ordered, PainterMean, PainterMin, Paired, Pvs, SBuffer,
-    Svbsp, TerrainUnusable, TooLarge, Unsuited, ZBuffer,
+    Masked, Method, Mobsp, NotBaked, NotConvex, Ordered, PainterMean, PainterMin, Paired, Pvs, Requirement,
+    SBuffer, Svbsp, TerrainUnusable, TooLarge, Unsuited, ZBuffer,
 };
 pub use occluders::{
     Occluder, OccluderMeasure, OccluderRoom, OccluderSelection, OccluderSet, OccluderSummary,

@@ -65,7 +65,7 @@ fn every_method_keeps_its_contract(scene: &Scene, view: &View) -> usize {
     let truth = Reference::new(scene).see(scene, view, &Limits::default());
     for method in Method::ALL
         .into_iter()
-        .filter(|method| method.takes_any_content())
+        .filter(|method| method.requires().is_none())
     {
         let seen = scene
             .with_method(method, Method::DEFAULT_LIMIT)
@@ -154,7 +154,7 @@ fn a_hundred_thousand_faces_in_one_plane_are_one_node_of_a_tree() {
     let view = View::new([12.5, 6.25, 12.0], [12.5, 6.25, 0.0], [96, 54]);
     for method in Method::ALL
         .into_iter()
-        .filter(|method| method.takes_any_content())
+        .filter(|method| method.requires().is_none())
     {
         let seen = scene
             .with_method(method, Method::DEFAULT_LIMIT)
@@ -200,7 +200,7 @@ fn items_without_faces_or_extent_are_never_seen_and_hide_nothing() {
         assert_eq!(every_method_keeps_its_contract(&scene, &view), expected);
         for method in Method::ALL
             .into_iter()
-            .filter(|method| method.takes_any_content())
+            .filter(|method| method.requires().is_none())
         {
             let seen = scene
                 .with_method(method, Method::DEFAULT_LIMIT)
@@ -232,7 +232,7 @@ fn a_thousand_copies_of_one_face_look_like_one() {
     );
     for method in Method::ALL
         .into_iter()
-        .filter(|method| method.takes_any_content())
+        .filter(|method| method.requires().is_none())
     {
         let seen = scene
             .with_method(method, Method::DEFAULT_LIMIT)

@@ -36,7 +36,7 @@ fn seen(method: Method, detail: bool, cover_size: Option<[u32; 2]>) -> usize {
 fn a_wall_marked_as_detail_hides_only_where_nothing_is_chosen() {
     for method in Method::ALL
         .into_iter()
-        .filter(|method| method.takes_any_content())
+        .filter(|method| method.requires().is_none())
     {
         match method.contract() {
             Contract::Exact => assert_eq!(

@@ -57,7 +57,7 @@ fn a_swarm_moves_every_frame_and_nothing_else_is_built() {
     let view = View::new([0.2, 1.0, 0.0], [0.0, 1.0, -4.0], [96, 72]);
     for method in Method::ALL
         .into_iter()
-        .filter(|method| method.takes_any_content())
+        .filter(|method| method.requires().is_none())
     {
         let (mut scene, [room, moving]) = garden(method);
         let mut viewer = Viewer::new();

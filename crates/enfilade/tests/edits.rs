@@ -43,7 +43,7 @@ fn seen(viewer: &mut Viewer, scene: &Scene) -> Vec<String> {
 fn what_is_removed_is_not_seen_and_its_number_goes_to_the_next_that_comes() {
     for method in Method::ALL
         .into_iter()
-        .filter(|method| method.takes_any_content())
+        .filter(|method| method.requires().is_none())
     {
         let (mut scene, mut viewer) = (hall(method), Viewer::new());
         assert_eq!(seen(&mut viewer, &scene), ["wall", "left", "middle", "right"]);
@@ -80,7 +80,7 @@ fn an_edit_that_is_dropped_changes_nothing() {
 fn a_copy_of_a_scene_stays_as_it_was() {
     for method in Method::ALL
         .into_iter()
-        .filter(|method| method.takes_any_content())
+        .filter(|method| method.requires().is_none())
     {
         let mut scene = hall(method);
         let (copy, geometry) = (scene.clone(), scene.geometry(HALL).expect("ours").clone());
@@ -103,7 +103,7 @@ fn a_copy_of_a_scene_stays_as_it_was() {
 fn a_leaf_that_is_seen_past_hides_nothing() {
     for method in Method::ALL
         .into_iter()
-        .filter(|method| method.takes_any_content())
+        .filter(|method| method.requires().is_none())
     {
         let (mut scene, mut viewer) = (hall(method), Viewer::new());
         let mut edit = scene.edit();

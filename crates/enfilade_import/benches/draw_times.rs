@@ -28,7 +28,7 @@ fn main() {
         let mut drawn = Vec::new();
         for method in Method::ALL
             .into_iter()
-            .filter(|method| method.takes_any_content())
+            .filter(|method| method.requires().is_none())
         {
             let Some(scene) = place.seen_by(method) else {
                 println!("{:20}{:16}{:>10}", known.file, method.name(), "too large");

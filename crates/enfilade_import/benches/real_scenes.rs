@@ -27,7 +27,7 @@ fn main() {
         let views = &place.views;
         let methods = Method::ALL
             .into_iter()
-            .filter(|method| method.takes_any_content());
+            .filter(|method| method.requires().is_none());
         let scenes: Vec<_> = methods
             .map(|method| (method, place.seen_by(method).expect("they are not that large")))
             .collect();

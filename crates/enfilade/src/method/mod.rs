@@ -140,6 +140,18 @@ pub enum Method {
     FloatingHorizon,
 }
 
+/// What a [`Method`] needs from a sector's geometry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Requirement {
+    /// A PVS baked for convex cells ([`GeometryBuilder::cells`](crate::GeometryBuilder::cells)).
+    BakedCells,
+    /// Faces that bound a convex space: each face has all others on one side.
+    Convex,
+    /// A height field ([`GeometryBuilder::terrain`](crate::GeometryBuilder::terrain)).
+    Terrain,
+}
+
 impl Method {
     /// Every method there is.
     pub const ALL: [Method; 14] = [
@@ -222,19 +234,19 @@ impl Method {
         }
     }
 
-    /// Does it go by cells that were computed ahead? Then it suits only geometries that have some.
-    pub fn goes_by_cells(self) -> bool {
-        self == Method::Pvs
+    /// Returns what the geometry must have for this method; `None` if it takes any geometry.
+    pub fn requires(self) -> Option<Requirement> {
+        match self {
+            Method::Pvs => Some(Requirement::BakedCells),
+            Method::Cell => Some(Requirement::Convex),
+            Method::FloatingHorizon => Some(Requirement::Terrain),
+            _ => None,
+        }
     }
 
-    /// Does it sort faces into a BSP tree before anything is looked at? That splits some, and for many takes long.
-    pub fn sorts_faces(self) -> bool {
+    /// Returns `true` if building sorts all faces into a BSP tree. That splits some, and takes long for many faces.
+    pub(crate) fn builds_bsp(self) -> bool {
         matches!(self, Method::Bsp | Method::BspFront)
-    }
-
-    /// Can it see geometries of every kind? Those that cannot ask for cells, for convexity, or for ground.
-    pub fn takes_any_content(self) -> bool {
-        !matches!(self, Method::Pvs | Method::Cell | Method::FloatingHorizon)
     }
 
     /// Has a geometry what the method goes by? Of [`Method::Cell`] that costs as much as to build it.

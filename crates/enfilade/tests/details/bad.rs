@@ -81,7 +81,7 @@ fn a_source_that_fails_leaves_its_item_its_box() {
     for (make, why) in sources {
         for method in Method::ALL
             .into_iter()
-            .filter(|method| method.takes_any_content())
+            .filter(|method| method.requires().is_none())
         {
             let (mut scene, mut viewer) = (empty(method), Viewer::new());
             let mut details = Details::new(DetailOptions::default());

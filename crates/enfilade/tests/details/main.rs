@@ -15,7 +15,7 @@ use world::{Ball, HALL, at, hall, names, settle, square, straight, wall_at};
 /// The methods that promise something.
 fn surely() -> impl Iterator<Item = Method> {
     let all = Method::ALL.into_iter();
-    all.filter(|method| method.contract().never_misses() && method.takes_any_content())
+    all.filter(|method| method.contract().never_misses() && method.requires().is_none())
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn what_is_seen_through_a_door_or_in_a_mirror_is_seen() {
 fn what_the_eye_or_a_door_stands_in_is_seen_though_no_side_of_its_box_is() {
     for method in Method::ALL
         .into_iter()
-        .filter(|method| method.takes_any_content())
+        .filter(|method| method.requires().is_none())
     {
         let (mut scene, study) = rooms(method);
         let mut details = Details::new(DetailOptions::default());
@@ -131,7 +131,7 @@ fn building_is_bounded_by_the_budget_and_nothing_is_dropped_meanwhile() {
     let view = straight();
     for method in Method::ALL
         .into_iter()
-        .filter(|method| method.takes_any_content())
+        .filter(|method| method.requires().is_none())
     {
         let (mut scene, mut viewer) = (world::empty(method), Viewer::new());
         let mut options = DetailOptions::default();
@@ -192,7 +192,7 @@ fn items_of_one_source_share_what_is_built() {
 fn only_the_exact_level_hides_what_is_behind_it() {
     for method in Method::ALL
         .into_iter()
-        .filter(|m| m.contract() == Contract::Exact && m.takes_any_content())
+        .filter(|m| m.contract() == Contract::Exact && m.requires().is_none())
     {
         let (mut scene, mut viewer) = (world::empty(method), Viewer::new());
         let mut details = Details::new(DetailOptions::default());

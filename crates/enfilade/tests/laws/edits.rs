@@ -33,7 +33,7 @@ fn afresh(geometry: &Geometry) -> Geometry {
 /// stay: see `tests/baked_cells/`; and what must be convex, for as long as it is: see `tests/laws/convex/`.
 static FOLLOWING: LazyLock<Vec<Method>> = LazyLock::new(|| {
     let all = Method::ALL.into_iter();
-    all.filter(|method| method.takes_any_content()).collect()
+    all.filter(|method| method.requires().is_none()).collect()
 });
 
 /// Edits a scene round after round, as each method sees it, and holds every look to the method's contract, and to that at
@@ -204,7 +204,7 @@ fn a_thing_that_was_turned_and_flattened_is_seen_where_it_looks_over_a_wall() {
             let there = Transform::translation([0.0, height - tip, -1.0]) * flattened;
             for method in Method::ALL
                 .into_iter()
-                .filter(|method| method.takes_any_content())
+                .filter(|method| method.requires().is_none())
             {
                 let mut scene = scene.with_method(method, u64::MAX).expect("small");
                 let mut edit = scene.edit();

@@ -30,7 +30,7 @@ impl Canvas for Nothing {
 fn stays_small(scene: &Scene, view: &View, most: u64) {
     for method in Method::ALL
         .into_iter()
-        .filter(|method| method.takes_any_content())
+        .filter(|method| method.requires().is_none())
     {
         let scene = scene
             .with_method(method, Method::DEFAULT_LIMIT)

@@ -63,7 +63,7 @@ fn a_dozen_panes_before_a_wall_lose_no_colour() {
     }
     for method in Method::ALL
         .into_iter()
-        .filter(|method| method.takes_any_content())
+        .filter(|method| method.requires().is_none())
     {
         let scene = scene.with_method(method, u64::MAX).expect("small");
         let image = drawn(&scene, &view(), &Settings::default()).image;

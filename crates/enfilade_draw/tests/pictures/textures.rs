@@ -16,7 +16,7 @@ fn every_texel_is_where_a_ray_meets_it_also_beyond_the_sides_and_in_a_mirror() {
         let scene = gallery(vec![texture.clone()], &[poster()]);
         for method in Method::ALL
             .into_iter()
-            .filter(|method| method.takes_any_content())
+            .filter(|method| method.requires().is_none())
         {
             if method.contract() == Contract::Approximate {
                 continue;

@@ -76,5 +76,5 @@ impl Leveled {
 /// Is an item drawn as it is? Coarser levels hide nothing.
 fn hides(scene: &Scene, sector: SectorId, item: ItemId) -> bool {
     let geometry = scene.geometry(sector);
-    geometry.is_some_and(|geometry| geometry.item(item).hides)
+    geometry.is_some_and(|geometry| geometry.item(item).is_occluder)
 }

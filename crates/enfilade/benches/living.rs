@@ -176,7 +176,7 @@ fn moving(things: u32, times: bool) {
         if times {
             let mut both: Vec<f64> = edits.iter().zip(&looks).map(|(edit, look)| edit + look).collect();
             both.sort_by(f64::total_cmp);
-            let (combined_with, worst) = (median(both.clone()), both[both.len() * 99 / 100]);
+            let (together, worst) = (median(both.clone()), both[both.len() * 99 / 100]);
             println!(
                 "{:16}{:10.3}{:10.3}{together:10.3}{worst:10.3}{per_move:12}{seen:7}",
                 method.name(),

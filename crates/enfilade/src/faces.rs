@@ -37,7 +37,7 @@ pub struct Faces<'a> {
     /// Opaque faces hide; others are kept out of every cover.
     pub(crate) alpha: Alpha,
     /// Do they hide also where a method chooses what does?
-    pub(crate) may_be_chosen: bool,
+    pub(crate) can_occlude: bool,
     /// Only what is on the inner side of all of these is meant: faces cut by a tree keep their outlines and planes.
     pub(crate) cuts: &'a [Cut],
 }
@@ -84,7 +84,7 @@ impl<'a> Faces<'a> {
             mirrored: geometry.item(item).transform().mirrors(),
             double_sided: material.double_sided,
             alpha: material.alpha,
-            may_be_chosen: material.may_be_chosen(),
+            can_occlude: material.can_occlude(),
             cuts: &[],
         }
     }
@@ -108,7 +108,7 @@ impl<'a> Faces<'a> {
             mirrored: false,
             double_sided: false,
             alpha: Alpha::Opaque,
-            may_be_chosen: true,
+            can_occlude: true,
             cuts: &[],
         }
     }
@@ -158,7 +158,7 @@ impl<'a> Faces<'a> {
             mirrored: false,
             double_sided: false,
             alpha: Alpha::Opaque,
-            may_be_chosen: false,
+            can_occlude: false,
             cuts: &[],
         }
     }

@@ -121,7 +121,7 @@ fn a_leaf_that_is_seen_past_hides_nothing() {
             assert_eq!(hidden, ["near"], "{method}");
         }
         let mut edit = scene.edit();
-        edit.set_hides(HALL, leaf, false).expect("it is there");
+        edit.set_occluder(HALL, leaf, false).expect("it is there");
         edit.finish().expect("little");
         let names = ["wall", "left", "middle", "right", "near"];
         assert_eq!(seen(&mut viewer, &scene), names, "{method}");

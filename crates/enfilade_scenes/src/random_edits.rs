@@ -42,7 +42,7 @@ pub fn random_edits(
             0 | 1 if is_there => edit.add(sector, &name, mesh, there).map(|_| ()),
             2 => edit.remove(sector, item),
             3 => edit.set_mesh(sector, item, other_mesh),
-            4 => edit.set_hides(sector, item, random.below(3) > 0),
+            4 => edit.set_occluder(sector, item, random.below(3) > 0),
             _ => edit.place(sector, item, there),
         };
     }

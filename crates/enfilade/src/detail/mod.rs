@@ -126,7 +126,7 @@ impl Details {
         let mut edit = scene.edit();
         let volume = Arc::clone(self.sources[&source].mesh(None));
         let item = edit.add(sector, name, volume, sector_from_item)?;
-        edit.set_hides(sector, item, false)?;
+        edit.set_occluder(sector, item, false)?;
         edit.finish()?;
         self.items.insert((sector, item), Held::new(source, true));
         Ok(item)
@@ -143,13 +143,13 @@ impl Details {
     ) -> Result<(), DetailError> {
         let mut adopted = Vec::new();
         for (sector, item, source) in items {
-            let hides = scene_item(scene, (sector, item)).is_none_or(|(_, hides)| hides);
-            adopted.push(((sector, item), Held::new(self.levels_of(source)?, hides)));
+            let is_occluder = scene_item(scene, (sector, item)).is_none_or(|(_, is_occluder)| is_occluder);
+            adopted.push(((sector, item), Held::new(self.levels_of(source)?, is_occluder)));
         }
         let mut edit = scene.edit();
         for ((sector, item), held) in &adopted {
             edit.set_mesh(*sector, *item, Arc::clone(self.sources[&held.source].mesh(None)))?;
-            edit.set_hides(*sector, *item, false)?;
+            edit.set_occluder(*sector, *item, false)?;
         }
         edit.finish()?;
         self.items.extend(adopted);
@@ -273,10 +273,10 @@ impl Details {
         for (&key, &level) in &changes {
             let held = &self.items[&key];
             let levels = &self.sources[&held.source];
-            let hides = held.may_hide && levels.is_exact(level);
+            let is_occluder = held.may_hide && levels.is_exact(level);
             let asked = edit
                 .set_mesh(key.0, key.1, Arc::clone(levels.mesh(level)))
-                .and_then(|()| edit.set_hides(key.0, key.1, hides));
+                .and_then(|()| edit.set_occluder(key.0, key.1, is_occluder));
             if let Err(why) = asked {
                 self.items.remove(&key);
                 refined.failed.push((key.0, key.1, why.to_string()));
@@ -326,7 +326,7 @@ fn scene_item(scene: &Scene, (sector, item): Key) -> Option<(&Arc<Mesh>, bool)> 
     let there = (sector.0 as usize) < scene.sector_count();
     let geometry = there.then(|| scene.geometry(sector)).flatten()?;
     let item = geometry.holds(item).then(|| geometry.item(item))?;
-    Some((&geometry.meshes()[item.mesh.0 as usize], item.hides))
+    Some((&geometry.meshes()[item.mesh.0 as usize], item.is_occluder))
 }
 
 /// Why an item gets no levels.

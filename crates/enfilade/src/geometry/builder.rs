@@ -48,11 +48,12 @@ impl GeometryBuilder {
         ItemId(self.items.len() as u32 - 1)
     }
 
-    /// Lets an item hide nothing, whatever it is made of: it is seen, and seen past. For what moves so fast, or stands so
-    /// roughly for something else, that nothing may be left out because of it. An item that is not there is left alone.
-    pub fn never_hides(&mut self, item: ItemId) {
-        if let Some((_, _, hides)) = self.items.get_mut(item.0 as usize) {
-            *hides = false;
+    /// Sets whether an item may hide others; default `true`. An item that is no occluder is visible like any other, but
+    /// nothing behind it is culled: for items that move fast, or whose mesh only approximates what is drawn. Ignores an
+    /// item that does not exist.
+    pub fn set_occluder(&mut self, item: ItemId, is_occluder: bool) {
+        if let Some((_, _, flag)) = self.items.get_mut(item.0 as usize) {
+            *flag = is_occluder;
         }
     }
 
@@ -118,7 +119,7 @@ impl GeometryBuilder {
         let mut faces = 0_u64;
         let holes: Vec<Aabb> = openings.iter().map(|o| o.outline.bounds()).collect();
         let mut bounds = holes.iter().fold(Aabb::EMPTY, |sum, hole| sum.union(hole));
-        for (number, (mesh, transform, hides)) in placed.into_iter().enumerate() {
+        for (number, (mesh, transform, is_occluder)) in placed.into_iter().enumerate() {
             let name = || names.get(number).to_owned();
             let built = meshes
                 .get(mesh.0 as usize)
@@ -142,7 +143,7 @@ impl GeometryBuilder {
                 mesh,
                 sector_from_item,
                 bounds: held,
-                hides,
+                is_occluder,
             });
             first_faces.push(faces as u32);
             faces += u64::from(built.face_count());

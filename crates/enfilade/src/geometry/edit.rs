@@ -18,7 +18,7 @@ use std::sync::{Arc, Mutex, Weak};
 pub(crate) struct Placing {
     pub(crate) mesh: Arc<Mesh>,
     pub(crate) place: [[f32; 3]; 4],
-    pub(crate) hides: bool,
+    pub(crate) is_occluder: bool,
 }
 
 /// What is to be exchanged, item by item.
@@ -78,7 +78,7 @@ impl Placing {
         Placing {
             mesh: Arc::clone(&geometry.meshes[placed.mesh.0 as usize]),
             place: placed.sector_from_item,
-            hides: placed.hides,
+            is_occluder: placed.is_occluder,
         }
     }
 
@@ -259,12 +259,12 @@ impl Geometry {
             let Item {
                 sector_from_item,
                 bounds,
-                hides,
+                is_occluder,
                 ..
             } = &mut self.items[number];
             std::mem::swap(sector_from_item, &mut after.place);
             std::mem::swap(bounds, &mut change.bounds);
-            std::mem::swap(hides, &mut after.hides);
+            std::mem::swap(is_occluder, &mut after.is_occluder);
             return None;
         }
         let before = (!slots.free_items.contains(&item.0)).then(|| Placing::at(self, item));
@@ -283,7 +283,7 @@ impl Geometry {
                     mesh,
                     sector_from_item: after.place,
                     bounds,
-                    hides: after.hides,
+                    is_occluder: after.is_occluder,
                 }
             }
             None => {
@@ -336,7 +336,7 @@ impl Item {
             mesh,
             sector_from_item: Transform::IDENTITY.columns(),
             bounds: Aabb::EMPTY,
-            hides: true,
+            is_occluder: true,
         }
     }
 }

@@ -64,7 +64,7 @@ impl Material {
     }
 
     /// May a method that chooses what hides choose it?
-    pub(crate) fn may_be_chosen(&self) -> bool {
+    pub(crate) fn can_occlude(&self) -> bool {
         self.alpha == Alpha::Opaque && !self.detail
     }
 }

@@ -49,7 +49,7 @@ pub struct Item {
     /// The smallest box around it that follows from the mesh's box, in the space of the sector.
     pub bounds: Aabb,
     /// Does it hide what is behind it? If not, its opaque faces are as those of a cut-out: seen, and seen past.
-    pub hides: bool,
+    pub is_occluder: bool,
 }
 
 impl Item {
@@ -191,7 +191,7 @@ impl Geometry {
     /// What a cluster of an item is made of, which is no longer opaque where the item does not hide.
     pub fn material_of(&self, item: ItemId, cluster: &Cluster) -> Material {
         let mut material = self.materials[cluster.material.0 as usize];
-        if material.alpha == Alpha::Opaque && !self.item(item).hides {
+        if material.alpha == Alpha::Opaque && !self.item(item).is_occluder {
             material.alpha = Alpha::Mask;
         }
         material

@@ -145,7 +145,7 @@ impl<C: Hides> Against for InSamples<'_, C> {
     }
 
     fn take_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool {
-        if faces.may_be_chosen {
+        if faces.can_occlude {
             self.0.hide_faces(faces, region, passage, stats);
         }
         true

@@ -56,7 +56,7 @@ impl<C: Coarse> Against for Cells<'_, C> {
 
     fn take_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool {
         let seen = self.sees_faces(faces, region, passage, stats);
-        if seen && faces.may_be_chosen && CoarseCoverage::is_worth(faces, region) {
+        if seen && faces.can_occlude && CoarseCoverage::is_worth(faces, region) {
             self.surface.add(faces, passage, stats, self.cover);
         }
         seen

@@ -168,7 +168,12 @@ impl OccluderSet {
         let chooser = Chooser::new(self, geometry, passage, measure);
         let mut corners = Vec::new();
         let mut all = Vec::new();
-        for (number, item) in geometry.items().iter().enumerate().filter(|(_, item)| item.hides) {
+        for (number, item) in geometry
+            .items()
+            .iter()
+            .enumerate()
+            .filter(|(_, item)| item.is_occluder)
+        {
             let item_id = ItemId(number as u32);
             let placed = Entered::of(item_id, geometry, passage);
             let [first, end] = self.meshes[item.mesh.0 as usize].polygons;

@@ -30,7 +30,7 @@ pub(super) struct Soup {
 impl Soup {
     /// The opaque faces of a mesh that are no detail; `None` where it has none.
     pub(super) fn of(mesh: &Mesh, geometry: &Geometry) -> Option<Soup> {
-        let chosen = |cluster: &&crate::mesh::Cluster| geometry.material(cluster).may_be_chosen();
+        let chosen = |cluster: &&crate::mesh::Cluster| geometry.material(cluster).can_occlude();
         let (mut starts, mut corners, mut double_sided) = (vec![0], Vec::new(), Vec::new());
         for cluster in mesh.clusters().iter().filter(chosen) {
             let both = geometry.material(cluster).double_sided;

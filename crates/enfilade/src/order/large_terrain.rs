@@ -107,7 +107,7 @@ impl Way<'_> {
                     mirrored: false,
                     double_sided: true,
                     alpha: Alpha::Opaque,
-                    may_be_chosen: true,
+                    can_occlude: true,
                     cuts: &[],
                 });
             }

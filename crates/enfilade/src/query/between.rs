@@ -94,7 +94,7 @@ impl Geometry {
                 let Some(item_from_here) = placed
                     .transform()
                     .inverse()
-                    .filter(|_| placed.hides && near.is_some() && !found)
+                    .filter(|_| placed.is_occluder && near.is_some() && !found)
                 else {
                     return true;
                 };

@@ -114,7 +114,7 @@ impl Edit<'_> {
         let placing = Placing {
             mesh: mesh.into(),
             place: sector_from_item.columns(),
-            hides: true,
+            is_occluder: true,
         };
         let (scene, changes) = self.of(sector)?;
         let geometry = scene.geometry(sector).ok_or_else(|| not_ours(scene, sector))?;
@@ -167,8 +167,13 @@ impl Edit<'_> {
     ///
     /// # Errors
     /// [`EditError`], and then it stays as it was.
-    pub fn set_hides(&mut self, sector: SectorId, item: ItemId, hides: bool) -> Result<(), EditError> {
-        self.change(sector, item, |was| Some(Placing { hides, ..was }))
+    pub fn set_occluder(
+        &mut self,
+        sector: SectorId,
+        item: ItemId,
+        is_occluder: bool,
+    ) -> Result<(), EditError> {
+        self.change(sector, item, |was| Some(Placing { is_occluder, ..was }))
     }
 
     /// Does everything that was asked for.

@@ -104,7 +104,7 @@ fn a_source_that_fails_leaves_its_item_its_box() {
             assert!(told[0].1 == odd && told[0].2.contains(why), "{told:?}");
             let geometry = scene.geometry(HALL).expect("ours");
             assert_eq!(
-                (geometry.mesh_of(odd).face_count(), geometry.item(odd).hides),
+                (geometry.mesh_of(odd).face_count(), geometry.item(odd).is_occluder),
                 (24, false)
             );
             assert!(details.level(HALL, ball).flatten().is_some());
@@ -180,7 +180,7 @@ fn errors_that_make_no_sense_lead_to_the_finest_level_and_hide_nothing() {
             .expect("it fits");
         settle(&mut details, &mut scene, &mut viewer, &straight());
         assert_eq!(details.level(HALL, item), Some(Some(63)));
-        assert!(!scene.geometry(HALL).expect("ours").item(item).hides);
+        assert!(!scene.geometry(HALL).expect("ours").item(item).is_occluder);
     }
 }
 

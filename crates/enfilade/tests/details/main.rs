@@ -317,7 +317,7 @@ fn an_adopted_item_is_what_it_was_again_when_it_is_near() {
     let mut edit = scene.edit();
     let far_off = at([0.0, 0.0, -5.0]);
     let items = ["proud", "shy"].map(|name| edit.add(HALL, name, square(), far_off).expect("it fits"));
-    edit.set_hides(HALL, items[1], false).expect("it is there");
+    edit.set_occluder(HALL, items[1], false).expect("it is there");
     edit.finish().expect("little");
     let mut details = Details::new(DetailOptions::default());
     let [a, b]: [Arc<dyn enfilade::DetailSource>; 2] = [Ball::new(), Ball::new()];
@@ -332,5 +332,5 @@ fn an_adopted_item_is_what_it_was_again_when_it_is_near() {
         [Some(Some(Ball::FINEST)); 2]
     );
     // One that did not hide before does not now.
-    assert_eq!(items.map(|item| geometry.item(item).hides), [true, false]);
+    assert_eq!(items.map(|item| geometry.item(item).is_occluder), [true, false]);
 }

@@ -18,8 +18,8 @@ fn afresh(geometry: &Geometry) -> Geometry {
             let item = geometry.item(number);
             let mesh = builder.mesh(Arc::clone(&geometry.meshes()[item.mesh.0 as usize]));
             let built = builder.item(geometry.name(number), mesh, item.transform());
-            if !item.hides {
-                builder.never_hides(built);
+            if !item.is_occluder {
+                builder.set_occluder(built, false);
             }
         }
     }

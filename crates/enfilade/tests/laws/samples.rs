@@ -2,7 +2,7 @@
 
 use crate::subject::{SIZE, drawn, limits, subject, viewer};
 use enfilade::laws::Reference;
-use enfilade::{Contract, Method, View};
+use enfilade::{Method, View};
 
 #[test]
 fn samples_that_stand_aside_show_what_rays_through_them_meet() {

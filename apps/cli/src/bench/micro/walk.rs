@@ -92,7 +92,7 @@ pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<R
 impl Part {
     /// `None` of an item that hides nothing.
     fn new(sector: SectorId, geometry: &Geometry, item: ItemId) -> Option<Part> {
-        if !geometry.holds(item) || !geometry.item(item).hides {
+        if !geometry.holds(item) || !geometry.item(item).is_occluder {
             return None;
         }
         let mesh = geometry.mesh_of(item);

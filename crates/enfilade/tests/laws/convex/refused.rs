@@ -174,7 +174,7 @@ fn an_edit_that_dents_a_cell_is_refused_and_leaves_it_as_it_was() {
         Transform::translation([0.5, 0.0, 0.0]),
     );
     let ghost = ghost.expect("it fits");
-    edit.set_hides(SectorId(0), ghost, false).expect("it is there");
+    edit.set_occluder(SectorId(0), ghost, false).expect("it is there");
     assert_eq!(edit.finish().expect("it hides nothing").rebuilt, 0);
     assert_eq!(keeps_its_contract(&scene, &[ahead], "with a ghost"), seen + 1);
     // A wall that goes leaves it convex, and so does one that is moved within its plane.

@@ -192,7 +192,7 @@ impl Solid {
                 let mesh = builder.mesh(mesh);
                 let item = builder.item(name, mesh, place);
                 if name == "ghost" {
-                    builder.never_hides(item);
+                    builder.set_occluder(item, false);
                 }
             }
         }

@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
-# Draws the pictures of the book again, into src/pictures.
+# Renders the pictures of the book into src/pictures. The drawings in src/drawings are written by hand.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --release --package enfilade-cli
 program=${CARGO_TARGET_DIR:-target}/release/enfilade
 
-# Figure, camera, and the methods; the camera is part of the name where a figure has two.
+# Figure, camera and methods. If a figure has two cameras, the camera is part of the file name.
 while read -r figure camera methods; do
     name=$figure
     case $figure in overlap | cones-*) name=$figure-${camera//_/-} ;; esac
     for method in $methods; do
-        "$program" draw "@$figure" --camera "${camera//_/ }" --method "$method" --size 240x180 \
+        "$program" draw "@$figure" --camera "${camera//_/ }" --method "$method" --size 480x360 --samples 4 \
             --output "book/src/pictures/$name-$method.png"
     done
 done <<'FIGURES'
@@ -32,7 +32,7 @@ cones-32 base_hidden painter-min
 four-cylinders from_above bsp
 FIGURES
 
-# What covers know of one view of the palace. Spans on a small screen: there each can be seen.
+# The covers of one view of the palace; spans at a low resolution, so that each is visible. `--samples` is for images only.
 while read -r cover method size; do
     "$program" draw @enfilade --camera enfilade --show cover --method "$method" --size "$size" \
         --output "book/src/pictures/cover-$cover.png"
@@ -43,7 +43,7 @@ tiles masked 960x540
 tree svbsp 960x540
 COVERS
 
-# A tour of the palace; blanks in names of cameras are underscores.
+# A tour of the palace. Underscores are spaces in the names of cameras.
 while read -r picture camera; do
     "$program" draw @enfilade --camera "${camera//_/ }" --size 640x360 --samples 4 \
         --output "book/src/pictures/palace-$picture.png"
@@ -65,13 +65,14 @@ pavilion pavilion
 hill hill
 tribune tribune
 TOUR
-"$program" draw @enfilade --show fragments --size 640x360 --output book/src/pictures/palace-fragments.png
-"$program" draw @mirrors --size 480x270 --output book/src/pictures/lamp-mirrors.png
-"$program" draw @teleport --size 480x270 --output book/src/pictures/lamp-teleport.png
+"$program" draw @enfilade --show sectors --size 640x360 --output book/src/pictures/palace-sectors.png
+"$program" draw @mirrors --size 480x270 --samples 4 --output book/src/pictures/lamp-mirrors.png
+"$program" draw @teleport --size 480x270 --samples 4 --output book/src/pictures/lamp-teleport.png
 for camera in bottles panes; do
-    "$program" draw @bottles --camera "the $camera" --size 480x270 --output "book/src/pictures/glass-$camera.png"
+    "$program" draw @bottles --camera "the $camera" --size 480x270 --samples 4 \
+        --output "book/src/pictures/glass-$camera.png"
 done
 
-# A clip: the example writes it where it runs.
+# A clip. The example writes it into its working directory.
 cargo build --release --package enfilade_draw --example 04_hundred_people
 (cd book/src/pictures && "$OLDPWD/target/release/examples/04_hundred_people")

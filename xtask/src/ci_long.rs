@@ -1,4 +1,4 @@
-//! What takes too long for every change: run before a release.
+//! Tests that take too long for every change: run before a release.
 #![allow(clippy::print_stdout, reason = "a command prints what it runs")]
 
 use anyhow::{Context, Result, ensure};
@@ -32,6 +32,6 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         }
     }
     ensure!(failed.is_empty(), "failed: {}", failed.join("; "));
-    println!("\nall is well");
+    println!("\nall steps passed");
     Ok(())
 }

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 pub(crate) struct Args {
     /// Output file
     file: PathBuf,
-    /// Scenes: files, folders of .glb files, or @NAME; none: the built-in scenes and those in ENFILADE_SCENES
+    /// Scenes: files, folders of .glb files, or @NAME [default: built-in scenes and those in ENFILADE_SCENES]
     scenes: Vec<String>,
     /// Earlier fingerprint of the same scenes; any difference is an error
     #[arg(long, value_name = "FILE")]
@@ -25,7 +25,7 @@ pub(crate) struct Args {
     /// Views of each scene
     #[arg(long, default_value_t = 6)]
     views: usize,
-    /// Columns and rows
+    /// Viewport width and height, in pixels
     #[arg(long, num_args = 2, default_values_t = [192, 108])]
     size: Vec<u32>,
 }
@@ -77,7 +77,7 @@ fn fingerprint(name: &str, args: &Args, lines: &mut Vec<String>) -> Result<()> {
     let scene = open(name)?;
     // The file's name alone, so that fingerprints do not depend on the folder.
     let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
-    let places = survey(&scene, args.views).places;
+    let places = survey(&scene, args.views).views;
     ensure!(!places.is_empty(), "the survey finds no camera position");
     for method in Method::ALL {
         let Ok(scene) = scene.with_method(method, Method::DEFAULT_LIMIT) else {

@@ -1,6 +1,6 @@
-//! Random scenes of what breaks visibility code, tested against the reference.
+//! Tests all methods on random scenes made of what breaks visibility code.
 //!
-//! Each scene follows from its seed alone: `--seed S` with a count of 1 shows one again.
+//! Each scene depends on its seed alone: `--seed S` with a count of 1 reproduces one.
 #![allow(clippy::print_stdout, reason = "a command prints what it finds")]
 
 use anyhow::{Result, ensure};
@@ -16,7 +16,7 @@ pub(crate) struct Args {
     /// Number of scenes
     #[arg(default_value_t = 1000)]
     count: u64,
-    /// Seed of the first scene; the others follow
+    /// Seed of the first scene; the next has the next seed
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Print every scene and view, not only those that fail
@@ -24,14 +24,14 @@ pub(crate) struct Args {
     verbose: bool,
 }
 
-/// Portals followed in a row; random scenes lead in circles.
+/// Portals followed in a row: portals of random scenes form cycles.
 const MAX_CROSSINGS: u16 = 4;
 
-/// What was tested.
+/// Counts of what was tested.
 #[derive(Default)]
 struct Tested {
     views: u64,
-    /// Views in which anything is certainly visible.
+    /// Views with at least one certainly visible item.
     views_with_items: u64,
     items: u64,
     failures: u64,
@@ -53,7 +53,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let mut tested = Tested::default();
     std::thread::scope(|scope| {
         let worker = || {
-            // Scenes side by side, each on one thread.
+            // Scenes in parallel, each on one thread.
             let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
             let mut tested = Tested::default();
             loop {
@@ -88,7 +88,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     );
     ensure!(
         tested.failures == 0,
-        "{} answers break a contract",
+        "{} results break a contract",
         tested.failures
     );
     ensure!(

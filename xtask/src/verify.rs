@@ -1,7 +1,7 @@
-//! Nothing is missed, ever: every method against the reference, on many views of many scenes.
+//! Compares every method with the reference on many views of many scenes.
 //!
-//! One pass of the reference serves all methods. Views come one after the other, so what a viewer remembers is put to
-//! the test as well. What is found wrong is printed with the command that shows it again.
+//! The reference is evaluated once per view for all methods. Each viewer goes from view to view, so temporal coherence is
+//! tested too. A failure is printed with the command that reproduces it.
 #![allow(clippy::print_stdout, reason = "a command prints what it finds")]
 
 use anyhow::{Context, Result, bail, ensure};
@@ -14,43 +14,43 @@ use std::time::Instant;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Scenes: files, folders of .glb files, or @NAME; none: the built-in scenes and those in ENFILADE_SCENES
+    /// Scenes: files, folders of .glb files, or @NAME [default: built-in scenes and those in ENFILADE_SCENES]
     scenes: Vec<String>,
     /// Views of each scene
     #[arg(long, default_value_t = 1000)]
     views: usize,
-    /// Views that are hard to decide, instead of from where people may stand: in doorways, at corners and edges, along faces
+    /// Use views that are hard to decide: in doorways, at corners and edges, in planes of faces
     #[arg(long)]
     hard: bool,
-    /// Columns and rows
+    /// Viewport width and height, in pixels
     #[arg(long, num_args = 2, default_values_t = [320, 180])]
     size: Vec<u32>,
-    /// Of how many of these views strict methods are held to what is seen anywhere in the pixels
+    /// Number of views in which strict methods are tested at random sample positions
     #[arg(long, default_value_t = 64)]
     strict_views: usize,
-    /// Columns and rows for that
+    /// Viewport width and height for these, in pixels
     #[arg(long, num_args = 2, default_values_t = [640, 360])]
     strict_size: Vec<u32>,
-    /// Places in each pixel for that
+    /// Sample positions per pixel for these
     #[arg(long, default_value_t = 16)]
     places: u32,
-    /// Columns and rows of covers that can have fewer than the screen; then only methods that have such covers
+    /// Width and height of covers; tests only the methods that support a cover size
     #[arg(long, num_args = 2)]
     cover_size: Option<Vec<u32>>,
-    /// Edits by chance between every eighth view and the next: items come, go, move and change
+    /// Number of random edits after every eighth view: items are added, removed, moved and changed
     #[arg(long, default_value_t = 0)]
     edits: usize,
-    /// Hold what is painted of glass against rays, too, layer by layer
+    /// Compare glass with the reference too, layer by layer
     #[arg(long)]
     glass: bool,
-    /// Methods by name; none: all
+    /// Methods by name [default: all]
     #[arg(long)]
     method: Vec<String>,
 }
 
 const VIEWS_BETWEEN_EDITS: usize = 8;
 
-/// A method at work on a scene, and what it did wrong so far.
+/// A method on a scene, and the failures found so far.
 struct Candidate {
     method: Method,
     contract: Contract,
@@ -58,7 +58,7 @@ struct Candidate {
     viewer: Viewer,
     missed: usize,
     different: u64,
-    /// Samples with other glass, or in another order.
+    /// Samples with other layers of glass, or in another order.
     glass: usize,
     extra: usize,
     items: usize,
@@ -73,8 +73,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     for name in scenes(&args.scenes)? {
         wrong += verify(&name, &methods, args).with_context(|| name.clone())?;
     }
-    ensure!(wrong == 0, "{wrong} views are seen wrongly");
-    println!("\nnothing is missed, and nothing painted wrongly");
+    ensure!(wrong == 0, "{wrong} views break a contract");
+    println!("\nno false cull, no wrong pixel");
     Ok(())
 }
 
@@ -86,14 +86,14 @@ fn methods(names: &[String]) -> Result<Vec<Method>> {
     names.iter().map(known).collect()
 }
 
-/// The scenes that are meant, by name.
+/// Returns the named scenes, or all known ones.
 pub(crate) fn scenes(named: &[String]) -> Result<Vec<String>> {
     let mut all = Vec::new();
     if named.is_empty() {
         all.extend(enfilade_scenes::NAMES.iter().map(|name| format!("@{name}")));
         match std::env::var_os("ENFILADE_SCENES") {
             Some(folder) => all.extend(files_in(Path::new(&folder))?),
-            None => println!("ENFILADE_SCENES names no folder of .glb files: built-in scenes only"),
+            None => println!("ENFILADE_SCENES is not set to a folder of .glb files: built-in scenes only"),
         }
     }
     for name in named {
@@ -135,7 +135,7 @@ fn viewer(args: &Args) -> Viewer {
     viewer
 }
 
-/// What a method promises with such covers.
+/// Returns the contract of a method for the requested cover size.
 fn contract(method: Method, args: &Args) -> Contract {
     if args.cover_size.is_some() {
         Contract::Conservative
@@ -144,7 +144,7 @@ fn contract(method: Method, args: &Args) -> Contract {
     }
 }
 
-/// Gives the number of views that are seen wrongly, each method's counted.
+/// Returns the number of failed views, summed over all methods.
 fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
     let start = Instant::now();
     let mut scene = open(name)?;
@@ -152,17 +152,17 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
     let places = if args.hard {
         survey_hard(&scene, count)
     } else {
-        survey(&scene, count).places
+        survey(&scene, count).views
     };
     if places.is_empty() {
-        println!("\n{name}: there is no place to stand");
+        println!("\n{name}: the survey finds no camera position");
         return Ok(0);
     }
     let mut reference = Reference::new(&scene);
     let mut candidates = Vec::new();
     for &method in methods {
         if args.edits > 0 && method.requires().is_some() {
-            println!("{name}: {method} needs walls that stay: skipped where all is edited");
+            println!("{name}: {method} needs static walls: skipped with --edits");
             continue;
         }
         match scene.with_method(method, Method::DEFAULT_LIMIT) {
@@ -196,7 +196,7 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
             reference = Reference::new(&scene);
         }
         let mut view = View::new(place.eye, place.toward, size);
-        // Things that move may take the boxes of sectors along.
+        // Items that move may enlarge the bounds of sectors.
         view.sector = Some(place.sector);
         let truth = reference.see(&scene, &view, &limits);
         let layers = args.glass.then(|| reference.layers(&scene, &view, &limits));
@@ -231,7 +231,7 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
         }
     }
     println!(
-        "\n{name}: {} views, {visible} items visible for certain, {:.0} s",
+        "\n{name}: {} views, {visible} items certainly visible, {:.0} s",
         args.views.min(places.len()),
         start.elapsed().as_secs_f64()
     );
@@ -243,7 +243,7 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
     }
     for candidate in &candidates {
         println!(
-            "  {:16}{:>14}{:8} missed{:8} pixels different{:8} of glass{:8} too many of {}",
+            "  {:16}{:>14}{:8} missed{:8} pixels different{:8} wrong glass samples{:8} extra of {} items",
             candidate.method.name(),
             candidate.contract.to_string(),
             candidate.missed,
@@ -254,13 +254,13 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
         );
     }
     if visible == 0 {
-        bail!("nothing is visible: there is nothing to be right about");
+        bail!("nothing is visible in any view, so nothing was tested");
     }
     Ok(wrong)
 }
 
 impl Candidate {
-    /// Takes a verdict in; is it one that breaks the contract?
+    /// Adds a verdict; returns `true` if it breaks the contract.
     fn take(&mut self, verdict: &Verdict, name: &str, number: usize, view: &View) -> bool {
         self.missed += verdict.missed.len();
         self.different += verdict.pixels_different;
@@ -272,7 +272,7 @@ impl Candidate {
         if broken {
             let [eye, toward] = [view.eye, view.toward].map(|[x, y, z]| format!("{x},{y},{z}"));
             println!(
-                "{name}, view {number}: {} missed {:?}, {} pixels different, {} too many:\n  enfilade look {name} \
+                "{name}, view {number}: {} missed {:?}, {} wrong pixels, {} extra:\n  enfilade look {name} \
                  --method {} --check --size {}x{} --eye={eye} --toward={toward}",
                 self.method,
                 verdict.missed,

@@ -171,22 +171,22 @@ fn named(name: &str, args: &CameraArgs, opened: &Opened) -> Result<View> {
 
 fn surveyed(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>> {
     let found = survey(scene, count);
-    match found.places.len() {
+    match found.views.len() {
         0 => out::warn("the survey found no open space for a camera; use --eye and --toward"),
         fewer if fewer < count => out::warn(format_args!(
             "the survey finds only {fewer} of {count} places to stand"
         )),
         _ => {}
     }
-    if !found.places.is_empty() {
+    if !found.views.is_empty() {
         out::note(describe(&found));
     }
-    Ok(found.places.iter().map(|place| at(args, place)).collect())
+    Ok(found.views.iter().map(|place| at(args, place)).collect())
 }
 
 /// How the places of a survey were found.
 fn describe(found: &Survey) -> String {
-    let places = plural(found.places.len(), "view");
+    let places = plural(found.views.len(), "view");
     if found.rooms == 0 {
         return format!("survey: {places} in open space; no room was found");
     }
@@ -195,7 +195,7 @@ fn describe(found: &Survey) -> String {
     } else {
         format!(", taking a metre for {} units", short(found.metre))
     };
-    let roofs = match found.places.iter().filter(|place| place.on_roof).count() {
+    let roofs = match found.views.iter().filter(|place| place.on_roof).count() {
         0 => String::new(),
         roofs => format!(", {roofs} of them above roofs"),
     };
@@ -230,14 +230,14 @@ fn first_picture(args: &CameraArgs, opened: &Opened) -> Result<View> {
     const OTHERS: &str = "others: --survey 8, or --eye and --toward";
     let (scene, file) = (&opened.scene, &opened.file);
     let found = survey(scene, PLACES);
-    if found.places.is_empty() {
+    if found.views.is_empty() {
         out::warn(
             "the survey found no open space, so the camera is outside the scene; use --eye and --toward",
         );
         return Ok(from_outside(args, scene));
     }
-    let under_sky = found.places.iter().filter(|place| is_under_sky(scene, place));
-    if 4 * under_sky.count() >= 3 * found.places.len() {
+    let under_sky = found.views.iter().filter(|place| is_under_sky(scene, place));
+    if 4 * under_sky.count() >= 3 * found.views.len() {
         out::note(format_args!(
             "{file}: it has no camera and most of it is outdoors; this is all of it from outside ({OTHERS})"
         ));
@@ -247,8 +247,8 @@ fn first_picture(args: &CameraArgs, opened: &Opened) -> Result<View> {
         "{file}: it has no camera; this is the view of the survey that shows most ({OTHERS})"
     ));
     let mut viewer = Viewer::new();
-    let (mut best, mut most) = (&found.places[0], -1.0);
-    for place in &found.places {
+    let (mut best, mut most) = (&found.views[0], -1.0);
+    for place in &found.views {
         let mut view = at(args, place);
         view.size = [160, 90];
         // Items count by the root of their size: neither one wall nor a hundred specks make a picture.

@@ -17,7 +17,7 @@ use crate::text::{count, ms, plural};
 use crate::values::Choice;
 use anyhow::{Context, Result, bail};
 use enfilade::{ChoiceGoal, Method, View, Viewer};
-use enfilade_draw::{Exposure, Picture, RgbImage, Samples, Settings, Show};
+use enfilade_draw::{Exposure, Legend, Picture, RgbImage, Samples, Settings, Show};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -103,7 +103,13 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
             let start = Instant::now();
             let picture = draw(prepared, &mut viewer, view, &settings);
             let took = start.elapsed().as_secs_f64() * 1e3;
-            destination.write(&png(&picture.image)?)?;
+            let legend =
+                Legend::new(args.show, &prepared.scene, viewer.visible()).filter(|_| !args.no_legend);
+            let image = match legend {
+                Some(legend) => legend.below(picture.image),
+                None => picture.image,
+            };
+            destination.write(&png(&image)?)?;
             shaded.push(picture.shaded);
             let lights = (args.show == Show::Image).then_some(picture.lights_shining);
             said += &line(destination.name(), prepared, &viewer, lights, took, &by_levels);

@@ -179,9 +179,9 @@ fn a_convex_scene_is_seen_as_one_and_another_is_told_what_stands_in_the_way() {
     let run = folder.run("look scene.glb --method cell");
     assert_eq!(run.code, Some(2));
     for word in [
-        "scene.glb: not convex: cell",
+        "scene.glb: method cell needs a convex sector",
         "`floor`",
-        "hierarchical-z takes any geometry",
+        "use hierarchical-z",
         "choose another --method",
     ] {
         assert!(run.stderr.contains(word), "{}", run.stderr);
@@ -193,7 +193,7 @@ fn a_convex_scene_is_seen_as_one_and_another_is_told_what_stands_in_the_way() {
         skipped["why"]
             .as_str()
             .expect("a reason")
-            .starts_with("not convex")
+            .starts_with("method cell needs a convex sector")
     );
     // So is a room of a file that says itself how it is to be seen.
     let mut room = yard();
@@ -204,7 +204,7 @@ fn a_convex_scene_is_seen_as_one_and_another_is_told_what_stands_in_the_way() {
     let run = folder.run("look room.glb");
     assert_eq!(run.code, Some(2));
     for word in [
-        "room.glb: sector `yard`: not convex: cell",
+        "room.glb: sector `yard`: method cell needs a convex sector",
         "have the file name another",
     ] {
         assert!(run.stderr.contains(word), "{}", run.stderr);
@@ -219,7 +219,10 @@ fn cells_computed_ahead_are_gone_by_where_there_are_some_and_asked_for_where_not
     assert_eq!(report["summary"]["missed"], 0);
     let run = folder.run("look scene.glb --method pvs");
     assert_eq!(run.code, Some(2));
-    for word in ["scene.glb: not baked: pvs", "choose another --method"] {
+    for word in [
+        "scene.glb: method pvs needs a baked PVS",
+        "choose another --method",
+    ] {
         assert!(run.stderr.contains(word), "{}", run.stderr);
     }
     let report = folder.json("look scene.glb --method all --size 16x9");
@@ -229,7 +232,7 @@ fn cells_computed_ahead_are_gone_by_where_there_are_some_and_asked_for_where_not
         skipped["why"]
             .as_str()
             .expect("a reason")
-            .starts_with("not baked")
+            .starts_with("method pvs needs a baked PVS")
     );
 }
 

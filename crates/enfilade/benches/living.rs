@@ -101,7 +101,7 @@ impl Town {
         let mut edit = self.scene.edit();
         for number in 0..self.people {
             let there = walker(number, moment, self.side);
-            edit.place(TOWN, ItemId(number), there)
+            edit.set_transform(TOWN, ItemId(number), there)
                 .expect("a place in the town");
         }
         let edited = edit.finish().expect("a small town");

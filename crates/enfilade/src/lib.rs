@@ -1,38 +1,78 @@
-//! Enfilade says what can be seen.
+//! CPU visibility: frustum, portal and occlusion culling that never culls a visible object.
 //!
 //! ```
 //! use enfilade::*;
 //!
-//! let sail = Mesh::triangles(&[[-0.4, 0.0, 0.0], [0.4, 0.0, 0.0], [0.0, 1.2, 0.0]], &[0, 1, 2], MaterialId(0))?;
-//! let [mut hall, mut study] = [(); 2].map(|()| GeometryBuilder::new([Material::opaque([0.8, 0.3, 0.2])]));
-//! let [in_hall, in_study] = [hall.mesh(sail.clone()), study.mesh(sail)];
+//! let mut room = GeometryBuilder::new([Material::opaque([0.8, 0.6, 0.4])]);
+//! let cube = room.mesh(Mesh::cuboid([-1.0; 3], [1.0; 3], MaterialId(0))?);
+//! room.item("crate", cube, Transform::translation([0.0, 0.0, -4.0]));
+//! room.item("lamp behind the crate", cube, Transform::translation([0.0, 0.0, -9.0]));
+//! let scene = Scene::single(room.build()?, Method::HierarchicalZ)?;
+//!
+//! let mut viewer = Viewer::new();
+//! let set = viewer.look(&scene, &View::new([0.0; 3], [0.0, 0.0, -1.0], [1280, 720]));
+//! assert_eq!(set.names(&scene).collect::<Vec<_>>(), ["crate"]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A [`Scene`] consists of sectors joined by portals; each sector has the [`Method`] that suits it. A [`Viewer`] looks at a
+//! scene through a [`View`] and returns a [`VisibleSet`]: the passages from the eye into sectors, and the items visible
+//! through each. [`Viewer::draw`] also emits the picture to a [`Canvas`]. Two rooms and a door:
+//!
+//! ```
+//! # use enfilade::*;
+//! let [mut hall, mut study] = [0, 1].map(|_| GeometryBuilder::new([Material::opaque([0.6; 3])]));
+//! let cube = Mesh::cuboid([-0.2, 0.0, -0.2], [0.2, 1.2, 0.2], MaterialId(0))?;
+//! let [in_hall, in_study] = [hall.mesh(cube.clone()), study.mesh(cube)];
 //! hall.item("vase", in_hall, Transform::translation([1.0, 0.0, -2.0]));
 //! study.item("lamp", in_study, Transform::translation([0.0, 0.0, -6.0]));
 //! study.item("clock", in_study, Transform::translation([3.0, 0.0, -4.0]));
+//! // Counter-clockwise seen from the hall; the same outline flipped is the door seen from the study.
 //! let doorway = ConvexPolygon::rectangle([-0.5, 0.0, -3.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0])?;
 //! let [out, back] = [hall.opening("out", doorway.clone()), study.opening("back", doorway.flipped())];
 //!
 //! let mut scene = SceneBuilder::new();
 //! let hall = scene.add("hall", hall.build()?, Method::HierarchicalZ);
-//! let study = scene.add("study", study.build()?, Method::HierarchicalZ);
+//! let study = scene.add("study", study.build()?, Method::Masked);
 //! scene.door((hall, out), (study, back));
 //! let scene = scene.build()?;
 //!
 //! let mut viewer = Viewer::new();
 //! let set = viewer.look(&scene, &View::new([0.0, 1.0, 0.0], [0.0, 1.0, -1.0], [640, 360]));
-//! let name = |seen: &VisibleItem| scene.geometry(set.passage(seen.passage).sector).unwrap().name(seen.item);
-//! assert_eq!(set.items().len(), 2); // The clock is beside the doorway.
-//! assert_eq!([name(&set.items()[0]), name(&set.items()[1])], ["vase", "lamp"]);
+//! // The clock is beside the doorway.
+//! assert_eq!(set.names(&scene).collect::<Vec<_>>(), ["vase", "lamp"]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A [`Scene`] is made of sectors that portals join; each sector is seen by the [`Method`] that suits it. A
-//! [`Viewer`] looks at a scene through a [`View`] and answers with a [`VisibleSet`]: the ways from the eye into
-//! sectors, and what may be seen through each. [`Viewer::draw`] paints the same on a [`Canvas`].
+//! A method is an [order](order) (which nodes and faces come next) times a [cover](cover) (what is already hidden). Each
+//! states its [`Contract`]; the feature `laws` adds the reference that every method, and any custom sector, can be tested
+//! against. Looking cannot fail and does no I/O; inconsistent input is rejected when a mesh, a geometry or a scene is
+//! built. Units are scene units, radians and pixels; space is right-handed, faces are counter-clockwise seen from their
+//! front.
 //!
-//! A method is an [order](order) times a [cover](cover), and states its [`Contract`]; the feature `laws` adds the
-//! reference that any method, also one of your own, is held against. Looking cannot fail and opens no file; what does
-//! not fit together is refused when a mesh, a geometry or a scene is built.
+//! # Glossary
+//!
+//! | here | elsewhere |
+//! |---|---|
+//! | [sector](Sector) | cell, room, zone |
+//! | [item](Item) | instance, object, renderer, entity |
+//! | [geometry](Geometry) | a sector's meshes, items, materials, openings |
+//! | [opening](Opening) · [portal](Portal) | portal polygon · portal link; a door is two portals, a mirror one |
+//! | [passage](Passage) | portal path, clip view |
+//! | [aperture](Aperture) | clip region, portal window, scissor |
+//! | [look](Viewer::look) | cull, visibility query, determine visibility |
+//! | [visible set](VisibleSet) | cull result, draw list, PVS of one view |
+//! | [order](order) · [cover](cover) | traversal order · occlusion buffer |
+//! | [canvas](Canvas) | render target |
+//! | [cluster](Cluster) | meshlet |
+//! | reversed depth (`rev_depth`) | 1/w in perspective views: larger is nearer |
+//! | [contract](Contract) | guarantee: exact, strict, conservative or approximate |
+//! | reference, laws | independent ray-cast oracle, conformance suite |
+//!
+//! # Features
+//!
+//! * `rayon` (default): builds, and looks of viewers that may, run on the current rayon pool.
+//! * `laws`: the reference and the conformance checks.
 #![forbid(unsafe_code)]
 
 pub mod cover;

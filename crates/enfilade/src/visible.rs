@@ -56,6 +56,15 @@ impl VisibleSet {
         self.complete
     }
 
+    /// Returns the name of each visible item, in the order of [`VisibleSet::items`]: an item that is visible through two
+    /// passages comes twice. The name is empty for items without one and for those of custom sectors.
+    pub fn names<'a>(&'a self, scene: &'a Scene) -> impl Iterator<Item = &'a str> {
+        self.items.iter().map(|item| {
+            let geometry = scene.geometry(self.passage(item.passage).sector);
+            geometry.map_or("", |geometry| geometry.name(item.item))
+        })
+    }
+
     /// Triangles of what is in the set: of a large item, those of the clusters that are seen.
     pub fn triangle_count(&self, scene: &Scene) -> u64 {
         let triangles = |item: &VisibleItem| {

@@ -45,7 +45,7 @@ fn room(outline: &ConvexPolygon, here_from_first: Transform, depth: f32, bodies:
     builder.build().expect("sound")
 }
 
-/// Two rooms with a door between them at z = -4, and a body that stands in each as [`Scene::stands_in`] says.
+/// Two rooms with a door between them at z = -4, and a body that stands in each as [`Scene::body_sectors`] says.
 fn rooms(bodies: [&[[f32; 3]]; 2]) -> Scene {
     let door = ConvexPolygon::rectangle([-1.0, 0.0, -4.0], [2.0, 0.0, 0.0], [0.0, 2.5, 0.0]).expect("a door");
     let there = there_from_here();
@@ -80,14 +80,14 @@ fn a_body_in_a_doorway_is_seen_in_both_rooms() {
             sector: SectorId(0),
             position: [0.1, 1.2, -2.0],
         };
-        let body = empty.walk(start, [0.0, 0.0, z + 2.0]).place;
+        let body = empty.walk(start, [0.0, 0.0, z + 2.0]).location;
         assert_eq!(body.sector.0, u32::from(z < -4.0));
-        let present = empty.stands_in(body, RADIUS);
+        let present = empty.body_sectors(body, RADIUS);
         let in_doorway = (z + 4.0).abs() < RADIUS;
         assert_eq!(present.len(), 1 + usize::from(in_doorway), "at {z}");
         let mut bodies = [Vec::new(), Vec::new()];
         for presence in &present {
-            bodies[presence.place.sector.0 as usize].push(presence.place.position);
+            bodies[presence.location.sector.0 as usize].push(presence.location.position);
         }
         let scene = rooms([&bodies[0], &bodies[1]]);
         let there = there_from_here();
@@ -151,12 +151,12 @@ fn a_camera_on_a_boom_follows_its_player_through_a_portal() {
     let mut apart = 0;
     for frame in 0..140 {
         let step = scene.walk(player, facing.map(|value| 0.05 * value));
-        player = step.place;
+        player = step.location;
         facing = step.there_from_here.direction(facing);
         // The boom goes back and up from the player, and through the door that the player has gone through.
         let boom = [-1.5 * facing[0], 0.4, -1.5 * facing[2]];
         let swung = scene.walk(player, boom);
-        let camera = swung.place;
+        let camera = swung.location;
         let gaze = swung.there_from_here.direction(boom.map(|value| -value));
         // By brute force: how far the player has come decides the room.
         let gone = 0.05 * (frame + 1) as f32;

@@ -18,7 +18,7 @@ fn two_rooms() -> Scene {
 fn views(scene: &Scene) -> Vec<View> {
     let places = scene
         .sectors()
-        .flat_map(|sector| survey_in(scene, sector, 4).places);
+        .flat_map(|sector| survey_in(scene, sector, 4).views);
     let views: Vec<View> = places
         .map(|place| View::new(place.eye, place.toward, SIZE))
         .collect();

@@ -1,7 +1,7 @@
 //! Edits: what comes of them, and what is refused.
 
 use enfilade::{
-    Aabb, Contract, EditError, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Scene,
+    Aabb, EditError, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Scene,
     SceneBuilder, SceneError, SectorId, Transform, View, Viewer,
 };
 use std::sync::Arc;
@@ -86,7 +86,7 @@ fn a_copy_of_a_scene_stays_as_it_was() {
         let (copy, geometry) = (scene.clone(), scene.geometry(HALL).expect("ours").clone());
         let mut edit = scene.edit();
         edit.remove(HALL, ItemId(1)).expect("it is there");
-        edit.place(HALL, ItemId(2), Transform::translation([0.0, 50.0, 0.0]))
+        edit.set_transform(HALL, ItemId(2), Transform::translation([0.0, 50.0, 0.0]))
             .expect("it may");
         edit.finish().expect("little");
         assert_eq!(seen(&mut Viewer::new(), &scene), ["wall", "right"], "{method}");
@@ -137,7 +137,7 @@ fn meshes_live_as_long_as_an_item_is_a_copy_of_them() {
         let there = Transform::translation([0.0, round as f32 * 0.01, -3.0]);
         for item in 1..4 {
             edit.set_mesh(HALL, ItemId(item), leaf()).expect("it fits");
-            edit.place(HALL, ItemId(item), there).expect("it may");
+            edit.set_transform(HALL, ItemId(item), there).expect("it may");
         }
         edit.finish().expect("little");
     }
@@ -158,18 +158,18 @@ fn what_cannot_be_is_refused_and_the_item_stays_as_it_was() {
         assert_eq!(refused.expect_err(message).to_string(), message);
     };
     says(
-        edit.place(HALL, item, at(f32::NAN)),
-        "item `middle` would stand at a place that is no number",
+        edit.set_transform(HALL, item, at(f32::NAN)),
+        "the transform of item `middle` contains NaN",
     );
     for far in [1e30, -1e30, f32::INFINITY] {
         says(
-            edit.place(HALL, item, at(far)),
-            "item `middle` would reach farther out than 1e12 units",
+            edit.set_transform(HALL, item, at(far)),
+            "item `middle` would reach beyond 1e12 units; move it closer to the origin",
         );
     }
     says(
         edit.set_mesh(HALL, item, Mesh::new(&[]).expect("nothing")),
-        "item `middle` would have no faces; remove it instead",
+        "the mesh of item `middle` has no faces; remove the item instead",
     );
     let of_gold = Mesh::triangles(
         &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
@@ -179,31 +179,31 @@ fn what_cannot_be_is_refused_and_the_item_stays_as_it_was() {
     .expect("a triangle");
     says(
         edit.add(HALL, "coin", of_gold, at(0.0)).map(|_| ()),
-        "item `coin` is made of material 7, but its sector has only 1",
+        "the mesh of item `coin` uses material 7, but its sector has only 1",
     );
     says(
         edit.add(HALL, "ghost", leaf(), at(f32::NAN)).map(|_| ()),
-        "item `ghost` would stand at a place that is no number",
+        "the transform of item `ghost` contains NaN",
     );
     says(
         edit.remove(HALL, ItemId(9)),
-        "sector `hall` has no item 9: it was removed, or never there",
+        "sector `hall` has no item 9; it was removed or never existed",
     );
     says(
         edit.remove(SectorId(3), item),
-        "there is no sector 3: the scene has 1",
+        "sector 3 does not exist; the scene has only 1",
     );
     edit.finish().expect("nothing to do");
     assert_eq!(scene.geometry(HALL).expect("ours").items(), before);
 
     let mut edit = scene.edit();
     edit.remove(HALL, item).expect("once");
-    let twice = "sector `hall` has no item 2: it was removed, or never there";
+    let twice = "sector `hall` has no item 2; it was removed or never existed";
     says(edit.remove(HALL, item), twice);
     edit.finish().expect("little");
     let mut edit = scene.edit();
     says(edit.remove(HALL, item), twice);
-    says(edit.place(HALL, item, at(0.0)), twice);
+    says(edit.set_transform(HALL, item, at(0.0)), twice);
     edit.finish().expect("nothing to do");
 }
 

@@ -91,22 +91,26 @@ fn a_walk_through_a_teleport_that_enlarges_ends_at_a_place_and_reports_that_it_w
         let walked = scene.walk(START, [1e5, 0.0, 0.0]);
         let is_place = |at: [f32; 3]| at.iter().all(|value| value.abs() <= MAX_COORDINATE);
         assert!(
-            is_place(walked.place.position),
+            is_place(walked.location.position),
             "scale {scale}: {:?}",
-            walked.place
+            walked.location
         );
         assert!(!walked.complete, "scale {scale}");
         assert!(!walked.crossed.is_empty() && walked.crossed.len() <= MoveResult::MAX_CROSSED);
         let slid = scene.slide(START, Capsule::new(0.3, 1.8), [1e5, 0.0, 0.0]);
-        assert!(is_place(slid.place.position), "scale {scale}: {:?}", slid.place);
-        for presence in scene.stands_in(
+        assert!(
+            is_place(slid.location.position),
+            "scale {scale}: {:?}",
+            slid.location
+        );
+        for presence in scene.body_sectors(
             Location {
                 position: [9.9, 0.0, 0.0],
                 ..START
             },
             1e4,
         ) {
-            assert!(is_place(presence.place.position));
+            assert!(is_place(presence.location.position));
         }
     }
 }

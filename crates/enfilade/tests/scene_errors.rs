@@ -120,7 +120,8 @@ fn an_exit_that_is_not_there() {
 
 #[test]
 fn a_way_out_of_anywhere() {
-    let rule = "begins anywhere in a sector; it must lead out of an opening, or out of a nested scene's exit";
+    let rule =
+        "starts at a sector, not at an opening; start it at an opening or at an exit of a nested scene";
     let error = refused(|scene, hall| {
         scene.portal(hall, (hall, DOOR), Transform::IDENTITY);
     });
@@ -160,10 +161,7 @@ fn two_exits_of_one_name() {
     let error = refused(|scene, hall| {
         scene.exit("gate", (hall, DOOR)).exit("gate", (hall, WINDOW));
     });
-    says(
-        &error,
-        "two exits are called `gate`: what joins one could mean either",
-    );
+    says(&error, "duplicate exit name `gate`");
 }
 
 #[test]
@@ -174,7 +172,7 @@ fn a_transform_that_shears() {
     });
     says(
         &error,
-        "the transform of portal 0 is not rigid, uniformly scaling or reflecting",
+        "the transform of portal 0 must be rigid, uniformly scaling or reflecting",
     );
     let mut builder = SceneBuilder::new();
     let hall = builder.add("hall", room(), Method::ZBuffer);
@@ -190,8 +188,7 @@ fn a_lamp_that_cannot_shine() {
         scene.light(lamp(hall, 1.0));
         scene.light(lamp(hall, 0.0));
     });
-    let rule =
-        "must have finite numbers, a position within 1e12 units, a range above 0, and a sector of this scene";
+    let rule = "is invalid: it needs finite numbers, a position within 1e12 units, a range above 0, a nonzero direction, angles with 0 <= inner < outer <= pi/2, and a sector of this scene";
     says(&error, &format!("light 1 {rule}"));
     let error = refused(|scene, _| {
         scene.light(lamp(SectorId(1), 1.0));
@@ -257,7 +254,7 @@ fn what_is_not_ours_is_not_exchanged() {
     let mut builder = SceneBuilder::new();
     let void = builder.add_custom("void", Arc::new(Void(Aabb::EMPTY)));
     let mut scene = builder.build().expect("a scene of one's own");
-    let message = "sector `void` is one of your own: it has neither geometry nor method to exchange";
+    let message = "sector `void` is custom; its geometry and method cannot be replaced";
     says(&scene.set_geometry(void, room()).expect_err("not ours"), message);
     says(
         &scene.set_method(void, Method::Bsp).expect_err("not ours"),
@@ -285,7 +282,7 @@ fn a_custom_sector_with_a_box_of_no_numbers() {
                 assert!(!is_sound, "{side}");
                 says(
                     &error,
-                    "the box of sector `sky` has a coordinate that is not a number, or is farther out than 1e12 units and not infinite",
+                    "the bounds of custom sector `sky` have a coordinate that is NaN, or finite and beyond 1e12 units",
                 );
             }
         }
@@ -302,7 +299,7 @@ fn a_geometry_with_fewer_openings() {
         &scene
             .set_geometry(hall, closed)
             .expect_err("openings are missing"),
-        "sector `hall` has 2 openings, but the geometry that is to replace its own has 0",
+        "sector `hall` has 2 openings, but its new geometry has 0; keep their number",
     );
 }
 

@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let from = person.place;
             let way = (person.goal - Vec3::from(from.position)).with_y(0.0);
             let step = 0.12 * way.normalize_or_zero() - 0.02 * Vec3::Y;
-            person.place = walls.slide(from, Capsule::new(0.25, 1.9), step.into()).place;
+            person.place = walls.slide(from, Capsule::new(0.25, 1.9), step.into()).location;
             let here = Vec3::from(person.place.position);
             if person.place.sector != from.sector || here.distance(from.position.into()) < 0.03 {
                 // On, to another door of the room that it is in.
@@ -67,8 +67,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut edit = scene.edit();
         for (number, somebody) in people.iter_mut().enumerate() {
             let before = std::mem::take(&mut somebody.items);
-            for presence in walls.stands_in(somebody.place, 0.4) {
-                let Location { sector, position } = presence.place;
+            for presence in walls.body_sectors(somebody.place, 0.4) {
+                let Location { sector, position } = presence.location;
                 let (way, feet) = (
                     somebody.goal - Vec3::from(position),
                     Vec3::from(position) - UP_TO_MIDDLE,
@@ -76,7 +76,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 let turn = Transform::rotation([0.0, 1.0, 0.0], f64::from(way.x.atan2(way.z)));
                 let there = Transform::translation(feet.into()) * turn;
                 let item = match before.iter().find(|item| item.0 == sector) {
-                    Some(&(_, item)) => edit.place(sector, item, there).map(|()| item)?,
+                    Some(&(_, item)) => edit.set_transform(sector, item, there).map(|()| item)?,
                     None => edit.add(sector, "person", kinds[number % 7].clone(), there)?,
                 };
                 somebody.items.push((sector, item));

@@ -23,12 +23,12 @@ struct Known {
 }
 
 /// Nothing hides here.
-const OPEN: [f32; 3] = [0.93, 0.94, 0.96];
+pub(crate) const OPEN: [f32; 3] = [0.93, 0.94, 0.96];
 /// No cover has said anything.
 const UNKNOWN: [f32; 3] = [0.008; 3];
 /// The layers of a masked buffer.
-const REFERENCE: [f32; 3] = [0.09, 0.30, 0.55];
-const WORKING: [f32; 3] = [0.95, 0.50, 0.10];
+pub(crate) const REFERENCE: [f32; 3] = [0.09, 0.30, 0.55];
+pub(crate) const WORKING: [f32; 3] = [0.95, 0.50, 0.10];
 /// What is farthest keeps this part of its colour.
 const FARTHEST: f32 = 0.16;
 

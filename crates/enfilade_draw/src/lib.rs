@@ -26,6 +26,7 @@ mod clip;
 mod cover;
 mod face;
 mod lamps;
+mod legend;
 mod light;
 mod mips;
 mod painter;
@@ -40,6 +41,7 @@ mod smooth;
 mod stage;
 
 pub use clip::Clip;
+pub use legend::Legend;
 pub use painter::Painter;
 pub use show::Show;
 pub use stage::{Exposure, Picture, Samples, Settings, Stage};

@@ -218,7 +218,7 @@ impl Cut {
     fn sums(&self) -> [u64; 5] {
         let mut sums = [0; 5];
         for (geometry, tree) in self.parts.iter().zip(&self.trees) {
-            let built = tree.built(geometry);
+            let built = tree.build_stats(geometry);
             sums[0] += geometry.face_count();
             sums[1] += built.faces;
             sums[2] += built.splits;

@@ -41,7 +41,7 @@ fn main() {
             in_turn(1, BUILDS, &mut build)[0][0]
         };
         let tree = tree.expect("it was built");
-        let built = tree.built(geometry);
+        let built = tree.build_stats(geometry);
         let growth = built.faces as f64 / faces as f64;
         let bytes = tree.bytes() as f64 / faces as f64;
         println!(

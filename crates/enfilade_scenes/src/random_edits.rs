@@ -43,7 +43,7 @@ pub fn random_edits(
             2 => edit.remove(sector, item),
             3 => edit.set_mesh(sector, item, other_mesh),
             4 => edit.set_occluder(sector, item, random.below(3) > 0),
-            _ => edit.place(sector, item, there),
+            _ => edit.set_transform(sector, item, there),
         };
     }
     edit.finish()

@@ -62,15 +62,15 @@ fn wander(
         );
         let end: [f32; 3] = std::array::from_fn(|axis| place.position[axis] + direction[axis] * far);
         let image = walked.there_from_here.point(end);
-        let off = (0..3).map(|axis| (image[axis] - walked.place.position[axis]).abs());
+        let off = (0..3).map(|axis| (image[axis] - walked.location.position[axis]).abs());
         assert!(
             off.fold(0.0, f32::max) < 1e-3,
             "{image:?} is not {:?}",
-            walked.place
+            walked.location
         );
-        check(&place, &walked.place);
+        check(&place, &walked.location);
         crossings += walked.crossed.len();
-        place = walked.place;
+        place = walked.location;
     }
     crossings
 }
@@ -139,9 +139,9 @@ fn steps_through_edges_and_corners_of_neighbouring_openings_never_leak() {
         }
         let step = std::array::from_fn(|axis| end[axis] - place.position[axis]);
         let walked = scene.walk(place, step);
-        assert_eq!(walked.place.position, end);
+        assert_eq!(walked.location.position, end);
         at_edges += usize::from(end.iter().filter(|value| value.fract() == 0.0).count() > 1);
-        let room = walked.place.sector.0;
+        let room = walked.location.sector.0;
         for (axis, value) in end.iter().enumerate() {
             let low = (room / 3_u32.pow(axis as u32) % 3) as f32;
             assert!(
@@ -149,7 +149,7 @@ fn steps_through_edges_and_corners_of_neighbouring_openings_never_leak() {
                 "{place:?} to {end:?} ends in room {room}"
             );
         }
-        place = walked.place;
+        place = walked.location;
     }
     assert!(at_edges > 4000, "only {at_edges}");
 }
@@ -210,7 +210,7 @@ fn who_walks_through_a_mirror_stands_before_it_again_turned_over() {
     let walked = scene.walk(before, [0.0, 0.0, -2.0]);
     assert_eq!(walked.crossed.len(), 1);
     assert!(walked.there_from_here.mirrors());
-    let [x, y, z] = walked.place.position;
+    let [x, y, z] = walked.location.position;
     assert!(
         (x - 0.3).abs() < 1e-6 && (y - 1.5).abs() < 1e-6 && (z + 2.1).abs() < 1e-5,
         "{z}"
@@ -229,12 +229,12 @@ fn a_ball_in_a_doorway_stands_in_both_rooms_and_one_in_a_room_in_that_alone() {
         position: std::array::from_fn(|axis| middle[axis] + normal[axis] * off),
     };
     for (off, radius, expected) in [(0.2, 0.3, 2), (0.4, 0.3, 1), (0.0, 0.3, 2)] {
-        let present = scene.stands_in(at(off), radius);
+        let present = scene.body_sectors(at(off), radius);
         assert_eq!(present.len(), expected, "{off} before the door");
-        assert_eq!(present[0].place, at(off));
+        assert_eq!(present[0].location, at(off));
         assert_eq!(present[0].there_from_here, Transform::IDENTITY);
         if let Some(other) = present.get(1) {
-            assert_eq!(other.place.sector, portal.to);
+            assert_eq!(other.location.sector, portal.to);
         }
     }
     let sector = scene.locate(cameras[0].eye, cameras[0].toward).expect("a room");
@@ -242,5 +242,5 @@ fn a_ball_in_a_doorway_stands_in_both_rooms_and_one_in_a_room_in_that_alone() {
         sector,
         position: cameras[0].eye,
     };
-    assert_eq!(scene.stands_in(far, 0.1).len(), 1);
+    assert_eq!(scene.body_sectors(far, 0.1).len(), 1);
 }

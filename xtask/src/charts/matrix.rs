@@ -1,4 +1,4 @@
-//! Tables of numbers as pictures: a row for each scene or room, a column for each method.
+//! Heat maps: one row per scene or room, one column per method.
 
 use anyhow::Result;
 use enfilade::{Contract, Method};
@@ -6,13 +6,13 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::path::Path;
 
-/// One row of a chart: a scene or a room, and a value for each method.
+/// One row of a chart: a scene or a room, and a value per method.
 pub(super) struct Row {
     pub(super) name: String,
     pub(super) values: Vec<Option<f64>>,
 }
 
-/// What the second takes over from the first, where both are there.
+/// Pairs of methods that share a tree: the second reuses what the first built, so it takes at least the first value.
 const SHARED: [[Method; 2]; 2] = [[Method::Bsp, Method::BspFront], [Method::Svbsp, Method::Mobsp]];
 
 impl Row {
@@ -28,7 +28,7 @@ impl Row {
     }
 }
 
-/// Two or three digits that count.
+/// Formats a value with two or three significant digits.
 pub(super) fn significant(value: f64) -> String {
     match value {
         value if value >= 99.5 => format!("{value:.0}"),
@@ -44,7 +44,7 @@ const HEAD: i32 = 66;
 const INK: RGBColor = RGBColor(38, 43, 51);
 const FAINT: RGBColor = RGBColor(118, 125, 137);
 
-/// A table whose cells are colored by how many times the best of their row they are; the best exact method is framed.
+/// Draws a table whose cells are colored by their ratio to the best of the row; the best exact method is framed.
 pub(super) fn draw(
     file: &Path,
     title: &str,
@@ -116,7 +116,7 @@ pub(super) fn draw(
     Ok(())
 }
 
-/// The least value of a row, of those methods that count.
+/// Returns the minimum of a row over the given methods.
 fn best_of(row: &Row, counts: impl Fn(Method) -> bool) -> f64 {
     let values = row
         .values
@@ -128,7 +128,7 @@ fn best_of(row: &Row, counts: impl Fn(Method) -> bool) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// From the best, green, over three times as much, to ten times and more, red.
+/// Returns the color of a ratio to the best: green at 1, yellow at 3, red at 10 and more.
 fn shade(times: f64) -> RGBColor {
     const STOPS: [[f64; 3]; 3] = [
         [188.0, 225.0, 190.0],

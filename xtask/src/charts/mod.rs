@@ -1,8 +1,7 @@
-//! Charts of what every method costs on every scene, and in every room of the palace: those of the book's chapter on which
-//! method suits when.
+//! Charts of the cost of every method on every scene, and in every room of the palace, for the book's chapter on choosing
+//! a method.
 //!
-//! The program measures (`bench` and `choose`, one thread), each scene once: its reports are kept in `target/charts` and not made
-//! again while they are there.
+//! The program measures each scene once (`bench` and `choose`, one thread). Its reports are cached in `target/charts`.
 
 mod matrix;
 
@@ -14,13 +13,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What is to be measured, and where charts go.
+/// Inputs and the output folder.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// The folder of real scenes
+    /// Folder of real scenes
     #[arg(long, value_name = "FOLDER", env = "ENFILADE_SCENES")]
     scenes: PathBuf,
-    /// Where charts go
+    /// Output folder
     #[arg(long, value_name = "FOLDER", default_value = "book/src/pictures")]
     output: PathBuf,
     /// Views of each scene
@@ -28,35 +27,35 @@ pub(crate) struct Args {
     views: u32,
 }
 
-/// Of more triangles fewer views are taken, for some methods take seconds for each.
+/// Scenes with more triangles get fewer views: some methods take seconds per view.
 const MANY_TRIANGLES: u64 = 500_000;
 const FEW_VIEWS: u32 = 2;
 
-/// A quantity, where it stands in the report of a method, and how it is written.
+/// A quantity, its path in the report of a method, and its format.
 struct Quantity {
     file: &'static str,
     title: &'static str,
     value: fn(&Value) -> Option<f64>,
     written: fn(f64) -> String,
-    /// Is it that of the first of two methods where the second takes over what that built?
+    /// Whether the second of two methods that share a tree reuses the first one's value.
     is_shared: bool,
 }
 
-/// A quantity of the rooms of the palace, and where it stands in what `choose` tells of a method.
-struct OfRooms {
+/// A quantity of the palace's rooms, and its path in the report of `choose`.
+struct RoomQuantity {
     file: &'static str,
     title: &'static str,
     aim: &'static str,
     key: &'static str,
-    /// Of which so much is one.
+    /// Divisor from the report's unit to the chart's.
     unit: f64,
-    /// What is less is not told apart.
+    /// Smaller values are shown as this one.
     least: f64,
     is_shared: bool,
 }
 
-const ROOMS: [OfRooms; 4] = [
-    OfRooms {
+const ROOMS: [RoomQuantity; 4] = [
+    RoomQuantity {
         file: "which-rooms-look.svg",
         title: "rooms of the palace: look, ms",
         aim: "look",
@@ -65,7 +64,7 @@ const ROOMS: [OfRooms; 4] = [
         least: 0.0,
         is_shared: false,
     },
-    OfRooms {
+    RoomQuantity {
         file: "which-rooms-draw.svg",
         title: "rooms of the palace: look and draw, no shading, ms",
         aim: "draw",
@@ -74,7 +73,7 @@ const ROOMS: [OfRooms; 4] = [
         least: 0.0,
         is_shared: false,
     },
-    OfRooms {
+    RoomQuantity {
         file: "which-rooms-build.svg",
         title: "rooms of the palace: build, ms",
         aim: "look",
@@ -83,7 +82,7 @@ const ROOMS: [OfRooms; 4] = [
         least: 0.1,
         is_shared: true,
     },
-    OfRooms {
+    RoomQuantity {
         file: "which-rooms-memory.svg",
         title: "rooms of the palace: memory of method and screen, MB",
         aim: "look",
@@ -119,7 +118,7 @@ const QUANTITIES: [Quantity; 4] = [
     Quantity {
         file: "which-build.svg",
         title: "build, ms",
-        // What takes less is not told apart.
+        // Smaller values are noise.
         value: |report| Some(report["build_ms"].as_f64()?.max(0.1)),
         written: significant,
         is_shared: true,
@@ -196,7 +195,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Every scene of the folder, and the palace.
+/// Returns every scene of the folder, and the palace.
 fn scenes(folder: &Path) -> Result<Vec<String>> {
     let mut scenes = Vec::new();
     for entry in fs::read_dir(folder).with_context(|| folder.display().to_string())? {
@@ -235,7 +234,7 @@ fn triangles(scene: &str, kept: &Path) -> Result<u64> {
     Ok(info["triangles_drawn"].as_u64().unwrap_or(0))
 }
 
-/// The report of a run of the program, made now unless it was kept.
+/// Returns the cached report of a run of the program, or runs it.
 fn measured(kept: &Path, name: &str, options: &[&str]) -> Result<Value> {
     let file = kept.join(short(name).replace([' ', '(', ')', '@'], "") + ".json");
     if !file.exists() {
@@ -255,7 +254,7 @@ fn methods(report: &Value) -> impl Iterator<Item = &Value> {
     report["methods"].as_array().into_iter().flatten()
 }
 
-/// The methods that suit any of the scenes, in their own order.
+/// Returns the methods that fit any of the scenes, in the order of [`Method::ALL`].
 fn columns(reports: &[(String, Value)]) -> Vec<&'static str> {
     let is_there = |name: &&str| {
         reports
@@ -282,8 +281,8 @@ fn of_methods(name: &str, report: &Value, value: fn(&Value) -> Option<f64>) -> R
     }
 }
 
-/// A quantity in each room, by methods that were tried in any.
-fn rooms(report: &Value, quantity: &OfRooms) -> Result<(Vec<&'static str>, Vec<Row>)> {
+/// Returns a quantity per room, for the methods that were tried in any room.
+fn rooms(report: &Value, quantity: &RoomQuantity) -> Result<(Vec<&'static str>, Vec<Row>)> {
     let all = Method::ALL.map(Method::name);
     let choices = report["choices"].as_array().context("there are no choices")?;
     let rows: Vec<Row> = choices

@@ -78,6 +78,9 @@ pub(crate) struct DrawArgs {
     /// What the picture shows: image, overdraw, items, order, sectors or cover
     #[arg(long, value_name = "WHAT", default_value = "image", value_parser = values::show)]
     pub(crate) show: Show,
+    /// Omit the legend below pictures other than the image
+    #[arg(long)]
+    pub(crate) no_legend: bool,
     /// Samples of each pixel: 1, or 4 for smooth edges
     #[arg(long, value_name = "N", default_value = "1", value_parser = values::samples)]
     pub(crate) samples: u32,

@@ -84,7 +84,7 @@ pub(crate) fn choose(scene: &Scene, size: [u32; 2], terms: &ChoiceOptions) -> Ve
 /// Views from every other place in each sector, from the first on (those that methods are chosen by) or the second.
 fn views(scene: &Scene, size: [u32; 2], from: usize) -> Vec<View> {
     let places = scene.sectors().flat_map(|sector| {
-        let places = survey_in(scene, sector, 2 * PLACES).places;
+        let places = survey_in(scene, sector, 2 * PLACES).views;
         places.into_iter().skip(from).step_by(2)
     });
     places

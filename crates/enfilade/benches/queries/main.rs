@@ -307,7 +307,7 @@ fn capsule(bench: &Bench, place: &str, scene: &Scene, from: Location) {
         let slid = scene.slide(place_now, capsule, course);
         course = slid.there_from_here.direction(course);
         touched += u64::from(!slid.touched.is_empty());
-        (place_now, capsule) = (slid.place, slid.capsule);
+        (place_now, capsule) = (slid.location, slid.capsule);
     };
     let ours = bench.ns(&mut step);
     let rounds = if bench.times { ROUNDS } else { 1 };

@@ -42,17 +42,17 @@ pub fn views_through(scene: &Scene, portal: PortalId, size: [u32; 2]) -> Vec<Vie
         let mut walked = scene.walk(place, (at(frame) - start).into());
         if frame >= 0 && walked.crossed.is_empty() {
             // Not where rounding puts the end of a step, but in the plane where the frame is.
-            walked.place.position = at(frame).into();
+            walked.location.position = at(frame).into();
         }
-        let eye = DVec3::from(walked.place.position.map(f64::from));
+        let eye = DVec3::from(walked.location.position.map(f64::from));
         for direction in directions {
             let direction = walked
                 .there_from_here
                 .0
                 .transform_vector3(direction.normalize() * longest);
             let toward = (eye + direction).as_vec3();
-            let mut view = View::new(walked.place.position, toward.into(), size);
-            view.sector = Some(walked.place.sector);
+            let mut view = View::new(walked.location.position, toward.into(), size);
+            view.sector = Some(walked.location.sector);
             view.near = near as f32;
             views.push(view);
         }

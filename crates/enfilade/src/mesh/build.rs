@@ -11,6 +11,11 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MeshError {
+    /// A cuboid without volume, from the first point to the second.
+    #[error(
+        "the cuboid from {0:?} to {1:?} has no volume; each coordinate must be larger in the second point"
+    )]
+    EmptyCuboid([f32; 3], [f32; 3]),
     /// A position is NaN or infinite.
     #[error("position {position} of part {part} is not finite")]
     NotFinite {

@@ -3,6 +3,7 @@
 mod attributes;
 mod below;
 mod build;
+mod cuboid;
 mod neighbours;
 
 pub use attributes::Attributes;

@@ -1,4 +1,4 @@
-//! What an order costs alone.
+//! Traversal without culling: measures an order alone.
 
 use crate::faces::Faces;
 use crate::geometry::{Geometry, ItemId};
@@ -7,7 +7,7 @@ use crate::order::{Order, Visit};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
 
-/// Counts what an order hands out, and hides nothing.
+/// Counts the faces that an order emits; culls nothing.
 pub(super) struct Count<'a> {
     pub(super) faces: u64,
     marks: &'a mut Marks,
@@ -33,7 +33,7 @@ impl Visit for Count<'_> {
     }
 }
 
-/// Goes through an order, and gives the number of faces handed out.
+/// Traverses an order and returns the number of faces emitted.
 pub(super) fn count_faces<O: Order>(
     order: &O,
     geometry: &Geometry,

@@ -1,14 +1,14 @@
-//! Geometry seen by an order and a cover that holds no picture: occluders first, then what they leave.
+//! Methods with a cover that only culls: occluders are rasterized first, then the traversal is tested against them.
 //!
-//! Where the cover takes faces too, those of what is found hide what the walk finds later; what was found before them is
-//! asked about again at the end. Whatever the budget of chosen occluders, also 0, they do.
-//! Drawn by a z-buffer, which gets what may be seen and nothing else: the picture is exact though the set is not.
+//! If the cover takes faces, those of clusters that pass the test become occluders for the rest of the traversal,
+//! whatever the occluder budget, even 0. Clusters that were found before them are tested again at the end. The
+//! potentially visible set is drawn with a z-buffer, so the picture is exact although the set is conservative.
 
 use super::count::count_faces;
 use super::editable::{EditStats, EditableSector, edit_order};
-use super::found::{Against, find};
+use super::found::{OcclusionTest, find};
 use super::gathered::draw_gathered;
-use super::in_cells::InParts;
+use super::in_cells::CoarseMethod;
 use super::shares::find_by_shares;
 use super::{Method, TooLarge, Unsuited};
 use crate::canvas::Canvas;
@@ -28,11 +28,13 @@ use glam::DAffine3;
 use std::marker::PhantomData;
 use std::sync::{Arc, OnceLock};
 
-/// Geometry seen by an order and a cover that holds no picture.
+/// Method made of an order and a cover that only culls; drawing uses a z-buffer.
+///
+/// Used by [`Masked`](crate::Masked), [`Svbsp`](crate::Svbsp) and [`Mobsp`](crate::Mobsp).
 pub struct Culled<O, C> {
     method: Method,
     geometry: Arc<Geometry>,
-    /// Found when first asked for: a cover may do without.
+    /// Computed on first use: a cover may not need them.
     occluders: OnceLock<Arc<OccluderSet>>,
     order: O,
     cover: PhantomData<fn() -> C>,
@@ -68,12 +70,13 @@ where
         if let Some(occluders) = self.occluders.get() {
             return occluders;
         }
-        // Not while the cell waits for them: a thread that waits for others to find them may be asked for the same.
+        // Built outside of `get_or_init`: a thread that waits inside the cell may be scheduled work that needs the same
+        // occluders, and would deadlock.
         let found = self.geometry.share(|| OccluderSet::build(&self.geometry));
         self.occluders.get_or_init(|| found)
     }
 
-    /// Starts a cover over, with the occluders that are worth most.
+    /// Clears a cover and rasterizes the best occluders into it, up to the budget.
     fn fill(&self, cover: &mut C, passage: &Passage, memory: &mut Memory) {
         cover.clear(passage);
         let budget = memory.occluders.unwrap_or(C::OCCLUDERS) as usize;
@@ -99,7 +102,7 @@ where
         memory.put_back(room);
     }
 
-    /// Reports what may be seen past the cover, which knows at the end all that hides.
+    /// Reports the potentially visible clusters and openings.
     fn look(&self, cover: &mut C, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {
         self.fill(cover, passage, memory);
         if !C::TAKES_FACES && memory.threads() > 1 {
@@ -110,24 +113,24 @@ where
             &self.order,
             &self.geometry,
             passage,
-            &mut InSamples(cover),
+            &mut SampleCover(cover),
             memory,
             seen,
         );
     }
 }
 
-/// A walk is held against a cover as it is.
-pub(super) struct InSamples<'a, C>(pub(super) &'a mut C);
+/// Occlusion test against a cover at its normal resolution.
+pub(super) struct SampleCover<'a, C>(pub(super) &'a mut C);
 
-impl<C: Hides> Against for InSamples<'_, C> {
+impl<C: Hides> OcclusionTest for SampleCover<'_, C> {
     const TAKES_FACES: bool = C::TAKES_FACES;
 
-    fn sees(&mut self, region: &Region) -> Visibility {
+    fn test(&mut self, region: &Region) -> Visibility {
         self.0.sees(region)
     }
 
-    fn sight_of(
+    fn test_local(
         &mut self,
         passage: &Passage,
         screen_from_local: &DAffine3,
@@ -144,18 +147,18 @@ impl<C: Hides> Against for InSamples<'_, C> {
         self.0.go_back();
     }
 
-    fn take_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool {
+    fn test_and_add(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool {
         if faces.can_occlude {
             self.0.hide_faces(faces, region, passage, stats);
         }
         true
     }
 
-    fn sees_faces(&mut self, _: &Faces, _: &Region, _: &Passage, _: &mut Stats) -> bool {
+    fn test_faces(&mut self, _: &Faces, _: &Region, _: &Passage, _: &mut Stats) -> bool {
         true
     }
 
-    fn are_enough(&self, triangles: u64, region: &Region) -> bool {
+    fn accepts_node(&self, triangles: u64, region: &Region) -> bool {
         C::are_too_fine(triangles, region)
     }
 }
@@ -191,7 +194,7 @@ where
     fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector, canvas: &mut dyn Canvas) {
         draw_gathered(&self.geometry, passage, memory, seen, canvas);
         if canvas.wants_cover() {
-            // Other passages have used it since it was asked.
+            // Other passages have used the cover since `gather`.
             let mut cover = memory.take::<C>();
             let stats = memory.stats;
             self.look(&mut cover, passage, memory, &mut Collector::default());
@@ -249,7 +252,7 @@ where
     }
 }
 
-impl<O, C> InParts for Culled<O, C>
+impl<O, C> CoarseMethod for Culled<O, C>
 where
     O: Order,
     C: Hides + Coarse,

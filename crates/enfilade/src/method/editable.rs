@@ -1,4 +1,4 @@
-//! A sector that is geometry, seen by a method of ours: its items can be edited.
+//! Sectors whose items can be edited.
 
 use super::{Method, TooLarge, Unsuited};
 use crate::geometry::{Changes, Exchanged, Geometry};
@@ -6,24 +6,25 @@ use crate::order::Order;
 use crate::sector::Sector;
 use std::sync::Arc;
 
-/// A sector that is geometry, seen by a method of ours: its items can be edited.
+/// A sector with geometry and a built-in method, whose items can be edited.
 pub(crate) trait EditableSector: Sector {
     fn geometry(&self) -> &Arc<Geometry>;
 
-    /// Exchanges items for those of `changes`, which then undo it; geometry that others share becomes a copy first. Where
-    /// that needs more than `limit` bytes, or leaves what the method cannot see, nothing is changed.
+    /// Swaps the items of the geometry with those of `changes`, so that another call undoes the edit. A shared geometry
+    /// is copied first. If the result needs more than `limit` bytes or violates the requirement of the method, nothing
+    /// changes.
     fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<EditStats, Unsuited>;
 }
 
-/// What an edit came to.
+/// Statistics of an edit: items changed, tree nodes touched, sectors rebuilt.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct EditStats {
-    /// Items that were added, removed, moved or otherwise changed.
+    /// Number of items added, removed, moved or otherwise changed.
     pub items: u64,
-    /// Nodes of trees that were touched for it, where orders could follow in place.
+    /// Number of tree nodes touched, in sectors whose order was updated in place.
     pub nodes: u64,
-    /// Sectors whose order could not follow, and was built anew.
+    /// Number of sectors whose order was rebuilt.
     pub rebuilt: u64,
 }
 
@@ -35,8 +36,8 @@ impl EditStats {
     }
 }
 
-/// Edits a geometry and has an order over it follow, or builds it anew. Where that, and what `beside` says is needed besides,
-/// is more than `limit` bytes, or the order cannot be built, all stays as it was.
+/// Applies changes to a geometry and updates its order in place, or rebuilds the order where it cannot be updated. If
+/// that and the bytes returned by `beside` exceed `limit`, or the order cannot be built, nothing changes.
 pub(super) fn edit_order<O: Order>(
     method: Method,
     order: &mut O,

@@ -1,22 +1,23 @@
-//! Shows what a cover in cells knows, at the samples of the screen.
+//! Visualizes a low-resolution cover at the resolution of the screen.
 
 use crate::canvas::{Canvas, CoverSpan, Span};
 use crate::passage::{Passage, PassageId};
 
-/// A canvas of cells that puts them on one of samples, within the aperture there.
-pub(super) struct Enlarged<'a> {
+/// A canvas for cells of a low-resolution cover, which it maps to the samples of another canvas, clipped to the
+/// aperture.
+pub(super) struct CellUpscaler<'a> {
     canvas: &'a mut dyn Canvas,
     passage: &'a Passage,
-    /// Cells to a sample.
+    /// Cells per sample, by axis.
     scale: [f64; 2],
     spans: Vec<CoverSpan>,
     open: Vec<[u16; 2]>,
 }
 
-impl<'a> Enlarged<'a> {
-    /// For a passage of the whole screen that is shown in so many cells.
-    pub(super) fn new(canvas: &'a mut dyn Canvas, passage: &'a Passage, cells: [u32; 2]) -> Enlarged<'a> {
-        Enlarged {
+impl<'a> CellUpscaler<'a> {
+    /// Creates a canvas for a passage at the resolution of the screen and a cover of `cells` [columns, rows].
+    pub(super) fn new(canvas: &'a mut dyn Canvas, passage: &'a Passage, cells: [u32; 2]) -> CellUpscaler<'a> {
+        CellUpscaler {
             canvas,
             scale: [0, 1].map(|axis| f64::from(cells[axis]) / f64::from(passage.size[axis])),
             passage,
@@ -25,13 +26,13 @@ impl<'a> Enlarged<'a> {
         }
     }
 
-    /// The first sample whose centre is not before a cell.
+    /// Returns the first sample whose centre is not before the start of a cell.
     fn first(&self, cell: u16, axis: usize) -> u16 {
         (f64::from(cell) / self.scale[axis] - 0.5).ceil().max(0.0) as u16
     }
 }
 
-impl Canvas for Enlarged<'_> {
+impl Canvas for CellUpscaler<'_> {
     fn enter(&mut self, _id: PassageId, _passage: &Passage) {}
 
     fn row(&mut self, _y: u16, _spans: &[Span]) {}

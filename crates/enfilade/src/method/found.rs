@@ -1,4 +1,4 @@
-//! What a walk finds that a cover without a picture does not hide.
+//! Traversal with occlusion tests for covers that hold no picture: collects the clusters and openings that pass.
 
 use crate::collector::{Collector, FoundClusters};
 use crate::faces::{FaceSource, Faces};
@@ -11,69 +11,71 @@ use crate::region::{Region, Visibility};
 use crate::stats::Stats;
 use glam::DAffine3;
 
-/// What a walk holds things against: a cover, in samples or in cells.
-pub(super) trait Against {
-    /// Do faces that the walk finds hide what it finds later? Then all that was found is asked about once more at the end.
+/// The occlusion test of a traversal: a cover at the resolution of samples or of cells.
+pub(super) trait OcclusionTest {
+    /// Whether faces that the traversal emits are added to the cover, so that they occlude what comes later. Then
+    /// everything found is tested once more at the end.
     const TAKES_FACES: bool;
 
-    /// How much of a box can still be seen.
-    fn sees(&mut self, region: &Region) -> Visibility;
+    /// Tests a box; returns how much of it is potentially visible.
+    fn test(&mut self, region: &Region) -> Visibility;
 
-    /// As [`Against::sees`], of a box given in another space; `None` where it is out of view.
-    fn sight_of(
+    /// Tests a box in local space as [`OcclusionTest::test`] does; `None` if it is out of view.
+    fn test_local(
         &mut self,
         passage: &Passage,
         screen_from_local: &DAffine3,
         bounds: &Aabb,
     ) -> Option<Visibility> {
-        Region::of(passage, screen_from_local, bounds).map(|region| self.sees(&region))
+        Region::of(passage, screen_from_local, bounds).map(|region| self.test(&region))
     }
 
-    /// From now on all boxes lie in the one that was asked about last.
+    /// Declares that all boxes until [`OcclusionTest::go_back`] are within the one tested last.
     fn go_within(&mut self) {}
 
-    /// From now on boxes lie anywhere again.
+    /// Ends the effect of [`OcclusionTest::go_within`].
     fn go_back(&mut self) {}
 
-    /// May any of the faces within `region` be seen? `true` when unsure. From now on they hide what they can. Only asked
-    /// where [`Against::TAKES_FACES`], as is the next.
-    fn take_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool;
+    /// Tests faces within `region`, then adds them to the cover as occluders. Returns `true` if any may be visible;
+    /// `true` when unsure. Called only if [`OcclusionTest::TAKES_FACES`] is set, as is the next method.
+    fn test_and_add(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool;
 
-    /// Is it enough to know that some of so many triangles may be seen within `region`, whichever of them?
-    fn are_enough(&self, _triangles: u64, _region: &Region) -> bool {
+    /// Returns `true` to accept a mesh node of `triangles` triangles within `region` as a whole.
+    fn accepts_node(&self, _triangles: u64, _region: &Region) -> bool {
         false
     }
 
-    /// May any of the faces within `region` be seen? `true` when unsure.
-    fn sees_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool;
+    /// Returns `true` if any of the faces within `region` may be visible; `true` when unsure.
+    fn test_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool;
 }
 
-/// More clusters than these are looked at in parts in any case: they may be a city.
-const FEW_CLUSTERS: usize = 64;
+/// Maximum number of clusters of a mesh node that is accepted as a whole. Larger nodes are always split: they may be a
+/// city.
+const MAX_WHOLE_CLUSTERS: usize = 64;
 
-/// Clusters and openings that nothing hides.
+/// Clusters and openings found potentially visible.
 #[derive(Default)]
-pub(super) struct Found {
+pub(super) struct FoundSet {
     pub(super) clusters: FoundClusters,
     openings: Vec<OpeningId>,
 }
 
-/// Reports what an order's walk finds of a geometry.
+/// Traverses a geometry and reports the clusters and openings that pass the occlusion test.
 pub(super) fn find<O: Order>(
     order: &O,
     geometry: &Geometry,
     passage: &Passage,
-    against: &mut impl Against,
+    occlusion: &mut impl OcclusionTest,
     memory: &mut Memory,
     seen: &mut Collector,
 ) {
     let mut scratch = memory.take::<O::Scratch>();
-    let mut found = memory.take::<Found>();
+    let mut found = memory.take::<FoundSet>();
     memory.marks.begin(geometry.items().len());
     let mut walk = Walk {
         passage,
         geometry,
-        against,
+        occlusion,
         marks: &mut memory.marks,
         stats: &mut memory.stats,
         found: &mut found,
@@ -84,21 +86,21 @@ pub(super) fn find<O: Order>(
     memory.put_back(found);
 }
 
-/// Joins an order's walk to what it is held against.
+/// Connects the traversal of an order to an occlusion test.
 pub(super) struct Walk<'a, A> {
     pub(super) passage: &'a Passage,
     pub(super) geometry: &'a Geometry,
-    pub(super) against: &'a mut A,
+    pub(super) occlusion: &'a mut A,
     pub(super) marks: &'a mut Marks,
     pub(super) stats: &'a mut Stats,
-    pub(super) found: &'a mut Found,
+    pub(super) found: &'a mut FoundSet,
 }
 
-impl<A: Against> Walk<'_, A> {
-    fn count(&mut self, sight: Visibility) -> Visibility {
+impl<A: OcclusionTest> Walk<'_, A> {
+    fn count(&mut self, visibility: Visibility) -> Visibility {
         self.stats.boxes_tested += 1;
-        self.stats.boxes_hidden += u64::from(sight == Visibility::Hidden);
-        sight
+        self.stats.boxes_hidden += u64::from(visibility == Visibility::Hidden);
+        visibility
     }
 
     fn region_of(&self, faces: &Faces, item: ItemId, cluster: u32) -> Option<Region> {
@@ -106,19 +108,20 @@ impl<A: Against> Walk<'_, A> {
         Region::of(self.passage, faces.screen_from_local, bounds)
     }
 
-    /// Reports what was found; nothing is left.
+    /// Reports the clusters and openings found, and removes them from the list.
     pub(super) fn report(&mut self, seen: &mut Collector) {
-        self.look_again();
+        self.retest();
         self.found.clusters.report(self.geometry, seen);
         for opening in self.found.openings.drain(..) {
             seen.opening(opening, None);
         }
     }
 
-    /// Holds openings, and what came before all that hides it, against all that does. Of an item of which one cluster is seen
-    /// the others stay: they are drawn or not by whoever draws it, at hardly more cost.
-    fn look_again(&mut self) {
-        let Found {
+    /// Tests openings, and clusters that were found before all occluders were known, against the complete cover. Once
+    /// one cluster of an item passes, its others are kept untested: the renderer draws the item, and drawing them too
+    /// costs hardly more.
+    fn retest(&mut self) {
+        let FoundSet {
             mut clusters,
             mut openings,
         } = std::mem::take(self.found);
@@ -132,7 +135,9 @@ impl<A: Against> Walk<'_, A> {
                 let faces = Faces::of_cluster(self.geometry, item, cluster, &screen_from_item);
                 let stays = self.region_of(&faces, item, cluster).is_some_and(|region| {
                     self.enter(&region) != Visibility::Hidden
-                        && self.against.sees_faces(&faces, &region, self.passage, self.stats)
+                        && self
+                            .occlusion
+                            .test_faces(&faces, &region, self.passage, self.stats)
                 });
                 seen = stays.then_some(item).or(seen);
                 stays
@@ -151,29 +156,29 @@ impl<A: Against> Walk<'_, A> {
                 self.passage.is_before_near(&region) || self.enter(&region) != Visibility::Hidden
             })
         });
-        *self.found = Found { clusters, openings };
+        *self.found = FoundSet { clusters, openings };
     }
 }
 
-impl<A: Against> Visit for Walk<'_, A> {
+impl<A: OcclusionTest> Visit for Walk<'_, A> {
     fn enter(&mut self, region: &Region) -> Visibility {
-        let sight = self.against.sees(region);
-        self.count(sight)
+        let visibility = self.occlusion.test(region);
+        self.count(visibility)
     }
 
     fn enter_box(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Visibility {
-        match self.against.sight_of(passage, screen_from_local, bounds) {
-            Some(sight) => self.count(sight),
+        match self.occlusion.test_local(passage, screen_from_local, bounds) {
+            Some(visibility) => self.count(visibility),
             None => Visibility::Hidden,
         }
     }
 
     fn go_within(&mut self) {
-        self.against.go_within();
+        self.occlusion.go_within();
     }
 
     fn go_back(&mut self) {
-        self.against.go_back();
+        self.occlusion.go_back();
     }
 
     fn first_time(&mut self, item: ItemId) -> bool {
@@ -183,10 +188,10 @@ impl<A: Against> Visit for Walk<'_, A> {
     fn are_enough(&mut self, item: ItemId, node: u32, region: &Region) -> bool {
         let below = self.geometry.mesh_of(item).below();
         let clusters = below.clusters(node);
-        if !A::TAKES_FACES || clusters.len() > FEW_CLUSTERS {
+        if !A::TAKES_FACES || clusters.len() > MAX_WHOLE_CLUSTERS {
             return false;
         }
-        let enough = self.against.are_enough(below.triangles(node), region);
+        let enough = self.occlusion.accepts_node(below.triangles(node), region);
         if enough {
             self.found.clusters.push_group(item, node, clusters);
         }
@@ -198,7 +203,8 @@ impl<A: Against> Visit for Walk<'_, A> {
             FaceSource::Item(item, cluster) => {
                 let stays = !A::TAKES_FACES
                     || self.region_of(faces, item, cluster).is_some_and(|region| {
-                        self.against.take_faces(faces, &region, self.passage, self.stats)
+                        self.occlusion
+                            .test_and_add(faces, &region, self.passage, self.stats)
                     });
                 if stays {
                     self.found.clusters.push(item, cluster);

@@ -1,4 +1,4 @@
-//! Draws what was gathered, by a z-buffer: the picture is exact though the set need not be.
+//! Draws a visible set with a z-buffer: the picture is exact even if the set is conservative.
 
 use crate::canvas::Canvas;
 use crate::collector::Collector;
@@ -8,11 +8,11 @@ use crate::geometry::{Alpha, Geometry, ItemId};
 use crate::memory::Memory;
 use crate::passage::Passage;
 
-/// Clusters that may be seen.
+/// Potentially visible clusters.
 #[derive(Default)]
 struct Gathered(Vec<(ItemId, u32)>);
 
-/// Paints what `seen` reports of a geometry, and reports what of it is left in its place.
+/// Draws the visible set `seen` of a geometry, and replaces it with what is visible in the picture.
 pub(super) fn draw_gathered(
     geometry: &Geometry,
     passage: &Passage,

@@ -1,15 +1,15 @@
-//! A method whose cover may be of lower resolution than the screen.
+//! Adapter for methods whose cover can have a lower resolution than the screen.
 //!
-//! In cells the cover holds no picture: faces go in as far as they cover cells whole, and what may be seen is drawn by a
-//! z-buffer. Coarser cells cost less and hide less.
+//! Idea: a low-resolution cover holds no picture. A face occludes only the cells that it covers fully, and the
+//!     potentially visible set is drawn with a z-buffer. Coarser cells cost less and cull less.
 //! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 3: the cover only culls, at a lower
-//!     resolution than the screen, and another rasteriser draws.
-//! Conservative at the screen's samples, and at any place between them.
+//!     resolution than the screen, and another rasterizer draws.
+//! Conservative at the screen's samples, and at any position between them.
 
 use super::Unsuited;
 use super::editable::{EditStats, EditableSector};
-use super::enlarged::Enlarged;
-use super::found::{Against, find};
+use super::enlarged::CellUpscaler;
+use super::found::{OcclusionTest, find};
 use super::gathered::draw_gathered;
 use crate::aperture::CellRoom;
 use crate::canvas::Canvas;
@@ -26,27 +26,27 @@ use crate::sector::{BuildStats, Contract, Hit, Ray, Sector, Surface};
 use crate::stats::Stats;
 use std::sync::Arc;
 
-/// An order and a cover that can do with cells.
-pub(super) trait InParts: EditableSector {
+/// A method whose cover can work on cells.
+pub(super) trait CoarseMethod: EditableSector {
     type Order: Order;
     type Cover: Coarse;
 
     fn order(&self) -> &Self::Order;
 }
 
-/// A method that looks in cells where the viewer asks for them, and as it is where not.
-pub(super) struct InCells<M>(pub(super) M);
+/// A method that uses a low-resolution cover if the viewer has set a cover size, and its normal one otherwise.
+pub(super) struct CoarseAdapter<M>(pub(super) M);
 
-/// A walk is held against a cover in cells, and the surfaces that go into it.
-struct Cells<'a, C> {
+/// Occlusion test against a low-resolution cover, into which faces are rasterized by the cells that they cover fully.
+struct CellCover<'a, C> {
     cover: &'a mut C,
     surface: &'a mut CoarseCoverage,
 }
 
-impl<C: Coarse> Against for Cells<'_, C> {
+impl<C: Coarse> OcclusionTest for CellCover<'_, C> {
     const TAKES_FACES: bool = true;
 
-    fn sees(&mut self, region: &Region) -> Visibility {
+    fn test(&mut self, region: &Region) -> Visibility {
         if self.cover.sees_cells(&region.rect, region.nearest) {
             Visibility::Partial
         } else {
@@ -54,20 +54,20 @@ impl<C: Coarse> Against for Cells<'_, C> {
         }
     }
 
-    fn take_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool {
-        let seen = self.sees_faces(faces, region, passage, stats);
+    fn test_and_add(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool {
+        let seen = self.test_faces(faces, region, passage, stats);
         if seen && faces.can_occlude && CoarseCoverage::is_worth(faces, region) {
             self.surface.add(faces, passage, stats, self.cover);
         }
         seen
     }
 
-    fn sees_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, _stats: &mut Stats) -> bool {
+    fn test_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, _stats: &mut Stats) -> bool {
         !CoarseCoverage::is_worth(faces, region) || self.surface.may_show(faces, passage, self.cover)
     }
 }
 
-impl<M: InParts> InCells<M> {
+impl<M: CoarseMethod> CoarseAdapter<M> {
     fn look(
         &self,
         cells: [u32; 2],
@@ -83,13 +83,13 @@ impl<M: InParts> InCells<M> {
         let passage = whole.in_cells(cells, &mut room);
         cover.clear_cells(&passage);
         surface.clear(&passage);
-        let mut against = Cells {
+        let mut occlusion = CellCover {
             cover: &mut *cover,
             surface: &mut surface,
         };
-        find(self.0.order(), geometry, &passage, &mut against, memory, seen);
+        find(self.0.order(), geometry, &passage, &mut occlusion, memory, seen);
         if let Some(canvas) = canvas {
-            cover.show(&passage, &mut Enlarged::new(canvas, whole, cells));
+            cover.show(&passage, &mut CellUpscaler::new(canvas, whole, cells));
         }
         room.take_back(passage.aperture);
         memory.put_back(room);
@@ -98,7 +98,7 @@ impl<M: InParts> InCells<M> {
     }
 }
 
-impl<M: InParts> Sector for InCells<M> {
+impl<M: CoarseMethod> Sector for CoarseAdapter<M> {
     fn bounds(&self) -> Aabb {
         self.0.bounds()
     }
@@ -155,7 +155,7 @@ impl<M: InParts> Sector for InCells<M> {
     }
 }
 
-impl<M: InParts> EditableSector for InCells<M> {
+impl<M: CoarseMethod> EditableSector for CoarseAdapter<M> {
     fn geometry(&self) -> &Arc<Geometry> {
         self.0.geometry()
     }

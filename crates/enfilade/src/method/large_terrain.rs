@@ -1,4 +1,4 @@
-//! Large ground seen by the floating horizon: its own walk, and the same cover as of ground that is a geometry.
+//! Floating horizon for out-of-core terrain: a traversal of its own, and the same cover as for terrain in a geometry.
 
 use super::count::Count;
 use super::strips::{self, look_in_strips};
@@ -47,7 +47,7 @@ impl LargeTerrain {
     }
 }
 
-/// Joins the walk to the cover.
+/// Connects the traversal to the cover.
 struct Walk<'a> {
     passage: &'a Passage,
     cover: &'a mut Horizon,
@@ -57,12 +57,12 @@ struct Walk<'a> {
 impl Visit for Walk<'_> {
     fn enter(&mut self, region: &Region) -> Visibility {
         self.stats.boxes_tested += 1;
-        let sight = self.cover.sees(region);
-        self.stats.boxes_hidden += u64::from(sight == Visibility::Hidden);
-        sight
+        let visibility = self.cover.sees(region);
+        self.stats.boxes_hidden += u64::from(visibility == Visibility::Hidden);
+        visibility
     }
 
-    /// Blocks are met once, for each is in one square alone.
+    /// Always `true`: each block is in exactly one square, so it is visited once.
     fn first_time(&mut self, _item: ItemId) -> bool {
         true
     }
@@ -99,7 +99,7 @@ impl Sector for LargeTerrain {
     }
 
     fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector, canvas: &mut dyn Canvas) {
-        // A canvas gets one row after the other.
+        // No strips here: a canvas receives its rows in order.
         self.look(passage, memory, seen, Some(canvas));
         memory.stats.samples_owned += seen.samples_owned;
     }

@@ -1,4 +1,4 @@
-//! Methods: an order times a cover. Only this module knows both.
+//! Visibility methods: each combines an order with a cover. Only this module depends on both.
 
 mod count;
 mod culled;
@@ -33,114 +33,174 @@ use crate::order::{
 };
 use crate::sector::{Contract, Sector};
 use crate::view::View;
-use in_cells::InCells;
+use in_cells::CoarseAdapter;
 use std::fmt;
 use std::sync::Arc;
 
-/// Painter's algorithm, sorted by each face's nearest corner. Thesis Painter's Algorithm and Binary Space Partitioning,
-/// 1.1.
+/// Painter's algorithm: faces drawn back to front, sorted by their nearest corner.
 ///
-/// Wrong where a face reaches nearer than another that hides it (`@tetrahedron`, `@overlap`), in cycles (`@cycle`) and
-/// where faces cross (`@crossing-triangles`).
+/// No buffer but the picture, no depth test. Approximate: wrong where a face extends nearer than another that occludes
+/// it (`@tetrahedron`, `@overlap`), for cyclic overlaps (`@cycle`) and for intersecting faces (`@crossing-triangles`).
+///
+/// Source: thesis Painter's Algorithm and Binary Space Partitioning, 1.1.
+#[doc(alias = "depth-sort algorithm")]
+#[doc(alias = "depth sort")]
 pub type PainterMin = Paired<DepthSort<Min>, PaintersBuffer>;
 
-/// Painter's algorithm, sorted by each face's mean distance. As [`PainterMin`].
+/// Painter's algorithm: faces drawn back to front, sorted by the mean distance of their corners.
 ///
-/// Right more often than by the nearest corner, but not on long faces beside small ones (`@overlap` from its second
-/// camera), in cycles (`@cycle`) and where faces cross (`@crossing-triangles`).
+/// Correct more often than [`PainterMin`], but wrong for long faces next to small ones (`@overlap` from its second
+/// camera), for cyclic overlaps (`@cycle`) and for intersecting faces (`@crossing-triangles`).
+///
+/// Source: thesis Painter's Algorithm and Binary Space Partitioning, 1.1.
 pub type PainterMean = Paired<DepthSort<Mean>, PaintersBuffer>;
 
-/// BSP tree, far to near: every face is painted. Fuchs, Kedem, Naylor, SIGGRAPH 1980; thesis Painter's Algorithm and
-/// Binary Space Partitioning, 1.2.
+/// BSP tree back to front: every face is drawn, farther ones are overdrawn. Exact.
+///
+/// Source: Fuchs, Kedem, Naylor, On Visible Surface Generation by A Priori Tree Structures, SIGGRAPH 1980; thesis
+/// Painter's Algorithm and Binary Space Partitioning, 1.2.
+#[doc(alias = "binary space partitioning")]
 pub type BspPainter = Paired<Bsp<FarToNear>, PaintersBuffer>;
 
-/// BSP tree, near to far: every sample is painted once. Boreskov, Using portals.
+/// BSP tree front to back with a coverage mask: every sample is drawn once, without overdraw. Exact.
+///
+/// Source: Boreskov, Using portals.
+#[doc(alias = "binary space partitioning")]
+#[doc(alias = "coverage mask")]
 pub type BspFront = Paired<Bsp<NearToFar>, Mask>;
 
-/// z-buffer: any order, and at each sample the nearest face. Catmull 1974; Boreskov, Using portals.
+/// z-buffer: faces in any order, the nearest one wins at each sample. Exact, and needs no preprocessing.
+///
+/// Source: Catmull, A Subdivision Algorithm for Computer Display of Curved Surfaces, 1974; Boreskov, Using portals.
+#[doc(alias = "depth buffer")]
 pub type ZBuffer = Paired<Unordered, DepthBuffer>;
 
-/// s-buffer: any order, and for each row the spans that are seen. Boreskov, Hierarchical s-buffer for scenes of high
-/// complexity, section 2.
+/// s-buffer: faces in any order, visible spans kept per scanline. Exact, and needs no preprocessing.
+///
+/// Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 2.
+#[doc(alias = "span buffer")]
+#[doc(alias = "scanline")]
 pub type SBuffer = Paired<Unordered, SpanBuffer>;
 
-/// Hierarchical z-buffer: an octree near to far, and a pyramid of farthest depths that hides whole nodes. Greene, Kass,
-/// Miller, SIGGRAPH 1993.
+/// Hierarchical z-buffer: an octree front to back, and a depth pyramid that culls whole nodes. Exact.
+///
+/// Source: Greene, Kass, Miller, Hierarchical Z-Buffer Visibility, SIGGRAPH 1993.
+#[doc(alias = "Hi-Z")]
+#[doc(alias = "HZB")]
+#[doc(alias = "hierarchical depth buffer")]
 pub type HierarchicalZ = Paired<OctreeOrder, DepthPyramid>;
 
-/// Hierarchical s-buffer: an octree near to far, and spans that hide whole nodes. Boreskov, Hierarchical s-buffer for
-/// scenes of high complexity, section 3.
+/// Hierarchical s-buffer: an octree front to back, and scanline spans that cull whole nodes. Exact.
+///
+/// Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 3.
+#[doc(alias = "hierarchical span buffer")]
 pub type HierarchicalS = Paired<OctreeOrder, SpanBuffer>;
 
-/// Masked occlusion culling: a BVH near to far, held against a buffer of two reversed depths for each 8×4 samples that a few
-/// chosen occluders and then the faces of what is found go into. Hasselgren, Andersson, Akenine-Möller, HPG 2016.
+/// Masked occlusion culling: a BVH front to back, tested against a masked depth buffer. Conservative.
+///
+/// Each 8×4 tile holds two reversed depths and a coverage mask. A few selected occluders are rasterized first, then the
+/// faces of the visible objects that the traversal meets.
+///
+/// Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016.
+#[doc(alias = "masked occlusion culling")]
+#[doc(alias = "MOC")]
+#[doc(alias = "software occlusion culling")]
 pub type Masked = Culled<BvhOrder, MaskedDepth>;
 
-/// Occlusion tree: what chosen occluders hide as one tree of planes, and the faces of a kd-tree's boxes held against it.
-/// Bittner, Havran, Slavík, CGI 1998.
+/// Occlusion tree: a BSP of the shadow volumes of selected occluders, tested with the faces of a kd-tree's boxes.
+/// Strict.
+///
+/// Works in object space, so its result does not depend on the resolution.
+///
+/// Source: Bittner, Havran, Slavík, Hierarchical Visibility Culling with Occlusion Trees, CGI 1998.
+#[doc(alias = "shadow volume BSP")]
+#[doc(alias = "occlusion tree")]
 pub type Svbsp = Culled<KdTreeOrder, OcclusionTree<ByFaces>>;
 
-/// As [`Svbsp`], but boxes are only held against the planes: cheaper, and sees more. Boreskov, Better occlusion culling
-/// in modern computer games.
+/// Occlusion tree that tests boxes against its planes only: cheaper than [`Svbsp`], and culls less. Strict.
+///
+/// Source: Boreskov, Better occlusion culling in modern computer games.
+#[doc(alias = "occlusion tree")]
 pub type Mobsp = Culled<KdTreeOrder, OcclusionTree<ByBox>>;
 
-/// Potentially visible sets: a geometry's cells say what may be seen from where sight begins, drawn by a z-buffer. Only for
-/// geometries that have cells ([`GeometryBuilder::cells`](crate::GeometryBuilder::cells)). Teller, Séquin, SIGGRAPH 1991;
-/// Boreskov, Using portals.
+/// Potentially visible sets: visibility precomputed per cell, drawn with a z-buffer. Strict.
 ///
-/// What moves is followed, at the cost of sorting its faces into cells. What hides must stay: rows that were computed from a
-/// wall go on hiding what is behind it when it has gone.
-pub type Pvs = Ordered<BakedCellsOrder>;
-
-/// Convex cell: faces as they come, painted over each other. Only for geometries in which every face has all others on one
-/// side, as in a box of a room: there, no face seen from that side hides another. Boreskov, Using portals.
+/// Requires geometry with baked cells ([`GeometryBuilder::cells`](crate::GeometryBuilder::cells)).
 ///
-/// Takes faces, openings included, that bound a convex space, seen from inside or outside; what hides nothing (glass,
-/// cut-outs, items that never hide) may stand anywhere. An edit that leaves it convex no more is refused.
-pub type Cell = Paired<ConvexCell, PaintersBuffer>;
-
-/// Floating horizon: terrain near to far, and what stands on it, under a horizon that rises. Only for geometries that have a
-/// height field ([`GeometryBuilder::terrain`](crate::GeometryBuilder::terrain)). Anderson, ACM TOG 1982; Boreskov, Using
+/// Source: Teller, Séquin, Visibility Preprocessing for Interactive Walkthroughs, SIGGRAPH 1991; Boreskov, Using
 /// portals.
 ///
-/// What else is in the geometry comes between its blocks, by how near it is, and may hide some of it. An edit that changes the ground is refused.
+/// Moving items is supported, at the cost of sorting their faces into cells. Occluders must stay: a PVS that was baked
+/// with a wall keeps culling what is behind it after the wall is removed.
+#[doc(alias = "potentially visible set")]
+pub type Pvs = Ordered<BakedCellsOrder>;
+
+/// Convex cell: faces of a convex room drawn in any order without depth test. Exact.
+///
+/// Requires geometry in which all faces are on one side of each face, as in a box-shaped room: there no face occludes
+/// another that is viewed from the same side.
+///
+/// Source: Boreskov, Using portals.
+///
+/// The faces, openings included, must bound a convex space, viewed from inside or outside. Geometry that is no occluder
+/// (blended, alpha-tested, or an item with `set_occluder(false)`) may be anywhere. An edit that makes the sector
+/// non-convex returns an error.
+#[doc(alias = "convex sector")]
+#[doc(alias = "convex room")]
+pub type Cell = Paired<ConvexCell, PaintersBuffer>;
+
+/// Floating horizon: terrain front to back, culled below a rising horizon. Exact.
+///
+/// Requires geometry that has a height field ([`GeometryBuilder::terrain`](crate::GeometryBuilder::terrain)).
+///
+/// Source: Anderson, Hidden Line Elimination in Projected Grid Surfaces, ACM TOG 1982; Boreskov, Using portals.
+///
+/// Other items of the geometry are visited between its blocks by distance, and may occlude some of them. An edit that
+/// changes the ground returns an error.
+#[doc(alias = "terrain occlusion")]
+#[doc(alias = "terrain occlusion culling")]
 pub type FloatingHorizon = Paired<TerrainRows, Horizon>;
 
-/// How a sector is seen.
+/// Visibility algorithm of a sector: a combination of an [order](crate::order) and a [cover](crate::cover).
+///
+/// Every method returns the same kind of result; [`Method::contract`] states its guarantee and [`Method::requires`]
+/// what it needs. [`choose_methods`](crate::choose_methods) measures which one is fastest for a scene.
+#[doc(alias = "algorithm")]
+#[doc(alias = "technique")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Method {
-    /// See [`PainterMin`](crate::PainterMin).
+    /// Painter's algorithm by nearest corner: [`PainterMin`](crate::PainterMin). Approximate.
     PainterMin,
-    /// See [`PainterMean`](crate::PainterMean).
+    /// Painter's algorithm by mean distance: [`PainterMean`](crate::PainterMean). Approximate.
     PainterMean,
-    /// See [`BspPainter`](crate::BspPainter).
+    /// BSP tree, back to front: [`BspPainter`](crate::BspPainter). Exact.
     Bsp,
-    /// See [`BspFront`](crate::BspFront).
+    /// BSP tree, front to back with a coverage mask: [`BspFront`](crate::BspFront). Exact.
     BspFront,
-    /// See [`ZBuffer`](crate::ZBuffer).
+    /// Depth buffer: [`ZBuffer`](crate::ZBuffer). Exact.
     ZBuffer,
-    /// See [`SBuffer`](crate::SBuffer).
+    /// Scanline span buffer: [`SBuffer`](crate::SBuffer). Exact.
     SBuffer,
-    /// See [`HierarchicalZ`](crate::HierarchicalZ).
+    /// Octree and Hi-Z depth pyramid: [`HierarchicalZ`](crate::HierarchicalZ). Exact.
     HierarchicalZ,
-    /// See [`HierarchicalS`](crate::HierarchicalS).
+    /// Octree and scanline spans: [`HierarchicalS`](crate::HierarchicalS). Exact.
     HierarchicalS,
-    /// See [`Masked`](crate::Masked).
+    /// Masked occlusion culling: [`Masked`](crate::Masked). Conservative.
     Masked,
-    /// See [`Svbsp`](crate::Svbsp).
+    /// Occlusion tree of shadow volumes, tested by faces: [`Svbsp`](crate::Svbsp). Strict.
     Svbsp,
-    /// See [`Mobsp`](crate::Mobsp).
+    /// Occlusion tree of shadow volumes, tested by boxes: [`Mobsp`](crate::Mobsp). Strict.
     Mobsp,
-    /// See [`Pvs`](crate::Pvs).
+    /// Baked potentially visible sets: [`Pvs`](crate::Pvs). Strict; requires a baked PVS.
     Pvs,
-    /// See [`Cell`](crate::Cell).
+    /// Convex room without depth test: [`Cell`](crate::Cell). Exact; requires convex geometry.
     Cell,
-    /// See [`FloatingHorizon`](crate::FloatingHorizon).
+    /// Floating horizon over terrain: [`FloatingHorizon`](crate::FloatingHorizon). Exact; requires a height field.
     FloatingHorizon,
 }
 
-/// What a [`Method`] needs from a sector's geometry.
+/// Requirement of a [`Method`] on the geometry of a sector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Requirement {
@@ -153,7 +213,7 @@ pub enum Requirement {
 }
 
 impl Method {
-    /// Every method there is.
+    /// All methods.
     pub const ALL: [Method; 14] = [
         Method::PainterMin,
         Method::PainterMean,
@@ -171,10 +231,10 @@ impl Method {
         Method::FloatingHorizon,
     ];
 
-    /// What one sector's method may build unless told otherwise, in bytes: 1 GB.
+    /// Default memory limit per sector for what its method builds, in bytes: 1 GB.
     pub const DEFAULT_LIMIT: u64 = 1_000_000_000;
 
-    /// Its name on the command line and in files.
+    /// Returns the name used on the command line and in files, such as `hierarchical-z`.
     pub fn name(self) -> &'static str {
         match self {
             Method::PainterMin => "painter-min",
@@ -194,12 +254,12 @@ impl Method {
         }
     }
 
-    /// The method of a name; `None` where there is none.
+    /// Returns the method with the given name; `None` if there is none.
     pub fn by_name(name: &str) -> Option<Method> {
         Method::ALL.into_iter().find(|method| method.name() == name)
     }
 
-    /// What it promises of its visible set.
+    /// Returns the guarantee on the visible set.
     pub fn contract(self) -> Contract {
         match self {
             Method::PainterMin | Method::PainterMean => Contract::Approximate,
@@ -216,8 +276,8 @@ impl Method {
         }
     }
 
-    /// Can its cover have another resolution than the screen ([`Viewer::set_cover_size`](crate::Viewer::set_cover_size))?
-    /// It is conservative then.
+    /// Returns `true` if the cover can have another resolution than the screen
+    /// ([`Viewer::set_cover_size`](crate::Viewer::set_cover_size)). The method is conservative then.
     pub fn takes_cover_size(self) -> bool {
         matches!(
             self,
@@ -225,7 +285,7 @@ impl Method {
         )
     }
 
-    /// What it promises where a viewer asks for covers of another resolution than the screen.
+    /// Returns the guarantee on the visible set if a viewer uses a cover of another resolution than the screen.
     pub fn contract_in_cells(self) -> Contract {
         if self.takes_cover_size() {
             Contract::Conservative
@@ -249,7 +309,8 @@ impl Method {
         matches!(self, Method::Bsp | Method::BspFront)
     }
 
-    /// Has a geometry what the method goes by? Of [`Method::Cell`] that costs as much as to build it.
+    /// Returns `true` if a geometry meets the [requirement](Method::requires) of the method. For [`Method::Cell`] and
+    /// [`Method::FloatingHorizon`] this costs as much as building it.
     pub fn suits(self, geometry: &Geometry) -> bool {
         match self {
             Method::Pvs => geometry.cells().is_some(),
@@ -259,11 +320,12 @@ impl Method {
         }
     }
 
-    /// Prepares a geometry to be seen.
+    /// Builds the method for a geometry.
     ///
     /// # Errors
-    /// [`Unsuited::TooLarge`] where more than `limit_bytes` would be needed, [`Unsuited::NotBaked`], [`Unsuited::NotConvex`] and
-    /// [`Unsuited::TerrainUnusable`] where the geometry has not what the method goes by.
+    /// Returns [`Unsuited::TooLarge`] if more than `limit_bytes` are needed; [`Unsuited::NotBaked`],
+    /// [`Unsuited::NotConvex`] or [`Unsuited::TerrainUnusable`] if the geometry does not meet the
+    /// [requirement](Method::requires).
     pub fn build(self, geometry: Arc<Geometry>, limit_bytes: u64) -> Result<Arc<dyn Sector>, Unsuited> {
         Ok(self.build_editable(geometry, limit_bytes)?)
     }
@@ -280,9 +342,13 @@ impl Method {
             Method::BspFront => Arc::new(BspFront::build(self, geometry, limit_bytes)?),
             Method::ZBuffer => Arc::new(ZBuffer::build(self, geometry, limit_bytes)?),
             Method::SBuffer => Arc::new(SBuffer::build(self, geometry, limit_bytes)?),
-            Method::HierarchicalZ => Arc::new(InCells(HierarchicalZ::build(self, geometry, limit_bytes)?)),
-            Method::HierarchicalS => Arc::new(InCells(HierarchicalS::build(self, geometry, limit_bytes)?)),
-            Method::Masked => Arc::new(InCells(Masked::build(self, geometry, limit_bytes)?)),
+            Method::HierarchicalZ => {
+                Arc::new(CoarseAdapter(HierarchicalZ::build(self, geometry, limit_bytes)?))
+            }
+            Method::HierarchicalS => {
+                Arc::new(CoarseAdapter(HierarchicalS::build(self, geometry, limit_bytes)?))
+            }
+            Method::Masked => Arc::new(CoarseAdapter(Masked::build(self, geometry, limit_bytes)?)),
             Method::Svbsp => Arc::new(Svbsp::build(self, geometry, limit_bytes)?),
             Method::Mobsp => Arc::new(Mobsp::build(self, geometry, limit_bytes)?),
             Method::Pvs => Arc::new(Pvs::build(self, geometry, limit_bytes)?),
@@ -291,11 +357,11 @@ impl Method {
         })
     }
 
-    /// Memory of its buffers for a screen of this size, in bytes; `cover_size` as in
-    /// [`Viewer::set_cover_size`](crate::Viewer::set_cover_size).
+    /// Returns the memory of its screen buffers, in bytes, for a viewport of `size` [width, height] in pixels;
+    /// `cover_size` as in [`Viewer::set_cover_size`](crate::Viewer::set_cover_size).
     pub fn screen_bytes(self, size: [u32; 2], cover_size: Option<[u32; 2]>) -> u64 {
         match cover_size.filter(|&cells| self.takes_cover_size() && cells != size) {
-            // Draws by a z-buffer.
+            // At another cover size, the picture is drawn with a z-buffer.
             Some(cells) => {
                 self.cover_bytes(cells) + CoarseCoverage::needs_bytes(cells) + DepthBuffer::needs_bytes(size)
             }
@@ -321,7 +387,7 @@ impl Method {
 }
 
 impl Method {
-    /// What its cover divides the screen into; `None` where that is nothing worth a picture.
+    /// Returns how the cover divides the screen, for visualization; `None` if there is nothing to show.
     pub fn cover_shape(self) -> Option<CoverShape> {
         match self {
             Method::BspFront => Mask::SHAPE,
@@ -344,10 +410,10 @@ impl fmt::Display for Method {
 }
 
 impl Method {
-    /// Why a screen of this size cannot be looked at within `limit_bytes`, if so.
+    /// Checks that the screen buffers for a view fit in `limit_bytes`.
     ///
     /// # Errors
-    /// [`TooLarge`].
+    /// Returns [`TooLarge`] if they do not.
     pub fn check_screen(
         self,
         view: &View,

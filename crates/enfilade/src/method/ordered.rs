@@ -1,11 +1,11 @@
-//! Geometry seen by an order alone: what it hands out is the set.
+//! Methods without a cover: the order alone decides what is potentially visible.
 //!
-//! For orders that know more than where things are: what cannot be seen never comes. No cover culls what comes.
-//! Drawn by a z-buffer, which gets what may be seen and nothing else: the picture is exact though the set is not.
+//! For orders with precomputed visibility, which never emit hidden geometry. The potentially visible set is drawn with
+//! a z-buffer, so the picture is exact although the set is not.
 
 use super::count::count_faces;
 use super::editable::{EditStats, EditableSector, edit_order};
-use super::found::{Against, find};
+use super::found::{OcclusionTest, find};
 use super::gathered::draw_gathered;
 use super::{Method, TooLarge, Unsuited};
 use crate::canvas::Canvas;
@@ -21,7 +21,9 @@ use crate::sector::{BuildStats, Contract, Hit, Ray, Sector, Surface};
 use crate::stats::Stats;
 use std::sync::Arc;
 
-/// Geometry seen by an order alone.
+/// Method made of an order alone: what the order emits is the visible set.
+///
+/// Used by [`Pvs`](crate::Pvs).
 pub struct Ordered<O> {
     method: Method,
     geometry: Arc<Geometry>,
@@ -44,21 +46,21 @@ impl<O: Order> Ordered<O> {
     }
 }
 
-/// Nothing hides what the order hands out.
-struct Open;
+/// An occlusion test that every box and face passes.
+struct NoCover;
 
-impl Against for Open {
+impl OcclusionTest for NoCover {
     const TAKES_FACES: bool = false;
 
-    fn sees(&mut self, _region: &Region) -> Visibility {
+    fn test(&mut self, _region: &Region) -> Visibility {
         Visibility::Partial
     }
 
-    fn take_faces(&mut self, _: &Faces, _: &Region, _: &Passage, _: &mut Stats) -> bool {
+    fn test_and_add(&mut self, _: &Faces, _: &Region, _: &Passage, _: &mut Stats) -> bool {
         true
     }
 
-    fn sees_faces(&mut self, _: &Faces, _: &Region, _: &Passage, _: &mut Stats) -> bool {
+    fn test_faces(&mut self, _: &Faces, _: &Region, _: &Passage, _: &mut Stats) -> bool {
         true
     }
 }
@@ -81,7 +83,7 @@ impl<O: Order> Sector for Ordered<O> {
     }
 
     fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {
-        find(&self.order, &self.geometry, passage, &mut Open, memory, seen);
+        find(&self.order, &self.geometry, passage, &mut NoCover, memory, seen);
     }
 
     fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector, canvas: &mut dyn Canvas) {

@@ -1,8 +1,8 @@
-//! Geometry seen by an order and a cover that holds a picture.
+//! Methods with a cover that holds the picture: faces are rasterized as the order emits them.
 
 use super::count::count_faces;
 use super::editable::{EditStats, EditableSector, edit_order};
-use super::in_cells::InParts;
+use super::in_cells::CoarseMethod;
 use super::strips::{self, look_in_strips};
 use super::{Method, TooLarge, Unsuited};
 use crate::canvas::Canvas;
@@ -20,7 +20,7 @@ use crate::stats::Stats;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-/// Geometry seen by an order and a cover that go together. A pair that does not, does not compile:
+/// Method made of an order and a cover that rasterizes. Incompatible pairs are rejected at compile time:
 ///
 /// ```compile_fail,E0277
 /// use enfilade::order::{Gives, NearToFar, Order, Unordered};
@@ -55,7 +55,7 @@ where
         })
     }
 
-    /// Reports what may be seen; what the last look saw is seen first, where that serves the cover.
+    /// Reports what is visible. If the cover benefits, last frame's visible clusters are rasterized first.
     fn see(
         &self,
         passage: &Passage,
@@ -71,7 +71,7 @@ where
             memory.recall.list()
         };
         memory.stats.clusters_primed += last.len() as u64;
-        // A canvas gets one row after the other.
+        // No strips if there is a canvas: it receives its rows in order.
         let strips = if canvas.is_some() {
             1
         } else {
@@ -99,7 +99,7 @@ where
         }
     }
 
-    /// The same, seeing these clusters first.
+    /// Reports what is visible, rasterizing the clusters of `first` first.
     fn look(
         &self,
         passage: &Passage,
@@ -143,7 +143,7 @@ where
     }
 }
 
-/// Lends a canvas for a while.
+/// Reborrows an optional canvas.
 fn reborrow<'a>(canvas: &'a mut Option<&mut dyn Canvas>) -> Option<&'a mut dyn Canvas> {
     match canvas {
         Some(canvas) => Some(&mut **canvas),
@@ -151,33 +151,33 @@ fn reborrow<'a>(canvas: &'a mut Option<&mut dyn Canvas>) -> Option<&'a mut dyn C
     }
 }
 
-/// Lists that are kept from one passage to the next.
+/// Buffers that are reused from one passage to the next.
 #[derive(Default)]
 struct Work {
-    /// Clusters of faces that do not hide: they are held against the cover when all that hides is in it.
+    /// Clusters that are no occluders; tested once all occluders are in the cover.
     waiting: Vec<(ItemId, u32)>,
-    /// What goes in before the walk, and how near it comes.
+    /// Clusters rasterized before the traversal, with the maximum of their reversed depth.
     first: Vec<(f32, ItemId, u32)>,
 }
 
-/// Joins an order's walk to a cover.
+/// Connects the traversal of an order to a cover.
 struct Walk<'a, C> {
     passage: &'a Passage,
     cover: &'a mut C,
     marks: &'a mut Marks,
     stats: &'a mut Stats,
     work: &'a mut Work,
-    /// What goes in before the walk, in order.
+    /// Clusters rasterized before the traversal, sorted.
     primed: &'a [(ItemId, u32)],
     canvas: Option<&'a mut dyn Canvas>,
 }
 
 impl<C: Paints> Walk<'_, C> {
-    /// Lets the cover see first what the last look saw; what has left the picture since is left out.
+    /// Rasterizes last frame's visible clusters front to back, leaving out those that are now out of view.
     fn prime(&mut self, geometry: &Geometry) {
         let mut first = std::mem::take(&mut self.work.first);
         first.extend(self.primed.iter().filter_map(|&(item, cluster)| {
-            // The geometry may be another than the last look saw.
+            // The geometry may have been replaced since the last look.
             let placed = geometry.items().get(item.0 as usize)?;
             let screen_from_item = self.passage.screen_from(&placed.transform());
             let bounds = &geometry.mesh_of(item).clusters().get(cluster as usize)?.bounds;
@@ -208,9 +208,9 @@ impl<C: Paints> Walk<'_, C> {
 impl<C: Paints> Visit for Walk<'_, C> {
     fn enter(&mut self, region: &Region) -> Visibility {
         self.stats.boxes_tested += 1;
-        let sight = self.cover.sees(region);
-        self.stats.boxes_hidden += u64::from(sight == Visibility::Hidden);
-        sight
+        let visibility = self.cover.sees(region);
+        self.stats.boxes_hidden += u64::from(visibility == Visibility::Hidden);
+        visibility
     }
 
     fn first_time(&mut self, item: ItemId) -> bool {
@@ -293,7 +293,7 @@ where
     }
 }
 
-impl<O, C> InParts for Paired<O, C>
+impl<O, C> CoarseMethod for Paired<O, C>
 where
     O: Order,
     C: Paints + Coarse,

@@ -1,13 +1,14 @@
-//! A walk shared among threads, where all that hides is in the cover before it.
+//! Parallel traversal for covers that hold all occluders before it starts.
 //!
-//! Such a cover is only asked, so each thread has a copy of it, and walks down to other things: what is found does not
-//! depend on what else is. What stands in two shares is found by both, and reported once.
+//! Idea: such a cover is read-only, so each thread traverses a part of the pending queue with a copy of it; the result
+//!     of one part does not depend on the others. Items in two parts are found twice and reported once.
 //! Source: ours.
-//! Cost: a walk, divided; but the first boxes are asked about by one thread, and each share copies the cover.
-//! The same set however many threads there are: shares are told in the order in which one thread would walk them.
+//! Cost: one traversal, divided; but one thread tests the first boxes, and each part copies the cover.
+//! Deterministic: the parts are reported in the order in which one thread would traverse them, so the set does not
+//! depend on the number of threads.
 
-use super::culled::InSamples;
-use super::found::{Found, Walk};
+use super::culled::SampleCover;
+use super::found::{FoundSet, Walk};
 use crate::collector::Collector;
 use crate::cover::Hides;
 use crate::geometry::Geometry;
@@ -17,13 +18,13 @@ use crate::passage::Passage;
 use crate::stats::Stats;
 use crate::threads;
 
-/// Shares for each thread: some are walked sooner than others. With more, more things stand in two.
+/// Parts per thread, for load balancing. More parts would have more items in common.
 const PER_THREAD: usize = 2;
 
-/// A walk is shared where so many boxes wait that may be seen; below as many there is too little to be worth it.
-const LEAST: usize = 64;
+/// Minimum number of pending boxes for a parallel traversal. Fewer are not worth the copies.
+const MIN_PENDING: usize = 64;
 
-/// What the shares of a walk need; kept from look to look.
+/// The state of all parts; reused from look to look.
 struct Shares<O: Order, C>(Vec<Share<O, C>>);
 
 struct Share<O: Order, C> {
@@ -31,10 +32,10 @@ struct Share<O: Order, C> {
     scratch: O::Scratch,
     marks: Marks,
     stats: Stats,
-    found: Found,
+    found: FoundSet,
 }
 
-/// Reports what an order's walk finds past a cover that it only asks.
+/// Traverses a geometry in parallel and reports the clusters and openings that a read-only cover does not hide.
 pub(super) fn find_by_shares<O: Order, C: Hides>(
     order: &O,
     geometry: &Geometry,
@@ -43,32 +44,32 @@ pub(super) fn find_by_shares<O: Order, C: Hides>(
     memory: &mut Memory,
     seen: &mut Collector,
 ) {
-    let most = PER_THREAD * memory.threads();
+    let parts = PER_THREAD * memory.threads();
     let mut scratch = memory.take::<O::Scratch>();
-    let mut found = memory.take::<Found>();
+    let mut found = memory.take::<FoundSet>();
     let mut shares = memory.take::<Shares<O, C>>();
     memory.marks.begin(geometry.items().len());
     let mut walk = Walk {
         passage,
         geometry,
-        against: &mut InSamples(cover),
+        occlusion: &mut SampleCover(cover),
         marks: &mut memory.marks,
         stats: &mut memory.stats,
         found: &mut found,
     };
-    let waiting = order.begin(geometry, passage, LEAST, &mut scratch, &mut walk);
-    if waiting < LEAST {
+    let waiting = order.begin(geometry, passage, MIN_PENDING, &mut scratch, &mut walk);
+    if waiting < MIN_PENDING {
         order.go_on(geometry, passage, &mut scratch, &mut walk);
     } else {
         let Shares(shares) = &mut *shares;
-        if shares.len() < most {
-            shares.resize_with(most, Share::default);
+        if shares.len() < parts {
+            shares.resize_with(parts, Share::default);
         }
-        let shares = &mut shares[..most];
+        let shares = &mut shares[..parts];
         for (number, share) in shares.iter_mut().enumerate() {
-            order.deal(&scratch, [number, most], &mut share.scratch);
+            order.deal(&scratch, [number, parts], &mut share.scratch);
         }
-        let cover = &*walk.against.0;
+        let cover = &*walk.occlusion.0;
         threads::for_each(shares, |_, share| share.go_on(order, geometry, passage, cover));
         for share in shares {
             walk.stats.add(&share.stats);
@@ -91,7 +92,7 @@ impl<O: Order, C: Hides> Share<O, C> {
         let mut walk = Walk {
             passage,
             geometry,
-            against: &mut InSamples(&mut self.cover),
+            occlusion: &mut SampleCover(&mut self.cover),
             marks: &mut self.marks,
             stats: &mut self.stats,
             found: &mut self.found,
@@ -113,7 +114,7 @@ impl<O: Order, C: Default> Default for Share<O, C> {
             scratch: O::Scratch::default(),
             marks: Marks::default(),
             stats: Stats::default(),
-            found: Found::default(),
+            found: FoundSet::default(),
         }
     }
 }

@@ -1,11 +1,12 @@
-//! A passage looked through in strips of rows, side by side.
+//! Parallel looks: splits a passage into horizontal strips of rows, one task each.
 //!
-//! Who owns a sample is told at that sample, whatever is seen beside it: so strips of an aperture can be looked through apart
-//! from each other, each by a cover of its own, and what is seen through any of them is what is seen.
-//! Source: ours; "sort-first" in Molnar, Cox, Ellsworth, Fuchs, A Sorting Classification of Parallel Rendering, IEEE CG&A 1994.
-//! Cost: a look, divided; but each strip walks down to what it sees by itself, asks about all that the last look saw, and
-//!     works out the corners of what reaches into the next strip as well.
-//! Exact: the same items, clusters and openings, sample by sample, however many strips there are; other counts of work.
+//! Idea: the visible surface at a sample does not depend on other samples. So each strip of the aperture is processed
+//!     on its own, with its own cover, and the visible set is the union.
+//! Source: ours; "sort-first" in Molnar, Cox, Ellsworth, Fuchs, A Sorting Classification of Parallel Rendering, IEEE
+//!     CG&A 1994.
+//! Cost: one look, divided; but each strip traverses the order from the root, tests all clusters that the last look
+//!     found visible, and also projects geometry that extends into the next strip.
+//! Exact: the same items, clusters and openings at every sample for any number of strips; only the work counts differ.
 
 use crate::aperture::{Rect, Rows};
 use crate::collector::{Collector, report_owners};
@@ -15,16 +16,16 @@ use crate::passage::Passage;
 use crate::stats::Stats;
 use crate::threads;
 
-/// Strips for each thread, so that none waits long for the dearest; more would repeat more.
+/// Strips per thread, so that none waits long for the most expensive one; more would repeat more work.
 const PER_THREAD: usize = 2;
 
-/// Samples of a strip, at least: where there are fewer, little is gained by waking another thread.
-const LEAST: usize = 1 << 16;
+/// Minimum number of samples per strip. Below it, waking another thread gains little.
+const MIN_SAMPLES: usize = 1 << 16;
 
-/// Strips begin at a multiple of so many rows, as bands and tiles do.
+/// Strips start at a multiple of this number of rows, as bands and tiles do.
 const ALIGNED: u16 = 8;
 
-/// What strips are looked through with; kept from look to look.
+/// The strips and their state; reused from look to look.
 #[derive(Default)]
 struct Strips {
     strips: Vec<Strip>,
@@ -35,11 +36,11 @@ struct Strips {
 struct Strip {
     memory: Memory,
     seen: Collector,
-    /// The samples of the aperture in it.
+    /// Storage for the strip's part of the aperture.
     rows: Rows,
 }
 
-/// In how many strips a passage is looked through.
+/// Returns the number of strips to split a passage into; 1 for no split.
 pub(super) fn count(passage: &Passage, memory: &Memory) -> usize {
     let threads = memory.threads();
     if threads == 1 {
@@ -47,10 +48,10 @@ pub(super) fn count(passage: &Passage, memory: &Memory) -> usize {
     }
     let Rect { x0, y0, x1, y1 } = passage.aperture.rect();
     let samples = usize::from(x1 - x0) * usize::from(y1 - y0);
-    (threads * PER_THREAD).min(samples / LEAST).max(1)
+    (threads * PER_THREAD).min(samples / MIN_SAMPLES).max(1)
 }
 
-/// Looks through `count` strips of a passage, and reports what all of them together see.
+/// Runs `look` for each of `count` strips of a passage in parallel, and reports the union of what they find visible.
 pub(super) fn look_in_strips(
     count: usize,
     owners: &dyn Owners,
@@ -70,7 +71,7 @@ pub(super) fn look_in_strips(
         let rows = [number, number + 1].map(|number| first_row(&rect, number, count));
         strip.look(passage, rows, &look);
     });
-    // From the first to the last: openings are reported as their samples come, top to bottom.
+    // In order from top to bottom, because openings are reported in the order of their samples.
     for strip in strips {
         met.extend(strip.seen.clusters_of_items(owners));
         memory.stats.add(&strip.memory.stats);
@@ -82,7 +83,7 @@ pub(super) fn look_in_strips(
     memory.put_back(all);
 }
 
-/// The first row of a strip, by its number; of the one after the last, the row after the last.
+/// Returns the first row of strip `number`; for `number == count`, the end of the last strip.
 fn first_row(rect: &Rect, number: usize, count: usize) -> u16 {
     let rows = usize::from(rect.y1 - rect.y0);
     let row = rect.y0 + (rows * number / count) as u16;
@@ -117,7 +118,7 @@ impl Strip {
         }
     }
 
-    /// Reports the openings that it saw, and the samples of them.
+    /// Reports the visible openings of the strip with their samples.
     fn report_openings(&mut self, seen: &mut Collector) {
         for opening in self.seen.openings.drain(..) {
             let Some(mut rows) = opening.rows else { continue };

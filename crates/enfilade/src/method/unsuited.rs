@@ -1,4 +1,4 @@
-//! Why a method cannot see a geometry, and what to do about it.
+//! Errors: why a method cannot be built for a geometry, and what to use instead.
 
 use super::Method;
 use crate::geometry::{Geometry, Owner};
@@ -6,30 +6,30 @@ use crate::order::{Dent, Refusal};
 use std::fmt;
 use thiserror::Error;
 
-/// Why a method cannot see a geometry.
+/// An error of building a [`Method`] for a geometry.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Unsuited {
-    /// It would need too much memory.
+    /// The method needs more memory than the limit.
     #[error(transparent)]
     TooLarge(#[from] TooLarge),
-    /// It goes by what was computed ahead, and nothing was.
+    /// The method requires a baked PVS; the geometry has none.
     #[error(transparent)]
     NotBaked(#[from] NotBaked),
-    /// It sees convex geometries alone, and this is none.
+    /// The method requires convex geometry; a face violates that.
     #[error(transparent)]
     NotConvex(#[from] Box<NotConvex>),
-    /// The method needs a height field; the geometry has none, or its blocks were edited.
+    /// The method requires a height field; the geometry has none, or its blocks were edited.
     #[error(transparent)]
     TerrainUnusable(#[from] TerrainUnusable),
 }
 
 impl Unsuited {
-    /// What an order refused, in the words of the method that it is of.
+    /// Converts the error of an order into that of its method.
     pub(super) fn of(method: Method, geometry: &Geometry, refusal: Refusal, limit: u64) -> Unsuited {
         let instead = Method::HierarchicalZ;
         match refusal {
-            // What turns out to be more than estimated is twice the limit, as far as is known.
+            // The order only knows that the limit is exceeded: report twice the limit.
             Refusal::TooLarge => TooLarge::new(method, limit.saturating_mul(2), limit).into(),
             Refusal::NotBaked => NotBaked { method, instead }.into(),
             Refusal::NoTerrain => TerrainUnusable::Missing { method, instead }.into(),
@@ -39,25 +39,23 @@ impl Unsuited {
     }
 }
 
-/// A method goes by cells that were computed ahead, but a geometry has none.
+/// A method requires a baked PVS that the geometry lacks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("not baked: {method} needs a precomputed PVS, and there is none; {instead} needs none")]
+#[error("method {method} needs a baked PVS and this sector has none; use {instead}, or bake one")]
 #[non_exhaustive]
 pub struct NotBaked {
-    /// The method that was asked for.
+    /// The requested method.
     pub method: Method,
-    /// A method that needs no cells.
+    /// A method that needs no baked PVS.
     pub instead: Method,
 }
 
-/// A method needs a height field that the geometry lacks, or whose blocks were edited.
+/// A method requires a height field that the geometry lacks, or whose blocks were edited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum TerrainUnusable {
     /// The geometry has no height field.
-    #[error(
-        "no terrain: {method} needs a height field, and this sector has none; {instead} takes any geometry"
-    )]
+    #[error("method {method} needs a height field and this sector has none; use {instead}")]
     Missing {
         /// The requested method.
         method: Method,
@@ -66,8 +64,7 @@ pub enum TerrainUnusable {
     },
     /// A block of the height field was moved, removed or given another mesh.
     #[error(
-        "terrain edited: {method} needs an unchanged height field, and a block of this one was edited; \
-         {instead} takes any geometry"
+        "method {method} needs an unedited height field and a block of this one was edited; use {instead}"
     )]
     Edited {
         /// The requested method.
@@ -77,30 +74,31 @@ pub enum TerrainUnusable {
     },
 }
 
-/// A method sees geometries in which every face has all others on one side, but in this one a face has some on both.
+/// A method requires convex geometry, in which all faces are on one side of each face; here one face has others on both
+/// sides.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
-    "not convex: {method} needs every face to have all others on one side, but {wall} has {behind} behind it, \
-     {} deep at ({}, {}, {}), and others before it; {instead} takes any geometry",
+    "method {method} needs a convex sector, but {behind} is {} behind the plane of {wall} at ({}, {}, {}), \
+     and another face is in front of it; use {instead}",
     short(*.by), short(.point[0]), short(.point[1]), short(.point[2])
 )]
 #[non_exhaustive]
 pub struct NotConvex {
-    /// The method that was asked for.
+    /// The requested method.
     pub method: Method,
-    /// The face that has others on both sides.
+    /// The face that has other faces on both sides.
     pub wall: FaceName,
-    /// What reaches farthest behind it.
+    /// The face that extends farthest behind it.
     pub behind: FaceName,
-    /// The corner that does, in the space of the sector.
+    /// The farthest corner of `behind`, in the space of the sector.
     pub point: [f32; 3],
-    /// How far that is behind the plane of `wall`, in scene units.
+    /// Distance of `point` behind the plane of `wall`, in scene units.
     pub by: f32,
     /// A method that takes any geometry.
     pub instead: Method,
 }
 
-/// A face of an item, or an opening, by name and number.
+/// A face of an item, or an opening, identified by name and number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FaceName {
     /// A face of an item's mesh.
@@ -109,7 +107,7 @@ pub enum FaceName {
         item: String,
         /// Its number.
         number: u32,
-        /// The face of its mesh.
+        /// The index of the face in its mesh.
         face: u32,
     },
     /// An opening.
@@ -162,18 +160,18 @@ impl NotConvex {
     }
 }
 
-/// A method would need too much memory; told by an estimate, before anything is built.
+/// A method needs more memory than the limit. Mostly estimated before anything is built.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("{method} needs about {}, above the limit of {}{}", bytes(*.needs_bytes), bytes(*.limit), self.advice())]
 #[non_exhaustive]
 pub struct TooLarge {
-    /// The method that was asked for.
+    /// The requested method.
     pub method: Method,
-    /// What it would need.
+    /// The estimated memory needed, in bytes.
     pub needs_bytes: u64,
-    /// What is allowed.
+    /// The limit, in bytes.
     pub limit: u64,
-    /// A method that needs less, if there is one.
+    /// A method that needs less memory; `None` if there is none.
     pub instead: Option<Method>,
 }
 
@@ -194,7 +192,7 @@ impl TooLarge {
     }
 }
 
-/// `12.3 MB`, in powers of a thousand.
+/// Formats a number of bytes with a decimal unit, as in `12.3 MB`.
 fn bytes(number: u64) -> String {
     let (unit, name) = match number {
         1 => (1.0, "byte"),

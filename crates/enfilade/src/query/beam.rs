@@ -1,49 +1,50 @@
-//! What a point reaches through openings in straight lines: light, and sight in all directions.
+//! Beams from a point through openings: the reach of lights, and of sight in all directions.
 //!
-//! A beam leaves a point, is narrowed by every opening that it goes through, and nothing else is in its way.
+//! Idea: a beam starts at a point and is clipped by every opening that it crosses; nothing else blocks it.
 //! Source: RenderWare, Portal culling: lights reach through portals, transformed.
-//! Cost: O(openings) for each sector that it reaches, once for each chain of portals.
+//! Cost: O(openings) per sector reached, once per chain of portals.
 
-use super::place::{Location, corners, slack};
+use super::location::{Location, corners, slack};
 use crate::geom::{Transform, nearest_in};
 use crate::scene::{PortalId, Scene, SectorId};
 use crate::viewer::Limits;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-/// A sector that a point reaches into, through zero or more portals.
+/// Beam from a point into a sector, through zero or more portals, from [`Scene::reach`].
+#[doc(alias = "light propagation")]
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct LightReach {
-    /// Where it comes from, by its place in the list; `None` for the sector that the point is in.
+    /// Index in the list of the beam that this one continues; `None` for the sector of the point.
     pub parent: Option<u32>,
-    /// The portal through which it leaves its parent.
+    /// The portal by which it leaves its parent's sector.
     pub portal: Option<PortalId>,
-    /// The sector that is reached.
+    /// The sector reached.
     pub sector: SectorId,
-    /// Portals on the way.
+    /// Number of portals crossed.
     pub crossings: u16,
-    /// From the space that the point is in to that of the sector.
+    /// Maps the space of the point to that of the sector.
     pub there_from_here: Transform,
-    /// Where the point is, as seen from the sector.
+    /// Position of the point in the space of the sector.
     pub origin: [f64; 3],
-    /// What the last opening lets through: a convex outline in the sector's space. Empty where the point is.
+    /// Clip region in the last opening: a convex outline in the space of the sector. Empty for the sector of the point.
     pub window: Vec<[f64; 3]>,
-    /// The planes that the beam is between, beyond the last opening: it holds points with n · x ≥ d for all.
+    /// The clip planes of the beam, beyond the last opening: points inside have n · x ≥ d for all.
     planes: SmallVec<[(DVec3, f64); 8]>,
 }
 
 impl LightReach {
-    /// The planes that the beam is between: it holds points with n · x ≥ d for all (n, d), in the sector's space. None
-    /// where the point is.
+    /// Iterates over the clip planes (n, d) of the beam, in the space of the sector: points inside have n · x ≥ d for
+    /// all. There are none for the sector of the point.
     pub fn planes(&self) -> impl Iterator<Item = ([f64; 3], f64)> {
         self.planes
             .iter()
             .map(|&(normal, distance)| (normal.into(), distance))
     }
 
-    /// Does a straight line from the point, through all openings on the way, lead to a point of the sector? What is in
-    /// its way besides is not asked.
+    /// Returns `true` if a straight line leads from the point through all openings on the way to `point`, in the space
+    /// of the sector. Ignores other obstacles.
     pub fn holds(&self, point: [f64; 3]) -> bool {
         let point = DVec3::from(point);
         self.planes
@@ -53,12 +54,13 @@ impl LightReach {
 }
 
 impl Scene {
-    /// The sectors that a point reaches into in straight lines through open portals, its own first, each after its
-    /// parent: the light of a lamp, say. What is farther than `range`, in the point's own units, is not reached.
+    /// Returns the sectors that a point reaches in straight lines through open portals, its own sector first, each
+    /// after its parent. Use it to find the sectors that a light affects. `range` is in units of the point's sector.
     ///
-    /// A sector that is reached in several ways is there several times. Where `limits` bite, the rest is left out, and so
-    /// is what is behind portals that enlarge or shrink again and again until 64-bit numbers end. A position that is not
-    /// finite reaches its own sector only.
+    /// A sector that is reached by several chains of portals is listed once per chain. Beams beyond `limits` are left
+    /// out, and so are those behind portals that scale up or down repeatedly beyond the range of f64. A position that
+    /// is not finite reaches its own sector only.
+    #[doc(alias = "light propagation")]
     pub fn reach(&self, from: Location, range: f32, limits: &Limits) -> Vec<LightReach> {
         let mut all = vec![LightReach {
             parent: None,
@@ -86,7 +88,7 @@ impl Scene {
         all
     }
 
-    /// What of a beam goes on through a portal; `None` if nothing does.
+    /// Returns the continuation of a beam through a portal; `None` if it is clipped away.
     pub(super) fn beam_through(
         &self,
         beam: &LightReach,
@@ -113,7 +115,7 @@ impl Scene {
             return None;
         }
         let off = nearest_in(&window, origin).distance(origin);
-        // A point in the plane of an opening goes through it where it stands in it, and nowhere else.
+        // A point in the plane of an opening goes through it only if it is inside the outline.
         let in_plane = before <= slack(&opening.outline);
         if off > range * beam.there_from_here.scale() || (in_plane && off > slack(&opening.outline)) {
             return None;
@@ -155,18 +157,18 @@ impl Scene {
     }
 }
 
-/// The planes through a beam's origin and the edges of its window.
+/// Returns the normals of the planes through the origin of a beam and the edges of its window.
 fn sides(origin: DVec3, window: &[DVec3]) -> impl Iterator<Item = DVec3> {
     let middle = window.iter().sum::<DVec3>() / window.len() as f64;
     (0..window.len()).map(move |i| {
         let [start, end] = [window[i], window[(i + 1) % window.len()]];
         let normal = (start - origin).cross(end - origin).normalize_or_zero();
-        // Turned inwards, whichever way the outline runs.
+        // Points inwards for either winding.
         normal * normal.dot(middle - origin).signum()
     })
 }
 
-/// The part of a convex outline where n · x ≥ d.
+/// Clips a convex outline to n · x ≥ d.
 fn clip(outline: &[DVec3], normal: DVec3, distance: f64) -> Vec<DVec3> {
     let mut kept = Vec::with_capacity(outline.len() + 1);
     for (i, &corner) in outline.iter().enumerate() {

@@ -1,36 +1,39 @@
-//! Whether two boxes see each other, told of all straight lines between them at once.
+//! Visibility between two boxes, over all straight lines from one to the other.
 //!
-//! A line that nothing stops proves that they do; a convex wall that stops the lines between their corners, that they do not.
-//! Source: Teller, Séquin, Visibility Preprocessing for Interactive Walkthroughs, SIGGRAPH 1991, for visibility of cells
-//!     that holds wherever one stands in them; Coorg, Teller, Real-Time Occlusion Culling for Models with Large Occluders,
-//!     I3D 1997, for one convex occluder at a time.
-//! Cost: up to 64 lines, and the occluders along the line between the middles, 64 pairs of corners each.
-//! Never wrong: what neither proves is unknown.
+//! Idea: an unobstructed line proves visibility. A single convex occluder that blocks all lines between the corners
+//!     proves that the boxes are hidden from each other.
+//! Source: Teller, Séquin, Visibility Preprocessing for Interactive Walkthroughs, SIGGRAPH 1991, for cell-to-cell
+//!     visibility; Coorg, Teller, Real-Time Occlusion Culling for Models with Large Occluders, I3D 1997, for one convex
+//!     occluder at a time.
+//! Cost: up to 64 lines, and 64 pairs of corners for each occluder along the line between the centres.
+//! Never wrong: if neither is proven, the result is unknown.
 
 use crate::geom::{Aabb, Line, Step};
 use crate::geometry::{Alpha, Geometry, ItemId};
 use crate::occluders::{OccluderSet, Wall};
 use glam::DVec3;
 
-/// What is known of all straight lines from the points of one box to those of another.
+/// Visibility between two boxes, from [`Geometry::between`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum BoxVisibility {
-    /// Nothing stops this one, from a point of the first to a point of the second.
+    /// At least this line, from a point of the first box to a point of the second, is unobstructed.
     Visible([[f32; 3]; 2]),
-    /// Every line is stopped.
+    /// Every line is blocked.
     Hidden,
-    /// Neither was proven.
+    /// Neither could be proven.
     Unknown,
 }
 
 impl Geometry {
-    /// Do two boxes see each other? A line between them is stopped where it meets an opaque face, from whichever side,
-    /// outside of both: a box stands for all that is in it, so what lies in a box, or touches it, is never in the way. So
-    /// boxes that overlap are visible. Openings stop nothing, nor do glass and cut-outs.
+    /// Tests whether any straight line between two boxes is unobstructed. Opaque faces block a line from both sides. A
+    /// box stands for everything in it, so faces inside or touching either box do not block, and boxes that overlap are
+    /// visible. Openings, alpha-blended and alpha-tested faces block nothing.
     ///
-    /// `occluders` are those of this geometry ([`OccluderSet::build`]): only they can prove that something is hidden. Boxes
-    /// that are empty or not finite are unknown.
+    /// `occluders` must be those of this geometry ([`OccluderSet::build`]); only they can prove that a box is hidden.
+    /// Returns [`BoxVisibility::Unknown`] for boxes that are empty or not finite.
+    #[doc(alias = "cell-to-cell visibility")]
+    #[doc(alias = "box to box visibility")]
     pub fn between(&self, from: &Aabb, to: &Aabb, occluders: &OccluderSet) -> BoxVisibility {
         let sound = |bounds: &Aabb| {
             !bounds.is_empty() && bounds.min.iter().chain(&bounds.max).all(|side| side.is_finite())
@@ -47,16 +50,16 @@ impl Geometry {
         if let Some(line) = first.filter(|line| self.is_free(line, from, to)) {
             return BoxVisibility::Visible(line);
         }
-        if self.is_walled_off(from, to, occluders) {
+        if self.is_hidden_by_one(from, to, occluders) {
             return BoxVisibility::Hidden;
         }
         let free = lines.find(|line| self.is_free(line, from, to));
         free.map_or(BoxVisibility::Unknown, BoxVisibility::Visible)
     }
 
-    /// Does nothing opaque stand in the way from one box to the other?
+    /// Returns `true` if no opaque face blocks a line between the boxes.
     fn is_free(&self, line: &[[f32; 3]; 2], from: &Aabb, to: &Aabb) -> bool {
-        // Of the line's length: what is so near to a box touches it.
+        // Fraction of the line's length within which a face counts as touching a box.
         const TOUCHES: f64 = 1e-7;
         let [start, end] = line.map(|point| DVec3::from(point.map(f64::from)));
         let Some(line) = Line::new(start, end - start) else {
@@ -70,7 +73,7 @@ impl Geometry {
         self.along(&line, enters, opaque, |hit| {
             if hit.distance > leaves && hit.distance < enters {
                 free = false;
-                // One is enough: nothing is nearer than this.
+                // One hit is enough: a negative limit ends the search.
                 return -1.0;
             }
             enters
@@ -78,10 +81,10 @@ impl Geometry {
         free
     }
 
-    /// Does one occluder stop every line?
-    fn is_walled_off(&self, from: &Aabb, to: &Aabb, occluders: &OccluderSet) -> bool {
+    /// Returns `true` if one occluder blocks every line.
+    fn is_hidden_by_one(&self, from: &Aabb, to: &Aabb, occluders: &OccluderSet) -> bool {
         let [start, end] = [from, to].map(|bounds| DVec3::from(bounds.center().map(f64::from)));
-        // It must stop the line between the middles.
+        // Such an occluder must block the line between the centres.
         let Some(line) = Line::new(start, end - start) else {
             return false;
         };
@@ -98,7 +101,7 @@ impl Geometry {
                 else {
                     return true;
                 };
-                // A box becomes a parallelepiped: still the convex hull of its corners.
+                // In object space the box is a parallelepiped, still the convex hull of its corners.
                 let corners = [from, to].map(|bounds| {
                     let corner = |corner: [f32; 3]| DVec3::from(item_from_here.point_f64(corner));
                     bounds.corners().map(corner)
@@ -114,10 +117,11 @@ impl Geometry {
     }
 }
 
-/// Lines between two boxes, always the same ones: from middle to middle, then spread over all six dimensions.
+/// Iterates over deterministic lines between two boxes: first from centre to centre, then a low-discrepancy sequence
+/// over all six dimensions.
 fn lines(from: &Aabb, to: &Aabb) -> impl Iterator<Item = [[f32; 3]; 2]> {
-    /// The root of g⁷ = g + 1: its powers are the least alike. Roberts, The Unreasonable Effectiveness of Quasirandom
-    /// Sequences, 2018.
+    /// The root of g⁷ = g + 1, whose powers give a low-discrepancy sequence. Roberts, The Unreasonable Effectiveness of
+    /// Quasirandom Sequences, 2018.
     const G: f64 = 1.112_775_684_278_706;
     const LINES: u32 = 64;
     let boxes = [*from, *to];
@@ -127,7 +131,7 @@ fn lines(from: &Aabb, to: &Aabb) -> impl Iterator<Item = [[f32; 3]; 2]> {
             std::array::from_fn(|axis| {
                 step /= G;
                 let part = (0.5 + f64::from(number) * step).fract();
-                // A little more often at the sides: much is seen past edges.
+                // Sample the sides more often, because much is visible past edges.
                 let part = ((part - 0.5) * 1.25 + 0.5).clamp(0.0, 1.0);
                 let [min, max] = [bounds.min[axis], bounds.max[axis]];
                 let at = (f64::from(min) + part * (f64::from(max) - f64::from(min))) as f32;
@@ -137,16 +141,16 @@ fn lines(from: &Aabb, to: &Aabb) -> impl Iterator<Item = [[f32; 3]; 2]> {
     })
 }
 
-/// Does a convex wall stop every line from the convex hull of some points to that of others?
+/// Returns `true` if a convex wall blocks every line from the convex hull of `from` to that of `to`.
 ///
-/// It does if all of one lie before its plane, all of the others behind, and it stops the lines between the corners. For
-/// with one end held, the place where a line goes through the plane is the other end seen in central projection, and that
-/// maps the hull of the corners, all on one side, to the hull of their images. So first one end, then the other may go from
-/// corners to any points of the hulls: the place stays in the hull of those of the corners, and the wall, being convex,
-/// holds that.
+/// It does if all points of one are in front of its plane, all of the other behind, and it blocks the lines between the
+/// corners. Proof: with one end fixed, the intersection of a line with the plane is the central projection of the other
+/// end, which maps the hull of the corners, all on one side, to the hull of their images. So first one end, then the
+/// other may move from corners to any points of the hulls: the intersection stays in the hull of those of the corners,
+/// which is inside the convex wall.
 ///
-/// The faces that the wall stands for may lie off its plane by `slack`. So both planes that far off are asked instead: what
-/// goes through the wall's outline at both goes through it all the way between them, and so through a face.
+/// The faces that the wall represents may be off its plane by up to `slack`. So both parallel planes at that distance
+/// are tested: a line through the outline at both is inside it everywhere between them, and so crosses a face.
 fn stops_all(wall: &Wall, from: &[DVec3; 8], to: &[DVec3; 8]) -> bool {
     let ends = || from.iter().chain(to).chain(wall.corners);
     let far = ends().map(|point| point.abs().max_element()).fold(0.0, f64::max);
@@ -206,9 +210,9 @@ mod tests {
     #[test]
     fn a_wall_stops_all_lines_between_boxes_that_look_small_behind_it() {
         assert!(stops(0.9, 2.0, -1.0) && stops(0.9, -2.0, 1.0));
-        // The larger looks past its edges from so near.
+        // The larger box is visible past the edges at this distance.
         assert!(!stops(1.9, 2.0, -2.0));
-        assert!(!stops(0.9, -2.0, -1.0), "both stand behind it");
-        assert!(!stops(0.9, 0.5, -1.0), "one stands in it");
+        assert!(!stops(0.9, -2.0, -1.0), "both are behind it");
+        assert!(!stops(0.9, 0.5, -1.0), "one intersects it");
     }
 }

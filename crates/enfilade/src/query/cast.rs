@@ -1,12 +1,12 @@
-//! Rays: the first face that one meets, or all of them, and how a face looks.
+//! Ray casts within a geometry: the first hit or all hits, and the surface at a hit.
 //!
-//! The tree over the items is walked from near to far, then the trees of the meshes; what lies beyond the first hit is
-//! skipped.
-//! Source: the walk is that of [`Octree`](crate::geom::Octree); Möller, Trumbore, Fast, Minimum Storage Ray/Triangle
-//!     Intersection, 1997.
-//! Cost: O(log items + log clusters) boxes where little overlaps, then the faces of the clusters that are met.
-//! A hit lies where the ray is in the box of the face's cluster, also where rounding says otherwise: so to skip boxes never
-//! changes an answer, and the first of all hits is the first hit.
+//! Idea: traverses the tree over the items near to far, then the trees of the meshes; nodes beyond the first hit are
+//!     skipped.
+//! Source: the traversal is that of [`Octree`](crate::geom::Octree); Möller, Trumbore, Fast, Minimum Storage
+//!     Ray/Triangle Intersection, 1997.
+//! Cost: O(log items + log clusters) box tests where little overlaps, then the faces of the clusters met.
+//! Each hit distance is clamped to the interval of the ray in the box of the face's cluster. So rounding never makes
+//! skipping boxes change a result, and the first of all hits is the first hit.
 
 use crate::geom::{Line, Step};
 use crate::geometry::{Geometry, ItemId, Material};
@@ -15,16 +15,19 @@ use crate::sector::{Hit, Ray, Surface};
 use glam::DVec3;
 
 impl Geometry {
-    /// The first face along a ray, seen from whichever side; of several at one distance that of the lowest item, and its
-    /// lowest face. What a scale of zero flattens is not met. A ray that is not finite, or has no direction, meets nothing.
+    /// Returns the first face along a ray, hit from either side. Among hits at the same distance, the one with the
+    /// lowest item id, then the lowest face, wins. Ignores items that a scale of 0 flattens. `None` if nothing is hit,
+    /// if the ray is not finite or if its direction is 0.
+    #[doc(alias = "raycast")]
+    #[doc(alias = "pick")]
     pub fn cast(&self, ray: &Ray) -> Option<Hit> {
         self.first_along(&line_of(ray)?, f64::INFINITY, |_| true)
     }
 
-    /// All faces along a ray, as [`Geometry::cast`] meets them, no farther than `limit` lengths of its direction: the
-    /// nearest first, then by item and face. They replace what `hits` held; nothing is allocated where it has room.
+    /// Finds all faces along a ray up to `limit`, in multiples of the length of its direction. Replaces the contents of
+    /// `hits`, sorted by distance, then by item and face. Does not allocate if `hits` has enough capacity.
     ///
-    /// Each face is there once. A ray through an edge that faces share meets one of them, or both.
+    /// Each face is listed once. A ray through an edge that two faces share hits one of them, or both.
     pub fn cast_all(&self, ray: &Ray, limit: f64, hits: &mut Vec<Hit>) {
         hits.clear();
         let Some(line) = line_of(ray).filter(|_| limit >= 0.0) else {
@@ -39,10 +42,10 @@ impl Geometry {
                 limit
             },
         );
-        hits.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.of().cmp(&b.of())));
+        hits.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.key().cmp(&b.key())));
     }
 
-    /// The first face along a line that is no farther than `limit` and made of what counts.
+    /// Returns the first face along a line up to `limit` whose material passes `counts`.
     pub(super) fn first_along(
         &self,
         line: &Line,
@@ -51,7 +54,7 @@ impl Geometry {
     ) -> Option<Hit> {
         let mut first: Option<Hit> = None;
         self.along(line, limit, counts, |hit| {
-            let comes_first = |known: &Hit| (hit.distance, hit.of()) < (known.distance, known.of());
+            let comes_first = |known: &Hit| (hit.distance, hit.key()) < (known.distance, known.key());
             if first.as_ref().is_none_or(comes_first) {
                 first = Some(hit);
             }
@@ -60,8 +63,7 @@ impl Geometry {
         first
     }
 
-    /// Every face along a line that is no farther than a limit, roughly the nearest first; `found` says what the limit is
-    /// from now on.
+    /// Calls `found` with the faces along a line up to a limit, roughly near to far; `found` returns the new limit.
     pub(super) fn along(
         &self,
         line: &Line,
@@ -93,7 +95,7 @@ impl Geometry {
         {
             return;
         }
-        // In the item's own space distances, counted in lengths of the direction, stay what they are.
+        // In object space, distances in multiples of the direction's length are the same.
         let Some(item_from_sector) = placed.transform().inverse() else {
             return;
         };
@@ -126,7 +128,7 @@ impl Geometry {
         });
     }
 
-    /// How a face looks.
+    /// Returns the surface of a face: normal, a point on it, and material.
     pub fn surface(&self, item: ItemId, face: u32) -> Surface {
         let mesh = self.mesh_of(item);
         let material = self.material_of(item, &mesh.clusters()[mesh.cluster_of(face)]);
@@ -152,8 +154,8 @@ impl Geometry {
 }
 
 impl Hit {
-    /// What is met, for an order among equals.
-    fn of(&self) -> (ItemId, u32) {
+    /// Returns the sort key of hits at the same distance.
+    fn key(&self) -> (ItemId, u32) {
         (self.item, self.face)
     }
 }
@@ -163,7 +165,7 @@ pub(super) fn line_of(ray: &Ray) -> Option<Line> {
     Line::new(origin, direction)
 }
 
-/// Where a line first meets a face, and whether from behind.
+/// Returns the first intersection of a line and a face: its distance, and whether it is from behind.
 fn meet_face(mesh: &Mesh, face: u32, line: &Line) -> Option<(f64, bool)> {
     let corners = mesh.face(face);
     let corner = |i: usize| DVec3::from(mesh.positions()[corners[i] as usize].map(f64::from));
@@ -174,7 +176,7 @@ fn meet_face(mesh: &Mesh, face: u32, line: &Line) -> Option<(f64, bool)> {
         .min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// Where a ray meets a triangle, and whether from behind.
+/// Intersects a ray and a triangle (Möller, Trumbore): returns the distance, and whether the hit is from behind.
 pub(super) fn meet([a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<(f64, bool)> {
     let [ab, ac, from_a] = [b - a, c - a, origin - a];
     let p = direction.cross(ac);
@@ -183,7 +185,7 @@ pub(super) fn meet([a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> Op
         return None;
     }
     let u = from_a.dot(p);
-    // Most are missed: that is told before anything is divided.
+    // Early out before any division: most triangles are missed.
     if u * determinant < 0.0 || u.abs() > determinant.abs() {
         return None;
     }

@@ -1,10 +1,12 @@
-//! Items in a box, in a sphere, in a frustum.
+//! Items in an AABB, in a sphere or in a frustum.
 //!
-//! The tree over the items is walked: what is outside is skipped with all below it, what is inside is taken unasked.
+//! Idea: traverses the item tree. Nodes that are outside are skipped, and the contents of nodes that are inside are
+//!     accepted untested.
 //! Source: Greene, Detecting Intersection of a Rectangular Solid and a Convex Polyhedron, Graphics Gems IV, 1994, for a
 //!     box between planes.
-//! Cost: O(log items + items found) boxes; nothing is allocated.
-//! Told by boxes: an item is found where its box meets what is asked about, though none of its faces may.
+//! Cost: O(log items + items found) box tests; no allocation.
+//! Conservative with respect to faces: an item is found if its bounding box intersects the query, even if none of its
+//! faces does.
 
 use crate::geom::{Aabb, Enter, Step};
 use crate::geometry::{Geometry, ItemId};
@@ -14,8 +16,10 @@ use crate::view::View;
 use glam::{DVec3, DVec4};
 
 impl Geometry {
-    /// Visits the items whose boxes meet a box, each once, in no order. Boxes that only touch do meet; a box that is empty
-    /// or holds NaN meets nothing.
+    /// Visits the items whose bounding boxes intersect a box, each once, in no order. Boxes that only touch do
+    /// intersect; an empty box, or one with NaN, intersects nothing.
+    #[doc(alias = "range query")]
+    #[doc(alias = "box query")]
     pub fn items_in_box(&self, bounds: &Aabb, visit: impl FnMut(ItemId)) {
         if bounds.is_empty() {
             return;
@@ -33,13 +37,15 @@ impl Geometry {
         self.items_by(bounds.center().map(f64::from), meets, item, visit);
     }
 
-    /// Visits the items whose boxes are no farther from `center` than `radius`, in scene units, each once, in no order. None
-    /// are within a radius that is negative or NaN, or of a centre that is not finite.
+    /// Visits the items whose bounding boxes are at most `radius` from `center`, in scene units, each once, in no
+    /// order. Visits none if the radius is negative or NaN or the centre is not finite.
+    #[doc(alias = "range query")]
+    #[doc(alias = "sphere query")]
     pub fn items_in_sphere(&self, center: [f32; 3], radius: f32, visit: impl FnMut(ItemId)) {
         self.items_within(DVec3::from(center.map(f64::from)), f64::from(radius), visit);
     }
 
-    /// As [`Geometry::items_in_sphere`], in f64.
+    /// Visits items as [`Geometry::items_in_sphere`] does, in f64.
     pub(super) fn items_within(&self, center: DVec3, radius: f64, visit: impl FnMut(ItemId)) {
         if !(center.is_finite() && radius >= 0.0) {
             return;
@@ -58,20 +64,21 @@ impl Geometry {
         self.items_by(center.into(), meets, item, visit);
     }
 
-    /// Visits the items that may be in the frustum of a view from within this geometry: before the eye, no nearer than
-    /// [`View::near`], and between the four sides of the screen. Each once, in no order.
+    /// Visits the items that are potentially in the frustum of a view inside this geometry: beyond [`View::near`] and
+    /// between the four side planes of the viewport. Each once, in no order.
     ///
-    /// It may find one too many, near a corner of the frustum, and never one too few: an item is left out where its box, or
-    /// that of its mesh at its place, lies wholly behind one plane. [`VisibleSet::in_frustum`](crate::VisibleSet::in_frustum)
-    /// counts by the same rule. A view that sees nothing ([`View::check`]) finds nothing; which sector it names is not
-    /// asked.
+    /// Conservative: may visit an item near a corner of the frustum, but never misses one. An item is culled if its
+    /// bounding box, or the transformed box of its mesh, is fully behind one plane.
+    /// [`VisibleSet::in_frustum`](crate::VisibleSet::in_frustum) counts by the same rule. Visits nothing if
+    /// [`View::check`] returns an error. Ignores [`View::sector`].
+    #[doc(alias = "frustum culling")]
     pub fn items_in_frustum(&self, view: &View, visit: impl FnMut(ItemId)) {
         if view.check().is_ok() {
             self.items_in_passage(&Passage::at_the_eye(view, SectorId(0), false), visit);
         }
     }
 
-    /// The items that may be in the frustum of a passage's view, and beyond its last portal.
+    /// Visits the items that are potentially in the frustum of a passage's view and beyond its last portal.
     pub(crate) fn items_in_passage(&self, passage: &Passage, visit: impl FnMut(ItemId)) {
         let planes = planes_of(passage);
         let meets = |held: &Aabb| match side_of(&planes, held) {
@@ -87,7 +94,7 @@ impl Geometry {
         self.items_by(passage.eye(), meets, item, visit);
     }
 
-    /// The items that are in, of nodes that are.
+    /// Visits the items that pass `is_in`, in nodes that pass `node`.
     fn items_by(
         &self,
         near: [f64; 3],
@@ -107,19 +114,20 @@ impl Geometry {
     }
 }
 
-/// The square of the distance from a point to a box. A box within another is never nearer, to the last bit.
+/// Returns the squared distance from a point to a box. Monotonic also when rounded: a box inside another is never
+/// nearer.
 pub(super) fn nearest_squared(bounds: &Aabb, point: DVec3) -> f64 {
     let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
     (min - point).max(point - max).max(DVec3::ZERO).length_squared()
 }
 
-/// The square of the distance from a point to a box's farthest corner.
+/// Returns the squared distance from a point to the farthest corner of a box.
 fn farthest_squared(bounds: &Aabb, point: DVec3) -> f64 {
     let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
     (min - point).abs().max((max - point).abs()).length_squared()
 }
 
-/// The planes of the frustum in the space of the sector: it holds points with n · x + d ≥ 0 for all.
+/// Returns the planes of the frustum in the space of the sector: points inside have n · x + d ≥ 0 for all.
 fn planes_of(passage: &Passage) -> [DVec4; 5] {
     let map = &passage.screen_from_sector;
     let row = |axis: usize| map.matrix3.row(axis).extend(map.translation[axis]);
@@ -129,7 +137,8 @@ fn planes_of(passage: &Passage) -> [DVec4; 5] {
     [x, w * width - x, y, w * height - y, w - near]
 }
 
-/// Is a box outside, or inside, by more than what rounding may change? Else it is asked what is in it.
+/// Classifies a box as outside or inside if it is so by more than rounding errors; otherwise its contents must be
+/// tested.
 fn side_of(planes: &[DVec4; 5], bounds: &Aabb) -> Enter {
     const SLACK: f64 = 1e-9;
     let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));

@@ -1,9 +1,9 @@
-//! Rays that meet large ground.
+//! Ray casts against out-of-core terrain.
 //!
-//! Squares of squares, and then clusters, near to far by the upright planes that part them; what lies beyond the first hit is
-//! skipped, and blocks that the ray misses are not read.
-//! Source: the walk is that of the floating horizon's order; the triangles as in `query/cast.rs`.
-//! Cost: O(squares met), and reading the blocks among them.
+//! Idea: traverses the quadtree of squares, then clusters, near to far by their vertical splitting planes. Squares
+//!     beyond the first hit are skipped, and blocks that the ray misses are not read.
+//! Source: the traversal is that of the floating horizon's order; the triangle test as in `query/cast.rs`.
+//! Cost: O(squares met), plus reading the blocks among them.
 
 use super::cast::{line_of, meet};
 use crate::geom::Line;
@@ -13,7 +13,7 @@ use crate::terrain::{LargeTerrain, Workplace};
 use glam::DVec3;
 
 impl LargeTerrain {
-    /// The first face along a ray, as [`Geometry::cast`](crate::Geometry::cast) meets them.
+    /// Returns the first face along a ray, as [`Geometry::cast`](crate::Geometry::cast) does.
     pub(crate) fn first_along(&self, ray: &Ray) -> Option<Hit> {
         let mut search = Search {
             terrain: self,
@@ -47,7 +47,7 @@ impl Search<'_> {
             return self.through_block(square);
         };
         let size = self.terrain.level_size(below);
-        // A ray crosses the plane between two squares once, and in the direction that it goes.
+        // A ray crosses the plane between two squares once, in its own direction.
         let [columns, rows] = [0, 1].map(|axis| {
             let first = 2 * square[axis];
             if self.line.direction[2 * axis] < 0.0 {

@@ -1,14 +1,15 @@
-//! Items near a location, by the length of the way there: through open portals, not through the walls between sectors.
+//! Items near a location, by the length of the shortest path through open portals, not through the walls between
+//! sectors.
 //!
-//! Best-first search over chains of portals: the chain whose last opening is nearest comes next, and a chain is dropped
-//! where another one reaches every point of its last opening by a way that is no longer.
-//! Source: Mitchell, Mount, Papadimitriou, The Discrete Geodesic Problem, 1987, for the order and the dominance; a
-//!     shortest way through given convex outlines is found by moving one bend at a time to its best point, for the
-//!     length is convex.
-//! Cost: for each chain kept, the items within what is left of the radius; at most [`NearItems::MAX_CHAINS`] chains.
-//! Mirrors cost nothing: no way by a mirror is shorter than the one without it.
+//! Idea: best-first search over chains of portals. The chain whose last opening is nearest is expanded next, and a
+//!     chain is pruned if another one reaches every point of its last opening by a path that is no longer.
+//! Source: Mitchell, Mount, Papadimitriou, The Discrete Geodesic Problem, 1987, for the search order and the dominance
+//!     test. The shortest path through given convex outlines is found by moving one bend at a time to its optimum,
+//!     which converges because the length is convex.
+//! Cost: per chain kept, the items within the remaining radius; at most [`NearItems::MAX_CHAINS`] chains.
+//! Mirrors cost nothing: no path by a mirror is shorter than the one without it.
 
-use super::place::{Location, corners};
+use super::location::{Location, corners};
 use crate::geom::{Aabb, nearest_in};
 use crate::geometry::ItemId;
 use crate::scene::{PortalId, Scene, SectorId};
@@ -16,31 +17,31 @@ use glam::{DAffine3, DMat3, DVec3};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
-/// An item near a location.
+/// Item found by [`Scene::near`], with its distance and the portals on the path.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct NearItem {
-    /// The sector that it stands in.
+    /// The sector that contains the item.
     pub sector: SectorId,
-    /// Which.
+    /// The item.
     pub item: ItemId,
-    /// Length of the shortest way to its box through open portals, in units of the space where the way begins. Behind
-    /// portals it may be a thousandth too long.
+    /// Length of the shortest path to its bounding box through open portals, in units of the space of the start. Up to
+    /// 0.1 % too long if the path crosses portals.
     pub distance: f64,
-    /// The portals on that way, in order.
+    /// The portals on the path, in order.
     pub crossed: Vec<PortalId>,
 }
 
-/// The items near a location, and how far the search for them went.
+/// Result of [`Scene::near`]: the items and the extent of the search.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct NearItems {
-    /// Each item once, by its shortest way: the nearest first, then by sector and number.
+    /// The items, each once, sorted by distance, then by sector and item id.
     pub items: Vec<NearItem>,
-    /// Whether every way within the radius was searched.
+    /// Whether every path within the radius was searched.
     pub complete: bool,
-    /// The radius, or less if a limit ended the search. All items within this distance are listed, at their right
-    /// distances; beyond it items may be missing, and distances may be too long.
+    /// The radius, or less if a limit ended the search. Within this distance all items are listed with correct
+    /// distances; beyond it items may be missing and distances may be too long.
     pub searched: f64,
 }
 
@@ -48,22 +49,26 @@ impl NearItems {
     /// Maximum number of chains of portals that one search follows.
     pub const MAX_CHAINS: usize = 1024;
 
-    /// Maximum number of portals on one way.
+    /// Maximum number of portals on one path.
     pub const MAX_CROSSED: usize = 64;
 
-    /// How much larger or smaller than at the start a way may make lengths, through portals that scale.
+    /// Maximum factor by which portals may scale lengths up or down relative to the start.
     pub const MAX_SCALE: f64 = 1e9;
 
-    /// Maximum number of openings that are measured: each gives a chain, of which few are followed.
+    /// Maximum number of openings measured. Each gives a chain, of which few are expanded.
     const MAX_MEASURED: usize = 65_536;
 }
 
 impl Scene {
-    /// Finds the items whose boxes are within `radius` of a place, by ways through open portals. Walls and items within a
-    /// sector are no obstacles; custom sectors report no items.
+    /// Finds the items whose bounding boxes are within `radius` of a location, along paths through open portals.
+    /// `radius` is in scene units of the start. Walls and items within a sector are no obstacles; custom sectors report
+    /// no items.
     ///
-    /// A position that is not finite, or a radius that is negative or NaN, finds nothing. Where a limit of [`NearItems`] ends
+    /// Finds nothing if the position is not finite or the radius is negative or NaN. If a limit of [`NearItems`] ends
     /// the search, [`NearItems::complete`] is `false`.
+    #[doc(alias = "proximity")]
+    #[doc(alias = "interest management")]
+    #[doc(alias = "area of interest")]
     pub fn near(&self, place: Location, radius: f32) -> NearItems {
         let mut search = Search {
             scene: self,
@@ -90,18 +95,18 @@ impl Scene {
 
 /// A chain of portals. All lengths and points are in the space of the start unless said otherwise.
 struct Chain {
-    /// The sector that it leads to.
+    /// The target sector.
     sector: SectorId,
-    /// The chain without its last portal, by number, and that portal; `None` at the start.
+    /// The index of the chain without its last portal, and that portal; `None` at the start.
     last: Option<(usize, PortalId)>,
     crossings: usize,
     /// The opening of the last portal; empty at the start.
     window: Vec<DVec3>,
     start_from_here: DAffine3,
     here_from_start: DAffine3,
-    /// Lengths here for a length of 1 at the start.
+    /// Length in the target sector of a unit length at the start.
     scale: f64,
-    /// Length of the shortest way to the window.
+    /// Length of the shortest path to the window.
     length: f64,
 }
 
@@ -130,7 +135,7 @@ impl Search<'_> {
         let mut complete = true;
         let mut kept = 0;
         let mut kept_in: BTreeMap<SectorId, Vec<usize>> = BTreeMap::new();
-        // Lengths are not negative, so their bits sort as they do.
+        // Lengths are not negative, so their bit patterns sort like the values.
         let key = |chains: &[Chain], number: usize| Reverse((chains[number].length.to_bits(), number));
         let mut waiting = BinaryHeap::from([key(&self.chains, 0)]);
         while let Some(Reverse((_, number))) = waiting.pop() {
@@ -172,8 +177,8 @@ impl Search<'_> {
             if length > self.radius {
                 continue;
             }
-            // A map that mirrors is followed by a reflection in the opening: no length changes, and a mirror becomes the
-            // identity, so that a way by it is one that returns.
+            // A mirrored transform is combined with a reflection in the opening: that changes no length and turns a
+            // mirror into the identity, so that `returns` prunes paths by it.
             let there_from_here = if portal.there_from_here.mirrors() {
                 portal.there_from_here.0 * reflection(&outline)
             } else {
@@ -205,13 +210,13 @@ impl Search<'_> {
         complete
     }
 
-    /// The chain and those that it is longer than, down to the start.
+    /// Iterates over a chain and its prefixes, down to the start.
     fn back_from(&self, number: usize) -> impl Iterator<Item = (usize, &Chain)> {
         let before = move |&number: &usize| self.chains[number].last.map(|(before, _)| before);
         std::iter::successors(Some(number), before).map(move |number| (number, &self.chains[number]))
     }
 
-    /// The windows of a chain, in order.
+    /// Returns the windows of a chain, in order.
     fn windows(&self, number: usize) -> Vec<&[DVec3]> {
         let mut windows: Vec<&[DVec3]> = (self.back_from(number))
             .filter(|(_, chain)| chain.last.is_some())
@@ -221,7 +226,7 @@ impl Search<'_> {
         windows
     }
 
-    /// Whether the chain comes back to a sector that it was in before, as if it had not left: then no way by it is
+    /// Returns `true` if the chain returns to a sector of one of its prefixes with the same transform. No path by it is
     /// shorter than the straight one from where it left.
     fn returns(&self, number: usize) -> bool {
         let chain = &self.chains[number];
@@ -237,24 +242,24 @@ impl Search<'_> {
         })
     }
 
-    /// Whether one of the `rivals`, chains to the same sector, reaches every point of the chain's last window by a way
-    /// that is no longer: then it reaches all behind it so.
+    /// Returns `true` if one of the `rivals`, chains to the same sector, reaches every point of the chain's last window
+    /// by a path that is no longer. Then it also does for everything behind the window.
     fn is_dominated(&self, number: usize, rivals: &[usize]) -> bool {
         const SLACK: f64 = 1.0 + 1e-9;
         let chain = &self.chains[number];
         let Some((before, _)) = chain.last else {
             return false;
         };
-        // Lengths are convex functions on the window. That of the chain is nowhere below its tangent plane at the middle,
-        // nor below its minimum; so that of the rival need only be below one of these, and at the corners only.
+        // Lengths are convex functions on the window. That of the chain is nowhere below its tangent plane at the
+        // centre, nor below its minimum; so it suffices that the rival's is below one of these, at the corners only.
         let middle = chain.window.iter().sum::<DVec3>() / chain.window.len() as f64;
         let (to_middle, bend) = way(self.start, &self.windows(before), |_| middle);
         let slope = (middle - bend).normalize_or_zero();
-        // Where the way bends hardly before the middle, its slope there is uncertain.
+        // If the last bend is close to the centre, the slope there is uncertain.
         let has_slope = middle.distance(bend) > 0.01 * to_middle;
         let is_no_longer = |rival: &usize| {
             let other = &self.chains[*rival];
-            // Behind the window, lengths count less where the scale is larger.
+            // Behind the window, a larger scale makes lengths count less.
             if other.scale * SLACK < chain.scale {
                 return false;
             }
@@ -265,7 +270,7 @@ impl Search<'_> {
                 let minimum = chain.length * SLACK;
                 let here = chain.here_from_start.transform_point3(corner);
                 let target = other.start_from_here.transform_point3(here);
-                // The straight line is a cheap lower bound.
+                // The straight line is an inexpensive lower bound.
                 let mut length = self.start.distance(target);
                 if (below_tangent && length <= tangent) || (below_minimum && length <= minimum) {
                     length = way(self.start, &windows, |_| target).0;
@@ -278,7 +283,7 @@ impl Search<'_> {
         rivals.iter().any(is_no_longer)
     }
 
-    /// Takes the items of the sector that a chain leads to, where it is their shortest way as yet.
+    /// Adds the items of a chain's sector for which the chain gives the shortest path so far.
     fn take_items(&mut self, number: usize) {
         let chain = &self.chains[number];
         let Some(geometry) = self.scene.geometry(chain.sector) else {
@@ -292,7 +297,7 @@ impl Search<'_> {
             .filter_map(|(_, chain)| Some(chain.last?.1))
             .collect();
         crossed.reverse();
-        // The box around the entry, here.
+        // Bounding box of the entry, in the space of the sector.
         let entry = (chain.window.iter())
             .map(|&corner| chain.here_from_start.transform_point3(corner))
             .fold(None, |sum: Option<[DVec3; 2]>, corner| {
@@ -300,7 +305,7 @@ impl Search<'_> {
                 Some([min.min(corner), max.max(corner)])
             });
         let origin = chain.here_from_start.transform_point3(self.start);
-        // Unfolded, the way is no shorter than the straight line.
+        // Unfolded, the path is no shorter than the straight line.
         let reach = self.radius * chain.scale * (1.0 + 1e-9);
         let found = &mut self.found;
         geometry.items_within(origin, reach, |item| {
@@ -328,7 +333,7 @@ impl Search<'_> {
     }
 }
 
-/// The longest side of the box around some points.
+/// Returns the longest side of the bounding box of some points.
 fn extent(points: &[DVec3]) -> f64 {
     let [min, max] = points
         .iter()
@@ -338,7 +343,7 @@ fn extent(points: &[DVec3]) -> f64 {
     (max - min).max_element()
 }
 
-/// The distance between two boxes.
+/// Returns the distance between two boxes.
 fn gap([min, max]: [DVec3; 2], bounds: &Aabb) -> f64 {
     let [low, high] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
     (low - max).max(min - high).max(DVec3::ZERO).length()
@@ -349,7 +354,7 @@ fn nearest_in_box(bounds: &Aabb, point: DVec3) -> DVec3 {
     point.max(min).min(max)
 }
 
-/// The unit normal of a convex outline.
+/// Returns the unit normal of a convex outline.
 fn normal_of(outline: &[DVec3]) -> DVec3 {
     (outline[1..].windows(2))
         .map(|pair| (pair[0] - outline[0]).cross(pair[1] - outline[0]))
@@ -357,7 +362,7 @@ fn normal_of(outline: &[DVec3]) -> DVec3 {
         .normalize_or_zero()
 }
 
-/// The reflection in the plane of an outline.
+/// Returns the reflection in the plane of an outline.
 fn reflection(outline: &[DVec3]) -> DAffine3 {
     let n = normal_of(outline);
     DAffine3 {
@@ -366,8 +371,8 @@ fn reflection(outline: &[DVec3]) -> DAffine3 {
     }
 }
 
-/// The length of the shortest way from a point through all windows to the nearest point of a target, and the point where
-/// it bends last before the target. It may be a thousandth too long.
+/// Returns the length of the shortest path from a point through all windows to the nearest point of a target, and its
+/// last bend before the target. The length is up to 0.1 % too long.
 fn way(start: DVec3, windows: &[&[DVec3]], nearest: impl Fn(DVec3) -> DVec3) -> (f64, DVec3) {
     if windows.is_empty() {
         return (start.distance(nearest(start)), start);
@@ -379,7 +384,7 @@ fn way(start: DVec3, windows: &[&[DVec3]], nearest: impl Fn(DVec3) -> DVec3) -> 
     }
     bends.push(nearest(bends[bends.len() - 1]));
     let mut length = shorten(&mut bends, windows, &nearest);
-    // Where bends meet, in windows or items that touch, no move of one alone makes the way shorter.
+    // Where bends coincide, in windows or items that touch, moving one of them alone never shortens the path.
     let is_stuck = (bends[1..].windows(2)).any(|pair| pair[0].distance(pair[1]) < 0.01 * length);
     if is_stuck {
         smooth(&mut bends, windows, &nearest, length);
@@ -388,12 +393,12 @@ fn way(start: DVec3, windows: &[&[DVec3]], nearest: impl Fn(DVec3) -> DVec3) -> 
     (length, bends[windows.len()])
 }
 
-/// The sum of all distances from one bend to the next.
+/// Returns the length of a path: the sum of the distances between consecutive bends.
 fn length_of(bends: &[DVec3]) -> f64 {
     (bends.windows(2)).map(|pair| pair[0].distance(pair[1])).sum()
 }
 
-/// Moves one bend at a time to its best point, until the way becomes no shorter. Returns its length.
+/// Moves one bend at a time to its optimum until the path gets no shorter. Returns its length.
 fn shorten(bends: &mut [DVec3], windows: &[&[DVec3]], nearest: impl Fn(DVec3) -> DVec3) -> f64 {
     const ROUNDS: usize = 64;
     let last = bends.len() - 1;
@@ -411,10 +416,10 @@ fn shorten(bends: &mut [DVec3], windows: &[&[DVec3]], nearest: impl Fn(DVec3) ->
     length
 }
 
-/// Moves the bends to where the sum of √(distance² + slack²) is smallest, for a slack that shrinks from a part of the
-/// `length` of the way to nearly nothing: such a sum has no points where bends are stuck.
+/// Moves the bends to the minimum of the sum of √(distance² + slack²), for a slack that shrinks from a tenth of the
+/// `length` of the path to nearly 0. That sum has no points where bends get stuck.
 ///
-/// Source: Weiszfeld, 1937: each is drawn to its neighbours by the inverse of their distances.
+/// Source: Weiszfeld, 1937: each bend moves to the mean of its neighbours, weighted by inverse distance.
 fn smooth(bends: &mut [DVec3], windows: &[&[DVec3]], nearest: impl Fn(DVec3) -> DVec3, length: f64) {
     let last = bends.len() - 1;
     let mut slack = 0.1 * length;
@@ -429,11 +434,11 @@ fn smooth(bends: &mut [DVec3], windows: &[&[DVec3]], nearest: impl Fn(DVec3) -> 
     }
 }
 
-/// The point of a convex outline by which the way from one point to another is shortest.
+/// Returns the point of a convex outline on the shortest path from one point to another.
 fn best_between(window: &[DVec3], from: DVec3, to: DVec3) -> DVec3 {
     let normal = normal_of(window);
     let [here, there] = [from, to].map(|point| normal.dot(point - window[0]));
-    // Both on one side: as long as to the other's mirror image.
+    // If both are on one side, the length equals that to the mirror image of the other.
     let [here, there] = [here.abs(), there.abs()];
     let [below_from, below_to] = [from, to].map(|point| point - normal * normal.dot(point - window[0]));
     if here + there > 0.0 {
@@ -470,7 +475,7 @@ mod tests {
 
     #[test]
     fn a_way_round_the_post_of_a_door_bends_at_the_post() {
-        // A doorway from x = 0 to 1 in the plane z = 0; both ends stand to the left of it.
+        // A doorway from x = 0 to 1 in the plane z = 0; both ends are to the left of it.
         let door = [[0.0, 0.0], [1.0, 0.0], [1.0, 2.0], [0.0, 2.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
         let start = DVec3::new(-3.0, 1.0, 4.0);
         let target = DVec3::new(-8.0, 1.0, -6.0);

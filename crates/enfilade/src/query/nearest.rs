@@ -1,10 +1,10 @@
-//! The nearest items.
+//! The items nearest to a point.
 //!
-//! The tree over the items is walked from near to far; once as many are known as are wanted, what is farther than the
-//! last of them is skipped.
+//! Idea: best-bounded traversal of the item tree, near to far. Once `count` items are known, nodes farther than the
+//!     farthest of them are skipped.
 //! Source: Roussopoulos, Kelley, Vincent, Nearest Neighbor Queries, SIGMOD 1995.
 //! Cost: O(log items + count · log count) where little overlaps.
-//! Exact: distances are those to the items' boxes, in f64; a node is never farther than what is in it.
+//! Exact: distances are those to the items' boxes, in f64; a node is never farther than its contents.
 
 use super::items::nearest_squared;
 use crate::geom::Step;
@@ -13,12 +13,12 @@ use glam::DVec3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// An item and how far it is. The nearer comes first, at one distance the lower.
+/// Item with its distance from a point. Ordered by distance, then by item id.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearestItem {
-    /// Which.
+    /// The item.
     pub item: ItemId,
-    /// From the point to its box, in scene units; 0 within.
+    /// Distance from the point to the bounding box of the item, in scene units; 0 inside.
     pub distance: f64,
 }
 
@@ -38,11 +38,15 @@ impl PartialOrd for NearestItem {
 }
 
 impl Geometry {
-    /// The `count` items whose boxes are nearest to a point, and no farther than `radius`, in scene units: the nearest first,
-    /// then by number. They replace what `found` held; nothing is allocated where it has room.
+    /// Finds the `count` items whose bounding boxes are nearest to a point, at most `radius` away, in scene units.
+    /// Replaces the contents of `found`, sorted by distance, then by item id. Does not allocate if `found` has enough
+    /// capacity.
     ///
-    /// `usize::MAX` and infinity ask for all. None are within a radius that is negative or NaN, or of a point that is not
-    /// finite. Walls are not in the way, and openings lead nowhere: [`Scene::near`](crate::Scene::near) goes through those.
+    /// Pass `usize::MAX` and infinity for all items. Finds nothing if the radius is negative or NaN or the point is not
+    /// finite. Ignores walls and portals; [`Scene::near`](crate::Scene::near) follows portals.
+    #[doc(alias = "nearest neighbor")]
+    #[doc(alias = "k-nearest")]
+    #[doc(alias = "kNN")]
     pub fn nearest_items(&self, point: [f32; 3], count: usize, radius: f32, found: &mut Vec<NearestItem>) {
         found.clear();
         let point = DVec3::from(point.map(f64::from));
@@ -50,7 +54,7 @@ impl Geometry {
         if !(point.is_finite() && reach >= 0.0 && count > 0) {
             return;
         }
-        // Its top is the farthest: the next to go.
+        // A max-heap: its top is the farthest, the next to be replaced.
         let mut best = BinaryHeap::from(std::mem::take(found));
         self.item_tree().walk(point.into(), |step| match step {
             Step::Node(bounds) => nearest_squared(bounds, point).sqrt() <= reach,

@@ -1,4 +1,4 @@
-//! Rays that follow portals.
+//! Ray casts that follow portals.
 
 use crate::geom::{Transform, is_in_range, pierced};
 use crate::geometry::OpeningId;
@@ -6,52 +6,57 @@ use crate::scene::{PortalId, Scene, SectorId};
 use crate::sector::{Hit, Ray};
 use glam::DVec3;
 
-/// Where a ray ends.
+/// Result of [`Scene::cast`]: where a ray ends, and the portals it crossed.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RayCast {
-    /// In which sector.
+    /// The sector in which the ray ends.
     pub sector: SectorId,
-    /// What stops it there.
+    /// The obstacle that stops the ray.
     pub end: RayEnd,
-    /// How far that is, over all portals, in lengths of the ray's direction.
+    /// Distance over all portals, in multiples of the length of the ray's direction; infinite for [`RayEnd::Nothing`].
     pub distance: f64,
-    /// From the space that the ray begins in to that of `sector`.
+    /// Maps the space of the start to that of `sector`.
     pub there_from_here: Transform,
-    /// The portals that it went through, in order.
+    /// The portals crossed, in order.
     pub crossed: Vec<PortalId>,
 }
 
-/// What stops a ray.
+/// Obstacle at the end of a [`RayCast`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum RayEnd {
-    /// A face; its distance is counted from the last portal.
+    /// A face. [`Hit::distance`] counts from the last portal.
     Face(Hit),
-    /// An opening, from its front, that is closed or leads nowhere.
+    /// An opening, hit from the front, that is closed or leads nowhere.
     Closed(OpeningId),
-    /// An opening that is not followed: it would be one more than [`RayCast::MAX_CROSSED`], or leads beyond
-    /// [`MAX_COORDINATE`](crate::MAX_COORDINATE), or to where the ray's direction is too short or too long for 32-bit
-    /// numbers, as portals that enlarge or shrink again and again do.
+    /// An opening that is not followed, because it exceeds [`RayCast::MAX_CROSSED`], leads beyond
+    /// [`MAX_COORDINATE`](crate::MAX_COORDINATE), or scales the direction out of the range of f32, as portals that
+    /// scale up or down repeatedly do.
     Limit(OpeningId),
-    /// Nothing, however far.
+    /// No obstacle: the ray goes to infinity.
     Nothing,
 }
 
 impl RayCast {
-    /// Portals that one ray goes through at most.
+    /// Maximum number of portals that one ray crosses.
     pub const MAX_CROSSED: usize = 256;
 }
 
 impl Scene {
-    /// Follows a ray through every open portal that it crosses, to the first thing that stops it.
+    /// Casts a ray from a sector through open portals and returns the first hit.
     ///
-    /// Cost: for each sector on the way that of its own [`Sector::cast`](crate::Sector::cast), and O(openings).
+    /// The direction may have any length but 0; distances are multiples of it. All faces stop the ray, from both sides.
+    ///
+    /// Cost: per sector on the way, that of its [`Sector::cast`](crate::Sector::cast) and O(openings).
+    #[doc(alias = "raycast")]
+    #[doc(alias = "pick")]
+    #[doc(alias = "picking")]
     pub fn cast(&self, from: SectorId, ray: &Ray) -> RayCast {
         self.cast_until(from, ray, f64::INFINITY)
     }
 
-    /// As [`Scene::cast`], but follows no opening that is farther than `limit`.
+    /// Casts a ray as [`Scene::cast`] does, but follows no opening that is farther than `limit`.
     pub(super) fn cast_until(&self, from: SectorId, ray: &Ray, limit: f64) -> RayCast {
         let mut cast = RayCast {
             sector: from,
@@ -98,7 +103,7 @@ impl Scene {
         }
     }
 
-    /// The nearest opening that a ray goes into from the front, and where.
+    /// Returns the nearest opening that a ray enters from the front, and the distance to it.
     fn next_opening(
         &self,
         sector: SectorId,
@@ -114,13 +119,15 @@ impl Scene {
             (came_through.zip(portal)).is_some_and(|(came, portal)| self.leads_back(came, portal))
         };
         let openings = (0..).map(OpeningId).zip(self.sector(sector).openings());
-        // Added to a far origin, a direction that portals have shrunk would be lost in rounding.
+        // Normalized, because a direction that portals have scaled down would be lost in rounding when added to a far
+        // origin.
         let length = direction.abs().max_element();
         openings
             .filter_map(|(id, opening)| {
                 let mut pierced = pierced(&opening.outline, [origin, origin + direction / length])?;
                 pierced.at /= length;
-                // From the front, and ahead: the second point may lie before the plane or behind it.
+                // The second point may be on either side of the plane, so only the side of the origin and the sign of
+                // the distance count.
                 let inwards = pierced.at >= 0.0 && pierced.from_front;
                 (inwards && pierced.at.is_finite() && !is_way_back(id)).then_some((id, pierced.at))
             })
@@ -128,7 +135,7 @@ impl Scene {
     }
 }
 
-/// Whether 32-bit numbers can hold a ray that has come through a portal.
+/// Returns `true` if f32 can represent a ray that has crossed a portal.
 fn is_followed(ray: &Ray) -> bool {
     let length = ray
         .direction

@@ -1,27 +1,32 @@
-//! Whether one place sees another.
+//! Line of sight between two locations, through portals.
 
 use super::beam::LightReach;
-use super::place::Location;
+use super::location::Location;
 use super::ray::{RayCast, RayEnd};
 use crate::scene::{PortalId, Scene};
 use crate::sector::Ray;
 use crate::viewer::Limits;
 
-/// A straight line from one place to another that nothing stops.
+/// Unobstructed straight line between two locations, from [`Scene::sees`].
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SightLine {
-    /// From the first place to where the other appears from it, in the space of the first.
+    /// Vector from the first location to the apparent position of the second, in the space of the first.
     pub direction: [f32; 3],
-    /// The portals that it goes through, in order.
+    /// The portals that the line crosses, in order.
     pub crossed: Vec<PortalId>,
 }
 
 impl Scene {
-    /// Does one place see another, straight or through open portals? Gives the first line that is found, by the fewest
-    /// portals; `None` where no line is, or none within the default [`Limits`], or a position is not finite. Faces of glass stop it as others do.
+    /// Tests the line of sight between two locations, straight or through open portals.
     ///
-    /// Cost: O(beams that reach the other's sector) rays.
+    /// Returns the first unobstructed line found, by the fewest portals. `None` if there is none within the default
+    /// [`Limits`], or if a position is not finite. All faces are obstacles, alpha-blended ones too.
+    ///
+    /// Cost: one ray per beam that reaches the sector of the second location ([`Scene::reach`]).
+    #[doc(alias = "line of sight")]
+    #[doc(alias = "LOS")]
+    #[doc(alias = "visibility test")]
     pub fn sees(&self, from: Location, to: Location) -> Option<SightLine> {
         if !from
             .position
@@ -44,7 +49,7 @@ impl Scene {
         beam: &LightReach,
         all: &[LightReach],
     ) -> Option<SightLine> {
-        // Where a line ends before the other place, by rounding, it ends there.
+        // Fraction of the line that must be unobstructed; the rest is tolerance for rounding.
         const THERE: f64 = 1.0 - 1e-5;
         let up = |beam: &&LightReach| beam.parent.map(|parent| &all[parent as usize]);
         let chain = std::iter::successors(Some(beam), up);

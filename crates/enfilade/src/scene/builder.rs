@@ -1,8 +1,8 @@
-//! Puts a scene together, and refuses one that cannot be.
+//! Builds a scene from sectors and portals, and validates it.
 
 use super::locate::Boxes;
 use super::{
-    Body, ErrorSubject, Exit, Light, LightId, Placed, Portal, PortalId, Scene, SceneError, SectorId,
+    Body, ErrorSubject, Exit, Light, LightId, Portal, PortalId, Scene, SceneError, SceneSector, SectorId,
 };
 use crate::geom::{Transform, is_in_range};
 use crate::geometry::{Geometry, Opening, OpeningId};
@@ -10,10 +10,25 @@ use crate::method::Method;
 use crate::sector::Sector;
 use std::sync::Arc;
 
-/// Gathers sectors and portals; [`SceneBuilder::build`] checks them.
+/// Builder for a [`Scene`]: collects sectors, portals and lights, which [`SceneBuilder::build`] checks and connects.
+///
+/// ```
+/// use enfilade::*;
+///
+/// let doorway = ConvexPolygon::rectangle([-0.5, 0.0, -3.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0])?;
+/// let [mut hall, mut study] = [(); 2].map(|()| GeometryBuilder::new([]));
+/// let [out, back] = [hall.opening("out", doorway.clone()), study.opening("back", doorway.flipped())];
+/// let mut scene = SceneBuilder::new();
+/// let hall = scene.add("hall", hall.build()?, Method::ZBuffer);
+/// let study = scene.add("study", study.build()?, Method::HierarchicalZ);
+/// scene.door((hall, out), (study, back));
+/// assert_eq!(scene.build()?.portals().len(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "world builder")]
 #[derive(Default)]
 pub struct SceneBuilder {
-    sectors: Vec<Waiting>,
+    sectors: Vec<PendingSector>,
     nested: Vec<Scene>,
     portals: Vec<(PortalEnd, PortalEnd, Transform)>,
     exits: Vec<(String, PortalEnd)>,
@@ -22,24 +37,24 @@ pub struct SceneBuilder {
     limit_bytes: Option<u64>,
 }
 
-enum Waiting {
+enum PendingSector {
     BuiltIn(String, Arc<Geometry>, Method),
     Custom(String, Arc<dyn Sector>),
 }
 
-/// A scene that stands in another, by the order of [`SceneBuilder::nest`].
+/// Id of a nested scene: its index in the order of [`SceneBuilder::nest`] calls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NestedId(u32);
 
-/// One end of a portal: an opening of a sector, a named exit of a nested scene, or anywhere in a sector.
+/// One end of a portal: an opening of a sector, a named exit of a nested scene, or any position in a sector.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PortalEnd {
     /// An opening of a sector of this scene.
     Opening(SectorId, OpeningId),
-    /// An exit of a scene that stands in this one.
+    /// A named exit of a scene that is nested in this one.
     Exit(NestedId, String),
-    /// Anywhere in a sector of this scene, as its portal's transform says: a portal may lead there, as a teleport does,
-    /// but not out of it.
+    /// A position in a sector of this scene, given by the portal's transform. A portal may lead there, as a teleporter
+    /// does, but not start there.
     Anywhere(SectorId),
 }
 
@@ -61,37 +76,53 @@ impl From<(NestedId, &str)> for PortalEnd {
     }
 }
 
+impl Scene {
+    /// Builds a scene of one sector, called "scene", without portals.
+    ///
+    /// # Errors
+    /// Returns the errors of [`SceneBuilder::build`]: the geometry may not meet the requirement of the method, or the
+    /// method may need too much memory.
+    pub fn single(geometry: impl Into<Arc<Geometry>>, method: Method) -> Result<Scene, SceneError> {
+        let mut scene = SceneBuilder::new();
+        scene.add("scene", geometry, method);
+        scene.build()
+    }
+}
+
 impl SceneBuilder {
-    /// Starts with nothing.
+    /// Creates an empty builder.
     pub fn new() -> SceneBuilder {
         SceneBuilder::default()
     }
 
-    /// What one sector's method may build, in bytes; [`Method::DEFAULT_LIMIT`] unless told.
+    /// Sets the memory limit per sector for what its method builds, in bytes. Default: [`Method::DEFAULT_LIMIT`].
     pub fn limit_bytes(&mut self, limit: u64) {
         self.limit_bytes = Some(limit);
     }
 
-    /// Adds geometry as a sector that `method` sees.
+    /// Adds a sector with the given geometry and method. Names need not be unique. Returns its id.
     pub fn add(&mut self, name: &str, geometry: impl Into<Arc<Geometry>>, method: Method) -> SectorId {
         self.sectors
-            .push(Waiting::BuiltIn(name.to_owned(), geometry.into(), method));
+            .push(PendingSector::BuiltIn(name.to_owned(), geometry.into(), method));
         SectorId(self.sectors.len() as u32 - 1)
     }
 
-    /// Adds a sector of one's own.
+    /// Adds a custom sector: a user-defined implementation of [`Sector`]. Returns its id.
     pub fn add_custom(&mut self, name: &str, sector: Arc<dyn Sector>) -> SectorId {
-        self.sectors.push(Waiting::Custom(name.to_owned(), sector));
+        self.sectors.push(PendingSector::Custom(name.to_owned(), sector));
         SectorId(self.sectors.len() as u32 - 1)
     }
 
-    /// Lets a scene stand in this one. It is entered and left through its exits only.
+    /// Nests a copy of a built scene in this one. Portals can connect it through its named exits only.
     pub fn nest(&mut self, scene: &Scene) -> NestedId {
         self.nested.push(scene.clone());
         NestedId(self.nested.len() as u32 - 1)
     }
 
-    /// One way out of `from`, into the sector that `to` is an opening of.
+    /// Adds a one-way portal that leads out of `from` into the sector of `to`. `there_from_here` maps the space of
+    /// `from` to the space of `to`: rigid, uniformly scaling or reflecting.
+    #[doc(alias = "portal link")]
+    #[doc(alias = "teleporter")]
     pub fn portal(
         &mut self,
         from: impl Into<PortalEnd>,
@@ -102,21 +133,24 @@ impl SceneBuilder {
         self
     }
 
-    /// Two portals between two openings at one place, in sectors that share their space.
+    /// Adds two portals, one each way, between two coincident openings of sectors that share a coordinate space.
+    #[doc(alias = "doorway")]
     pub fn door(&mut self, a: impl Into<PortalEnd>, b: impl Into<PortalEnd>) -> &mut Self {
         let (a, b) = (a.into(), b.into());
         self.portal(a.clone(), b.clone(), Transform::IDENTITY)
             .portal(b, a, Transform::IDENTITY)
     }
 
-    /// A portal back into the sector of `opening` that reflects in the opening's plane. An opening that is not
-    /// there is reported by [`SceneBuilder::build`].
+    /// Adds a portal from an opening back into its own sector, reflected in the plane of the opening.
+    /// [`SceneBuilder::build`] reports an opening that does not exist.
     pub fn mirror(&mut self, sector: SectorId, opening: OpeningId) -> &mut Self {
         let outline = match self.sectors.get(sector.0 as usize) {
-            Some(Waiting::BuiltIn(_, geometry, _)) => {
+            Some(PendingSector::BuiltIn(_, geometry, _)) => {
                 geometry.openings().get(opening.0 as usize).map(|o| &o.outline)
             }
-            Some(Waiting::Custom(_, own)) => own.openings().get(opening.0 as usize).map(|o| &o.outline),
+            Some(PendingSector::Custom(_, custom)) => {
+                custom.openings().get(opening.0 as usize).map(|o| &o.outline)
+            }
             None => None,
         };
         let reflection = outline.map_or(Transform::IDENTITY, |outline| {
@@ -125,62 +159,62 @@ impl SceneBuilder {
         self.portal((sector, opening), (sector, opening), reflection)
     }
 
-    /// Names an opening through which one leaves this scene when it stands in another.
+    /// Names an opening as an exit: an outer scene in which this one is nested can connect it. Names must be unique.
     pub fn exit(&mut self, name: &str, from: impl Into<PortalEnd>) -> &mut Self {
         self.exits.push((name.to_owned(), from.into()));
         self
     }
 
-    /// Hangs up a lamp in a sector of this scene.
+    /// Adds a light to a sector of this scene. Returns its id.
     pub fn light(&mut self, light: Light) -> LightId {
         self.lights.push(light);
         LightId(self.lights.len() as u32 - 1)
     }
 
-    /// States that a sector has no top, as a garden or a courtyard: [`Scene::locate`] extends its box upwards (+Y) without end.
-    /// Affects nothing else.
+    /// Declares that a sector has no top, as a garden or a courtyard: [`Scene::locate`] extends its box upwards (+Y) to
+    /// infinity. Affects nothing else.
     pub fn open_above(&mut self, sector: SectorId) -> &mut Self {
         self.open_above.push(sector);
         self
     }
 
-    /// Builds every sector's method and joins everything.
+    /// Builds the method of every sector and connects the portals.
     ///
     /// # Errors
-    /// One [`SceneError`] for the first broken rule.
+    /// Returns a [`SceneError`] for the first rule that is broken.
     pub fn build(self) -> Result<Scene, SceneError> {
         let limit = self.limit_bytes.unwrap_or(Method::DEFAULT_LIMIT);
-        let custom_sectors = self.sectors.len();
-        let mut sectors = Vec::with_capacity(custom_sectors);
-        for waiting in self.sectors {
-            sectors.push(place(waiting, limit)?);
+        let direct_sectors = self.sectors.len();
+        let mut sectors = Vec::with_capacity(direct_sectors);
+        for pending in self.sectors {
+            sectors.push(build_sector(pending, limit)?);
         }
         for id in self.open_above {
             let placed = sectors.get_mut(id.0 as usize);
             let placed = placed.ok_or(SceneError::NoSuchSector {
                 subject: ErrorSubject::OpenAbove,
                 sector: id.0,
-                sectors: custom_sectors,
+                sectors: direct_sectors,
             })?;
             placed.open_above = true;
         }
-        let mut joined = Joined {
-            custom_sectors,
+        let mut joined = FlatGraph {
+            direct_sectors,
             sectors,
             portals: Vec::new(),
             lights: Vec::new(),
             scenes: Vec::new(),
         };
         for (number, light) in self.lights.into_iter().enumerate() {
-            if !light.is_sound() || light.sector.0 as usize >= custom_sectors {
+            if !light.is_sound() || light.sector.0 as usize >= direct_sectors {
                 return Err(SceneError::BadLight(number));
             }
             joined.lights.push(light);
         }
         for scene in self.nested {
-            joined.take_in(scene);
+            joined.append(scene);
         }
-        let taken_in = joined.portals.len();
+        let nested_portals = joined.portals.len();
         for (number, (from, to, there_from_here)) in self.portals.into_iter().enumerate() {
             if !there_from_here.is_similarity() {
                 return Err(SceneError::NotSimilar(number));
@@ -213,30 +247,30 @@ impl SceneBuilder {
                 opening,
             });
         }
-        joined.finish(taken_in, exits, limit)
+        joined.finish(nested_portals, exits, limit)
     }
 }
 
-fn place(waiting: Waiting, limit: u64) -> Result<Placed, SceneError> {
-    Ok(match waiting {
-        Waiting::Custom(name, sector) => {
+fn build_sector(pending: PendingSector, limit: u64) -> Result<SceneSector, SceneError> {
+    Ok(match pending {
+        PendingSector::Custom(name, sector) => {
             let bounds = sector.bounds();
-            // A sky may reach to infinity.
+            // The bounds of a sky may be infinite.
             let is_sound = |side: f32| side.is_infinite() || is_in_range(side);
             if !bounds.min.into_iter().chain(bounds.max).all(is_sound) {
                 return Err(SceneError::BadBounds(name));
             }
-            Placed {
+            SceneSector {
                 name,
                 body: Body::Custom(sector),
                 open_above: false,
                 builds: 0,
             }
         }
-        Waiting::BuiltIn(name, geometry, method) => {
+        PendingSector::BuiltIn(name, geometry, method) => {
             let built = method.build_editable(geometry, limit);
             let sector = built.map_err(|why| SceneError::unsuited(&name, why))?;
-            Placed {
+            SceneSector {
                 name,
                 body: Body::BuiltIn { method, sector },
                 open_above: false,
@@ -246,17 +280,17 @@ fn place(waiting: Waiting, limit: u64) -> Result<Placed, SceneError> {
     })
 }
 
-/// The flat graph that nested scenes are taken into.
-struct Joined {
-    custom_sectors: usize,
-    sectors: Vec<Placed>,
+/// The flat graph of sectors and portals into which nested scenes are copied.
+struct FlatGraph {
+    direct_sectors: usize,
+    sectors: Vec<SceneSector>,
     portals: Vec<Portal>,
     lights: Vec<Light>,
     scenes: Vec<Vec<Exit>>,
 }
 
-impl Joined {
-    fn take_in(&mut self, scene: Scene) {
+impl FlatGraph {
+    fn append(&mut self, scene: Scene) {
         let shift = self.sectors.len() as u32;
         let moved = |id: SectorId| SectorId(id.0 + shift);
         self.portals.extend(scene.portals.into_iter().map(|p| Portal {
@@ -310,11 +344,11 @@ impl Joined {
                 return Ok((exit.sector, Some(exit.opening)));
             }
         };
-        if sector.0 as usize >= self.custom_sectors {
+        if sector.0 as usize >= self.direct_sectors {
             return Err(SceneError::NoSuchSector {
                 subject: subject.clone(),
                 sector: sector.0,
-                sectors: self.custom_sectors,
+                sectors: self.direct_sectors,
             });
         }
         let placed = &self.sectors[sector.0 as usize];
@@ -331,7 +365,7 @@ impl Joined {
         Ok((sector, opening))
     }
 
-    fn finish(self, taken_in: usize, exits: Vec<Exit>, limit_bytes: u64) -> Result<Scene, SceneError> {
+    fn finish(self, nested_portals: usize, exits: Vec<Exit>, limit_bytes: u64) -> Result<Scene, SceneError> {
         let mut first_opening = vec![0];
         for placed in &self.sectors {
             first_opening.push(first_opening[first_opening.len() - 1] + placed.openings().len() as u32);
@@ -339,7 +373,7 @@ impl Joined {
         let mut portal_of: Vec<Option<PortalId>> = vec![None; first_opening[self.sectors.len()] as usize];
         let subject = |number: usize| {
             number
-                .checked_sub(taken_in)
+                .checked_sub(nested_portals)
                 .map_or(ErrorSubject::PortalWithin, ErrorSubject::Portal)
         };
         for (number, portal) in self.portals.iter().enumerate() {
@@ -354,7 +388,7 @@ impl Joined {
                 });
             }
         }
-        let boxes = self.sectors.iter().map(Placed::space).collect();
+        let boxes = self.sectors.iter().map(SceneSector::space).collect();
         Ok(Scene {
             boxes: Boxes::new(boxes),
             sectors: self.sectors,
@@ -369,7 +403,7 @@ impl Joined {
     }
 }
 
-impl Placed {
+impl SceneSector {
     fn openings(&self) -> &[Opening] {
         self.sector().openings()
     }

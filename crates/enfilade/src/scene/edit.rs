@@ -1,7 +1,8 @@
-//! Edits: items that come, go, move and change, between looks.
+//! Item edits between looks: add, remove, move and change items.
 //!
-//! Everything asked for is checked at once, and done at the end, all of it or nothing. Orders that can follow in place do;
-//! others are built anew. A viewer's memory stays right: what it saw last and is no more is not asked for again.
+//! An [`Edit`] validates each change when it is requested and applies all of them in [`Edit::finish`], all or none.
+//! Orders that support it are updated in place; others are rebuilt. A viewer's temporal coherence stays valid: it skips
+//! remembered clusters that no longer exist.
 
 use super::{Body, Scene, SceneError, SectorId};
 use crate::geom::{MAX_COORDINATE, Transform};
@@ -12,79 +13,82 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// Changes of items that are not yet done: [`Edit::finish`] does them. Dropped before, it leaves the scene as it was.
+/// A batch of pending item changes. [`Edit::finish`] applies them; dropping the edit discards them.
 ///
-/// An item that stands in several sectors is one in each.
+/// An item that is in several sectors is a separate item in each.
+#[doc(alias = "dynamic objects")]
 #[must_use = "nothing changes before `finish`"]
 pub struct Edit<'a> {
     scene: &'a mut Scene,
     changes: BTreeMap<SectorId, Changes>,
 }
 
-/// Why an item cannot be changed so. It stays as it was, and the rest of the edit goes on.
+/// An error of an item change. The item stays unchanged, and the rest of the edit can continue.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum EditError {
-    /// The scene has no such sector.
-    #[error("there is no sector {sector}: the scene has {sectors}")]
+    /// The sector does not exist.
+    #[error("sector {sector} does not exist; the scene has only {sectors}")]
     NoSuchSector {
-        /// Which was asked for.
+        /// The requested sector.
         sector: u32,
-        /// How many there are.
+        /// The number of sectors.
         sectors: usize,
     },
-    /// The sector is one of the user's own.
-    #[error("sector `{0}` is one of your own: its items are its own affair")]
-    NotOurs(String),
-    /// There is no such item, or not any more.
-    #[error("sector `{sector}` has no item {item}: it was removed, or never there")]
+    /// The sector is custom, so the scene does not hold its items.
+    #[error("sector `{0}` is custom; its items cannot be edited through the scene")]
+    CustomSector(String),
+    /// The item does not exist, or was removed.
+    #[error("sector `{sector}` has no item {item}; it was removed or never existed")]
     NoSuchItem {
         /// The sector's name.
         sector: String,
-        /// Which was asked for.
+        /// The requested item.
         item: u32,
     },
-    /// A place is NaN.
-    #[error("item `{0}` would stand at a place that is no number")]
+    /// The transform of an item has a NaN.
+    #[error("the transform of item `{0}` contains NaN")]
     NotFinite(String),
-    /// The item, or its transform, would reach beyond [`MAX_COORDINATE`].
-    #[error("item `{0}` would reach farther out than {MAX_COORDINATE:e} units")]
+    /// The bounds or the transform of an item reach beyond [`MAX_COORDINATE`].
+    #[error("item `{0}` would reach beyond {MAX_COORDINATE:e} units; move it closer to the origin")]
     TooFar(String),
-    /// A mesh has no faces.
-    #[error("item `{0}` would have no faces; remove it instead")]
+    /// The mesh of an item has no faces.
+    #[error("the mesh of item `{0}` has no faces; remove the item instead")]
     NoFaces(String),
-    /// A mesh is made of a material that the sector does not have.
-    #[error("item `{item}` is made of material {material}, but its sector has only {materials}")]
+    /// The mesh of an item uses a material that the geometry of the sector does not have.
+    #[error("the mesh of item `{item}` uses material {material}, but its sector has only {materials}")]
     NoSuchMaterial {
         /// The item's name.
         item: String,
-        /// The material that its mesh names.
+        /// The material that its mesh uses.
         material: u32,
-        /// How many there are.
+        /// The number of materials.
         materials: usize,
     },
-    /// Faces are numbered with 32 bits.
-    #[error("with item `{0}` there would be 4 billion faces in one sector")]
+    /// The sector would have more faces than 32-bit face numbers can address.
+    #[error("item `{0}` would bring its sector to 4 billion faces; use more sectors")]
     TooManyFaces(String),
 }
 
 impl Scene {
-    /// Begins to change items, between looks.
+    /// Begins a batch of item changes.
     ///
     /// ```
     /// # use enfilade::*;
     /// # let mut scene = enfilade_scenes::built_in("two-rooms").expect("a scene").scene;
     /// # let hall = SectorId(0);
     /// let mut edit = scene.edit();
-    /// edit.place(hall, ItemId(0), Transform::translation([0.0, 1.0, 0.0]))?;
+    /// edit.set_transform(hall, ItemId(0), Transform::translation([0.0, 1.0, 0.0]))?;
     /// let edited = edit.finish()?;
     /// assert_eq!((edited.items, edited.rebuilt), (1, 0));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
-    /// Cost: O(log items) for each change where the sector's order can follow in place, which is all but
-    /// [`Method::Bsp`](crate::Method::Bsp) and [`Method::BspFront`](crate::Method::BspFront), and
-    /// [`Method::Cell`](crate::Method::Cell) where what changes hides anything: those are built anew at the end. What the scene shares with a copy of it, or a geometry that somebody else holds too, becomes its own first, once.
+    /// Cost: O(log items) per change if the order of the sector can be updated in place.
+    /// [`Method::Bsp`](crate::Method::Bsp), [`Method::BspFront`](crate::Method::BspFront) and, where an occluder
+    /// changes, [`Method::Cell`](crate::Method::Cell) rebuild their order in [`Edit::finish`] instead. The first edit
+    /// of a sector whose data is shared, with a clone of the scene or another owner of the geometry, copies that data.
+    #[doc(alias = "dynamic objects")]
     pub fn edit(&mut self) -> Edit<'_> {
         Edit {
             scene: self,
@@ -94,16 +98,16 @@ impl Scene {
 }
 
 impl Edit<'_> {
-    /// The scene as it is until [`Edit::finish`].
+    /// Returns the scene without the pending changes.
     pub fn scene(&self) -> &Scene {
         self.scene
     }
 
-    /// Adds an item to a sector. Its number is the lowest that is free: that of one removed in an earlier edit, if any.
-    /// The mesh is known by its address, so that copies share it; one that no item is a copy of any more is let go.
+    /// Adds an item to a sector and returns its id: the lowest free number, such as that of an item removed in an
+    /// earlier edit. Items share a mesh if they pass the same [`Arc`]; a mesh that no item uses any more is dropped.
     ///
     /// # Errors
-    /// [`EditError`], and then nothing is added.
+    /// Returns an [`EditError`] and adds nothing.
     pub fn add(
         &mut self,
         sector: SectorId,
@@ -116,25 +120,27 @@ impl Edit<'_> {
             place: sector_from_item.columns(),
             is_occluder: true,
         };
-        let (scene, changes) = self.of(sector)?;
-        let geometry = scene.geometry(sector).ok_or_else(|| not_ours(scene, sector))?;
+        let (scene, changes) = self.changes_of(sector)?;
+        let geometry = scene
+            .geometry(sector)
+            .ok_or_else(|| not_editable(scene, sector))?;
         let added = changes.add(geometry, name, placing);
-        added.map_err(|unfit| told(unfit, name.to_owned(), geometry.materials().len()))
+        added.map_err(|unfit| edit_error(unfit, name.to_owned(), geometry.materials().len()))
     }
 
-    /// Removes an item.
+    /// Removes an item from a sector.
     ///
     /// # Errors
-    /// [`EditError`], and then nothing is removed.
+    /// Returns [`EditError::NoSuchSector`], [`EditError::CustomSector`] or [`EditError::NoSuchItem`] and removes nothing.
     pub fn remove(&mut self, sector: SectorId, item: ItemId) -> Result<(), EditError> {
         self.change(sector, item, |_| None)
     }
 
-    /// Moves an item.
+    /// Replaces the transform of an item.
     ///
     /// # Errors
-    /// [`EditError`], and then it stays where it was.
-    pub fn place(
+    /// Returns an [`EditError`] and leaves the item unchanged.
+    pub fn set_transform(
         &mut self,
         sector: SectorId,
         item: ItemId,
@@ -148,10 +154,10 @@ impl Edit<'_> {
         })
     }
 
-    /// Gives an item another mesh, at the same place.
+    /// Replaces the mesh of an item and keeps its transform.
     ///
     /// # Errors
-    /// [`EditError`], and then it keeps the one that it had.
+    /// Returns an [`EditError`] and leaves the item unchanged.
     pub fn set_mesh(
         &mut self,
         sector: SectorId,
@@ -162,11 +168,11 @@ impl Edit<'_> {
         self.change(sector, item, |was| Some(Placing { mesh, ..was }))
     }
 
-    /// May an item hide what is behind it? All may unless told: moving ones are culled, and hide others. One that does not
-    /// is seen past, in every method, as a cut-out is.
+    /// Sets whether an item is an occluder. Default: `true`, also for items that move. With `false`, every method
+    /// treats the faces of the item as alpha-tested ones: they can be hidden but hide nothing.
     ///
     /// # Errors
-    /// [`EditError`], and then it stays as it was.
+    /// Returns an [`EditError`] and leaves the item unchanged.
     pub fn set_occluder(
         &mut self,
         sector: SectorId,
@@ -176,11 +182,12 @@ impl Edit<'_> {
         self.change(sector, item, |was| Some(Placing { is_occluder, ..was }))
     }
 
-    /// Does everything that was asked for.
+    /// Applies all pending changes.
     ///
     /// # Errors
-    /// [`SceneError::TooLarge`] where a sector would need too much memory, [`SceneError::NotConvex`] where its method sees
-    /// convex geometries alone and it would be one no more; and then the scene is as it was.
+    /// Returns [`SceneError::TooLarge`] if a sector would need too much memory, [`SceneError::NotConvex`] or
+    /// [`SceneError::TerrainUnusable`] if its geometry would no longer meet the requirement of its method, and leaves
+    /// the scene unchanged.
     pub fn finish(self) -> Result<EditStats, SceneError> {
         let Edit { scene, mut changes } = self;
         changes.retain(|_, changes| !changes.is_empty());
@@ -200,7 +207,7 @@ impl Edit<'_> {
             return Ok(edited);
         };
         for (&done, changes) in changes.range_mut(..sector) {
-            // What was there before needs no more than it did then.
+            // The state before the edit was within the limit, so restoring it needs no limit.
             let _ = scene.exchange(done, changes, u64::MAX);
         }
         Err(SceneError::unsuited(scene.sector_name(sector), why))
@@ -212,8 +219,10 @@ impl Edit<'_> {
         item: ItemId,
         change: impl FnOnce(Placing) -> Option<Placing>,
     ) -> Result<(), EditError> {
-        let (scene, changes) = self.of(sector)?;
-        let geometry = scene.geometry(sector).ok_or_else(|| not_ours(scene, sector))?;
+        let (scene, changes) = self.changes_of(sector)?;
+        let geometry = scene
+            .geometry(sector)
+            .ok_or_else(|| not_editable(scene, sector))?;
         let changed = changes
             .change(geometry, item, change)
             .ok_or_else(|| EditError::NoSuchItem {
@@ -221,7 +230,7 @@ impl Edit<'_> {
                 item: item.0,
             })?;
         changed.map_err(|unfit| {
-            told(
+            edit_error(
                 unfit,
                 changes.name(geometry, item).to_owned(),
                 geometry.materials().len(),
@@ -229,7 +238,7 @@ impl Edit<'_> {
         })
     }
 
-    fn of(&mut self, sector: SectorId) -> Result<(&Scene, &mut Changes), EditError> {
+    fn changes_of(&mut self, sector: SectorId) -> Result<(&Scene, &mut Changes), EditError> {
         let sectors = self.scene.sector_count();
         if sector.0 as usize >= sectors {
             return Err(EditError::NoSuchSector {
@@ -248,12 +257,12 @@ impl Scene {
             return Ok(EditStats::default());
         };
         if Arc::get_mut(sector).is_none() {
-            // A copy of the scene goes on with the one that both had.
+            // A clone of the scene keeps using the shared one.
             *sector = method.build_editable(Arc::clone(sector.geometry()), limit)?;
             placed.builds += 1;
         }
         let Some(own) = Arc::get_mut(sector) else {
-            unreachable!("it was just made");
+            unreachable!("the sector was just built and is not shared");
         };
         let edited = own.edit(changes, limit)?;
         placed.builds += edited.rebuilt;
@@ -263,11 +272,11 @@ impl Scene {
     }
 }
 
-fn not_ours(scene: &Scene, sector: SectorId) -> EditError {
-    EditError::NotOurs(scene.sector_name(sector).to_owned())
+fn not_editable(scene: &Scene, sector: SectorId) -> EditError {
+    EditError::CustomSector(scene.sector_name(sector).to_owned())
 }
 
-fn told(unfit: Unfit, item: String, materials: usize) -> EditError {
+fn edit_error(unfit: Unfit, item: String, materials: usize) -> EditError {
     match unfit {
         Unfit::NotFinite => EditError::NotFinite(item),
         Unfit::TooFar => EditError::TooFar(item),

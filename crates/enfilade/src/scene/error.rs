@@ -1,139 +1,143 @@
-//! Why sectors and portals do not make a scene.
+//! Errors of building or changing a scene.
 
 use crate::geom::MAX_COORDINATE;
 use crate::method::{NotBaked, NotConvex, TerrainUnusable, TooLarge, Unsuited};
 use std::fmt;
 use thiserror::Error;
 
-/// Why sectors and portals do not make a scene.
+/// An error of building or changing a [`Scene`](crate::Scene): which rule is broken, and where.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// A portal or an exit names a sector that is not there.
+    /// A portal, an exit or [`SceneBuilder::open_above`](crate::SceneBuilder::open_above) refers to a sector that does
+    /// not exist.
     #[error("{subject} names sector {sector}, but there are only {sectors}")]
     NoSuchSector {
-        /// Which portal or exit.
+        /// The portal or exit.
         subject: ErrorSubject,
-        /// The sector it names.
+        /// The index of the sector.
         sector: u32,
-        /// How many there are.
+        /// The number of sectors.
         sectors: usize,
     },
-    /// A portal or an exit names an opening that its sector does not have.
+    /// A portal or an exit refers to an opening that its sector does not have.
     #[error("{subject} uses opening {opening} of sector `{sector}`, which has only {openings}")]
     NoSuchOpening {
-        /// Which portal or exit.
+        /// The portal or exit.
         subject: ErrorSubject,
         /// The sector's name.
         sector: String,
-        /// The opening it names.
+        /// The index of the opening.
         opening: u16,
-        /// How many there are.
+        /// The number of openings.
         openings: usize,
     },
-    /// A portal or an exit names an exit that the nested scene does not have.
-    #[error("{subject} uses exit `{exit}` of a nested scene, which has {}", self.exits_in_words())]
+    /// A portal or an exit refers to an exit that the nested scene does not have.
+    #[error("{subject} uses exit `{exit}` of a nested scene, which has {}", self.list_exits())]
     NoSuchExit {
-        /// Which portal or exit.
+        /// The portal or exit.
         subject: ErrorSubject,
-        /// The exit it names.
+        /// The name of the exit.
         exit: String,
-        /// Those that there are.
+        /// The names of the exits that the nested scene has.
         exits: Vec<String>,
     },
-    /// A portal or an exit leads out of a sector, but not of an opening of it.
+    /// A portal or an exit starts at a sector but at none of its openings.
     #[error(
-        "{0} begins anywhere in a sector; it must lead out of an opening, or out of a nested scene's exit"
+        "{0} starts at a sector, not at an opening; start it at an opening or at an exit of a nested scene"
     )]
     NoOpening(ErrorSubject),
-    /// Geometry or a method is given to a sector that is the user's own.
-    #[error("sector `{0}` is one of your own: it has neither geometry nor method to exchange")]
-    NotOurs(String),
-    /// Geometry that is to replace another has more or fewer openings.
-    #[error("sector `{sector}` has {had} openings, but the geometry that is to replace its own has {has}")]
+    /// The sector is custom, so its geometry and its method cannot be replaced.
+    #[error("sector `{0}` is custom; its geometry and method cannot be replaced")]
+    CustomSector(String),
+    /// Replacement geometry has another number of openings than the geometry before.
+    #[error("sector `{sector}` has {had} openings, but its new geometry has {has}; keep their number")]
     Openings {
         /// The sector's name.
         sector: String,
-        /// How many there were.
+        /// The number of openings before.
         had: usize,
-        /// How many there would be.
+        /// The number of openings of the replacement.
         has: usize,
     },
-    /// A light has a number that is not finite, a range of nothing, or a sector that is not there.
+    /// A light has a number that is not finite (its range may be infinite), a position beyond [`MAX_COORDINATE`], a
+    /// range that is not above 0, a zero direction, spot angles out of range, or a sector that does not exist. The
+    /// value is its index.
     #[error(
-        "light {0} must have finite numbers, a position within {MAX_COORDINATE:e} units, a range above 0, and a sector of this scene"
+        "light {0} is invalid: it needs finite numbers, a position within {MAX_COORDINATE:e} units, a range above 0, \
+         a nonzero direction, angles with 0 <= inner < outer <= pi/2, and a sector of this scene"
     )]
     BadLight(usize),
-    /// Two exits have one name.
-    #[error("two exits are called `{0}`: what joins one could mean either")]
+    /// Two exits have the same name.
+    #[error("duplicate exit name `{0}`")]
     TwoExits(String),
-    /// Two portals lead out of one opening.
+    /// Two portals lead out of the same opening.
     #[error("{first} and {second} both lead out of opening `{opening}` of sector `{sector}`")]
     TwoPortals {
-        /// The first of the two.
+        /// The first portal.
         first: ErrorSubject,
-        /// The second of the two.
+        /// The second portal.
         second: ErrorSubject,
         /// The opening's name.
         opening: String,
         /// The sector's name.
         sector: String,
     },
-    /// A portal's transform flattens, shears or stretches.
-    #[error("the transform of portal {0} is not rigid, uniformly scaling or reflecting")]
+    /// A portal's transform flattens, shears or scales non-uniformly. The value is the portal's index.
+    #[error("the transform of portal {0} must be rigid, uniformly scaling or reflecting")]
     NotSimilar(usize),
-    /// A portal leads to where no coordinate may be: the image of its opening reaches beyond [`MAX_COORDINATE`].
+    /// A portal's transform maps its opening beyond [`MAX_COORDINATE`]. The value is the portal's index.
     #[error(
-        "the transform of portal {0} leads farther out than {MAX_COORDINATE:e} units; move what it leads to nearer to the origin"
+        "the transform of portal {0} maps its opening beyond {MAX_COORDINATE:e} units; move the target sector closer to the origin"
     )]
     TooFar(usize),
-    /// The box of a custom sector has a coordinate that is NaN, or finite and beyond [`MAX_COORDINATE`].
+    /// The bounds of a custom sector have a coordinate that is NaN, or finite and beyond [`MAX_COORDINATE`].
     #[error(
-        "the box of sector `{0}` has a coordinate that is not a number, or is farther out than {MAX_COORDINATE:e} units and not infinite"
+        "the bounds of custom sector `{0}` have a coordinate that is NaN, or finite and beyond {MAX_COORDINATE:e} units"
     )]
     BadBounds(String),
-    /// A sector needs more memory than allowed.
+    /// The method of a sector needs more memory than the limit allows.
     #[error("sector `{sector}`: {why}")]
     TooLarge {
         /// The sector's name.
         sector: String,
-        /// What it needs.
+        /// The memory needed and the limit.
         why: TooLarge,
     },
-    /// A sector has not what its method goes by.
+    /// The method of a sector requires a baked PVS, which its geometry lacks.
     #[error("sector `{sector}`: {why}")]
     NotBaked {
         /// The sector's name.
         sector: String,
-        /// What it lacks.
+        /// The method, and one to use instead.
         why: NotBaked,
     },
-    /// A sector is not convex, and its method sees no others.
+    /// The method of a sector requires convex geometry, and a face violates that.
     #[error("sector `{sector}`: {why}")]
     NotConvex {
         /// The sector's name.
         sector: String,
-        /// Where it is not.
+        /// The face, and what is behind it.
         why: Box<NotConvex>,
     },
-    /// A sector has no height field, or its blocks were changed, and its method goes by one.
+    /// The method of a sector requires a height field, which is missing or was edited.
     #[error("sector `{sector}`: {why}")]
     TerrainUnusable {
         /// The sector's name.
         sector: String,
-        /// Which of the two.
+        /// Whether the height field is missing or was edited.
         why: TerrainUnusable,
     },
 }
 
-/// What a broken rule is about.
+/// The element that breaks a rule, as named in a [`SceneError`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ErrorSubject {
-    /// A portal, by the order in which they were added; a door is two.
+    /// A portal: its index in the order of addition. A door adds two.
     Portal(usize),
-    /// A portal of a scene that stands in this one.
+    /// A portal of a nested scene.
     PortalWithin,
-    /// An exit, by its name.
+    /// An exit, by name.
     Exit(String),
     /// A call of [`SceneBuilder::open_above`](crate::SceneBuilder::open_above).
     OpenAbove,
@@ -151,7 +155,7 @@ impl fmt::Display for ErrorSubject {
 }
 
 impl SceneError {
-    /// Why a sector's method cannot see its geometry.
+    /// Wraps the error of building a method with the name of the sector.
     pub(super) fn unsuited(sector: &str, why: Unsuited) -> SceneError {
         let sector = sector.to_owned();
         match why {
@@ -162,8 +166,8 @@ impl SceneError {
         }
     }
 
-    /// The exits that there are.
-    fn exits_in_words(&self) -> String {
+    /// Lists the exits that exist, for the message.
+    fn list_exits(&self) -> String {
         match self {
             SceneError::NoSuchExit { exits, .. } if !exits.is_empty() => {
                 format!("only `{}`", exits.join("`, `"))

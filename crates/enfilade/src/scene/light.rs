@@ -1,4 +1,4 @@
-//! Lamps and suns: where they shine, and how far.
+//! Lights: point, spot and directional lights, and the sectors that they reach.
 
 use super::{Scene, SceneError, SectorId};
 use crate::geom::{Aabb, is_in_range};
@@ -6,55 +6,57 @@ use crate::query::{LightReach, Location};
 use crate::viewer::Limits;
 use glam::DVec3;
 
-/// A light of a scene, by its place in [`Scene::lights`].
+/// Id of a light: its index in [`Scene::lights`](crate::Scene::lights).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct LightId(pub u32);
 
-/// A lamp or a sun. Its light falls through openings as far as they let it; things cast no shadows.
+/// Point, spot or directional light in a sector. Its light passes open portals; faces cast no shadows.
+#[doc(alias = "lamp")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
-    /// The sector that it stands in. A sun stands outside, and lights all of this one.
+    /// The sector of the light. A sun is outside it and lights all of it.
     pub sector: SectorId,
-    /// Where, in the sector's own space; of no account for a sun.
+    /// Position in the space of the sector; ignored for a sun.
     pub position: [f32; 3],
-    /// Red, green and blue, linear: what a white surface that faces it sends back at a distance of 1, or at any of a sun.
+    /// Linear RGB color. For a point or spot light, the radiance of a white surface that faces it at a distance of 1;
+    /// for a sun, at any distance.
     pub color: [f32; 3],
-    /// How far it shines, in units of that space: above 0, and infinite for light that only grows weak.
+    /// Range in units of the sector's space, above 0. Infinite for a light that is never cut off.
     pub range: f32,
-    /// Where it shines to.
+    /// Type of the light, with its direction and angles.
     pub shape: LightShape,
 }
 
-/// Where a light shines to. Directions are in the space of its sector, of any length but 0.
+/// Type of a [`Light`]. Directions are in the space of its sector, of any length but 0.
 ///
 /// Source: The Khronos Group, KHR_lights_punctual.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum LightShape {
-    /// In all directions from a point.
+    /// Point light: shines in all directions.
     #[default]
     Point,
-    /// Into a cone from a point.
+    /// Spot light: shines into a cone.
     Spot {
-        /// The way its middle goes.
+        /// Axis of the cone, away from the light.
         direction: [f32; 3],
-        /// Up to this angle from the middle it shines in full, in radians: at least 0.
+        /// Angle from the axis up to which the intensity is full, in radians, at least 0.
         inner: f32,
-        /// From this angle on not at all, in radians: above `inner`, at most a half π.
+        /// Angle from the axis at which the intensity becomes 0, in radians, above `inner` and at most π/2.
         outer: f32,
     },
-    /// In parallel from infinitely far away.
+    /// Directional light: parallel rays from infinitely far away.
     Sun {
-        /// The way that its light goes.
+        /// Direction in which the light travels.
         direction: [f32; 3],
     },
 }
 
-/// How far away a sun stands, in sizes of the sector that it lights: so far that its light is parallel to a tenth of a
-/// minute of arc.
+/// Distance of a sun, in diagonals of the box of the sector that it lights: its rays deviate from parallel by at most a
+/// tenth of an arc minute.
 const SUN_AWAY: f64 = 3e4;
 
 impl Light {
-    /// A lamp that shines in all directions.
+    /// Returns a point light.
     pub const fn point(sector: SectorId, position: [f32; 3], color: [f32; 3], range: f32) -> Light {
         Light {
             sector,
@@ -65,10 +67,11 @@ impl Light {
         }
     }
 
-    /// What is left of its light at a distance in the space that it stands in: 1 at a distance of 1 were it not for the
-    /// range, at which nothing is left. Very near it grows no more. Of a sun, 1 everywhere.
+    /// Returns the attenuation at a distance, in units of the light's sector: 1 / distance², windowed so that it falls
+    /// to 0 at the range. Constant very near the light. 1 for a sun.
     ///
     /// Source: The Khronos Group, KHR_lights_punctual, range property.
+    #[doc(alias = "attenuation")]
     pub fn falloff(&self, distance: f64) -> f64 {
         const NEAREST: f64 = 0.01;
         if matches!(self.shape, LightShape::Sun { .. }) {
@@ -79,8 +82,8 @@ impl Light {
         window.max(0.0) / distance.max(NEAREST * range.min(1.0)).powi(2)
     }
 
-    /// What of its light goes into a direction whose angle to the middle of its cone has this cosine: 1 inside, 0
-    /// outside, in between as the specification says. 1 for all but spots.
+    /// Returns the angular attenuation for a direction, given the cosine of its angle to the axis of the cone: 1 inside
+    /// the inner cone, 0 outside the outer cone, in between as in the specification. 1 for point lights and suns.
     ///
     /// Source: The Khronos Group, KHR_lights_punctual, inner and outer cone angles.
     pub fn cone(&self, cosine: f64) -> f64 {
@@ -92,7 +95,7 @@ impl Light {
         part * part
     }
 
-    /// The direction that the middle of its light goes, if it has one.
+    /// Returns the direction of a spot light or sun; `None` for a point light.
     pub fn direction(&self) -> Option<[f32; 3]> {
         match self.shape {
             LightShape::Point => None,
@@ -100,7 +103,8 @@ impl Light {
         }
     }
 
-    /// Is every number finite, but for the range, which is above 0, and are directions and angles as they must be?
+    /// Returns `true` if all numbers are finite (the range may be infinite), the range is above 0, the direction is
+    /// nonzero and the angles are in range.
     pub(super) fn is_sound(&self) -> bool {
         let numbers = self.position.iter().chain(&self.color);
         let directed = self.direction().is_none_or(|direction| {
@@ -119,7 +123,7 @@ impl Light {
             && cone
     }
 
-    /// Where its light comes from: of a sun a place far outside.
+    /// Returns the origin of the light; for a sun, a point far outside of `held`, the bounds of its sector.
     fn source(&self, held: &Aabb) -> Location {
         let position = match self.shape {
             LightShape::Sun { direction } if !held.is_empty() => {
@@ -139,15 +143,15 @@ impl Light {
 }
 
 impl Scene {
-    /// The lights, by [`LightId`].
+    /// Returns all lights, indexed by [`LightId`].
     pub fn lights(&self) -> &[Light] {
         &self.lights
     }
 
-    /// Hangs up one lamp more.
+    /// Adds a light and returns its id.
     ///
     /// # Errors
-    /// [`SceneError::BadLight`].
+    /// Returns [`SceneError::BadLight`] and adds nothing.
     pub fn add_light(&mut self, light: Light) -> Result<LightId, SceneError> {
         let id = LightId(self.lights.len() as u32);
         self.check_light(id, &light)?;
@@ -155,10 +159,10 @@ impl Scene {
         Ok(id)
     }
 
-    /// Changes a light, in O(1).
+    /// Replaces a light, in O(1).
     ///
     /// # Errors
-    /// [`SceneError::BadLight`], and then it stays as it was.
+    /// Returns [`SceneError::BadLight`] and leaves the light unchanged.
     pub fn set_light(&mut self, id: LightId, light: Light) -> Result<(), SceneError> {
         self.check_light(id, &light)?;
         self.lights[id.0 as usize] = light;
@@ -173,8 +177,9 @@ impl Scene {
         }
     }
 
-    /// The sectors that a light shines into, its own first ([`Scene::reach`]). [`LightReach::origin`] is where its light
-    /// comes from; of a sun, a place far outside.
+    /// Returns the sectors that a light reaches, its own sector first ([`Scene::reach`]). [`LightReach::origin`] is the
+    /// position of the light; for a sun, a point far outside of its sector. Ignores [`Light::range`] for a sun.
+    #[doc(alias = "light propagation")]
     pub fn light_reach(&self, id: LightId, limits: &Limits) -> Vec<LightReach> {
         let light = &self.lights[id.0 as usize];
         let held = self.sector(light.sector).bounds();

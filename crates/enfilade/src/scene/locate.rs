@@ -1,26 +1,26 @@
-//! Which sector a point stands in.
+//! Point location: finds the sector that contains a point.
 //!
-//! The boxes of all sectors stand in an octree, so that only those near the point are asked.
-//! Cost: O(log sectors + boxes that hold the point); O(log sectors) where a box changes.
-//! Exact: the answer is that of asking every box.
+//! Idea: the boxes of all sectors are in an octree, so that only those near the point are tested.
+//! Cost: O(log sectors + boxes that contain the point) per query; O(log sectors) per changed box.
+//! Exact: the result equals that of testing every box.
 
 use super::SectorId;
 use crate::geom::{Aabb, Octree, Step};
 use glam::DVec3;
 use std::cmp::Ordering;
 
-/// The boxes of a scene's sectors.
+/// The bounding boxes of a scene's sectors.
 #[derive(Clone)]
 pub(super) struct Boxes {
     tree: Octree,
-    /// Of each sector, as it is now.
+    /// The current box of each sector.
     boxes: Vec<Aabb>,
-    /// Those that the tree does not hold, in order.
-    apart: Vec<u32>,
+    /// Sectors with unbounded boxes, which are not in the tree; sorted.
+    unbounded: Vec<u32>,
 }
 
-/// A box as the tree holds it: not at all where it reaches to infinity.
-fn in_the_tree(held: &Aabb) -> Aabb {
+/// Returns the box to insert into the tree: the box itself, or an empty one if it is unbounded.
+fn tree_box(held: &Aabb) -> Aabb {
     if held.min.iter().chain(&held.max).all(|value| value.is_finite()) {
         *held
     } else {
@@ -28,7 +28,7 @@ fn in_the_tree(held: &Aabb) -> Aabb {
     }
 }
 
-/// The size of a box: its volume, and where that is infinite the ground that it covers.
+/// Returns the size of a box as [volume, footprint]; the footprint decides between infinite volumes.
 fn size(bounds: &Aabb) -> [f64; 2] {
     let side = |axis: usize| f64::from(bounds.max[axis]) - f64::from(bounds.min[axis]);
     [bounds.volume(), side(0) * side(2)]
@@ -38,38 +38,38 @@ fn compare(a: [f64; 2], b: [f64; 2]) -> Ordering {
     a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]))
 }
 
-/// Boxes in a node of the tree, at most.
-const FEW: usize = 8;
+/// Maximum number of boxes in a leaf of the tree.
+const MAX_PER_LEAF: usize = 8;
 
 impl Boxes {
     pub(super) fn new(boxes: Vec<Aabb>) -> Boxes {
-        let sorted: Vec<Aabb> = boxes.iter().map(in_the_tree).collect();
+        let sorted: Vec<Aabb> = boxes.iter().map(tree_box).collect();
         let numbered = (0..).zip(boxes.iter().zip(&sorted));
-        let apart = numbered.filter(|(_, (held, sorted))| held != sorted);
+        let unbounded = numbered.filter(|(_, (held, sorted))| held != sorted);
         Boxes {
-            apart: apart.map(|(number, _)| number).collect(),
-            tree: Octree::build(&sorted, FEW),
+            unbounded: unbounded.map(|(number, _)| number).collect(),
+            tree: Octree::build(&sorted, MAX_PER_LEAF),
             boxes,
         }
     }
 
-    /// A sector's box is another now.
+    /// Replaces the box of a sector.
     pub(super) fn change(&mut self, sector: SectorId, bounds: Aabb) {
         let was = std::mem::replace(&mut self.boxes[sector.0 as usize], bounds);
         if was == bounds {
             return;
         }
-        let boxes = |number: u32| in_the_tree(&self.boxes[number as usize]);
-        let is_apart = boxes(sector.0) != bounds;
-        match self.apart.binary_search(&sector.0) {
-            Ok(place) if !is_apart => {
-                self.apart.remove(place);
+        let boxes = |number: u32| tree_box(&self.boxes[number as usize]);
+        let is_unbounded = boxes(sector.0) != bounds;
+        match self.unbounded.binary_search(&sector.0) {
+            Ok(place) if !is_unbounded => {
+                self.unbounded.remove(place);
             }
-            Err(place) if is_apart => self.apart.insert(place, sector.0),
+            Err(place) if is_unbounded => self.unbounded.insert(place, sector.0),
             _ => {}
         }
         self.tree
-            .shift(sector.0, &in_the_tree(&was), &boxes, &mut Vec::new());
+            .shift(sector.0, &tree_box(&was), &boxes, &mut Vec::new());
         self.tree.tidy(self.boxes.len(), &boxes);
     }
 
@@ -81,13 +81,14 @@ impl Boxes {
             .map(SectorId)
     }
 
-    /// The smallest box that holds a point; of those that only end in it, the one ahead.
+    /// Returns the smallest box that contains a point in its interior; otherwise, of those with the point on their
+    /// boundary, the one farthest ahead.
     fn around(&self, point: [f32; 3], toward: [f32; 3]) -> Option<u32> {
         let [eye, toward] = [point, toward].map(|point| DVec3::from(point.map(f64::from)));
         let ahead = |bounds: &Aabb| -> f64 {
             let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
             let middle = 0.5 * (min + max);
-            // Along an axis without end there is no middle.
+            // An axis along which the box is unbounded has no centre and does not count.
             let to_middle = DVec3::select(middle.is_finite_mask(), middle - eye, DVec3::ZERO);
             to_middle.dot(toward - eye)
         };
@@ -115,9 +116,9 @@ impl Boxes {
         smallest.or(farthest_ahead.map(|(_, number)| number))
     }
 
-    /// The box nearest to a point that none holds.
+    /// Returns the box nearest to a point that no box contains.
     fn nearest(&self, point: [f32; 3]) -> Option<u32> {
-        // Grows with the box's place alone, also when rounded: no box is nearer than the node that holds it.
+        // Monotonic in the box even with rounding: no box is nearer than the node that contains it.
         let away = |bounds: &Aabb| -> f64 {
             let off = |a: usize| {
                 let [min, point, max] = [bounds.min[a], point[a], bounds.max[a]].map(f64::from);
@@ -140,7 +141,7 @@ impl Boxes {
         nearest.get().map(|(_, number)| number)
     }
 
-    /// Asks `wanted` of boxes around boxes, from near to far, and of boxes; gives those that are to `take`.
+    /// Calls `take` with each box that passes `wanted`. Visits nodes near to far, and skips those that fail `wanted`.
     fn each(&self, point: [f32; 3], wanted: impl Fn(&Aabb) -> bool, mut take: impl FnMut(u32, &Aabb)) {
         let mut offer = |number: u32| {
             let bounds = &self.boxes[number as usize];
@@ -148,7 +149,7 @@ impl Boxes {
                 take(number, bounds);
             }
         };
-        self.apart.iter().copied().for_each(&mut offer);
+        self.unbounded.iter().copied().for_each(&mut offer);
         self.tree.walk(point.map(f64::from), |step| match step {
             Step::Node(bounds) => wanted(bounds),
             Step::Thing(number) => {
@@ -158,9 +159,9 @@ impl Boxes {
         });
     }
 
-    /// Memory in bytes.
+    /// Returns the memory used, in bytes.
     pub(super) fn bytes(&self) -> u64 {
-        self.tree.bytes() + (size_of_val(&*self.boxes) + size_of_val(&*self.apart)) as u64
+        self.tree.bytes() + (size_of_val(&*self.boxes) + size_of_val(&*self.unbounded)) as u64
     }
 }
 
@@ -168,8 +169,8 @@ impl Boxes {
 mod tests {
     use super::*;
 
-    /// As the docs of [`Scene::locate`](super::super::Scene::locate) say it, of every box.
-    fn by_asking_all(boxes: &[Aabb], point: [f32; 3], toward: [f32; 3]) -> Option<SectorId> {
+    /// [`Scene::locate`](super::super::Scene::locate) as documented, by brute force over all boxes.
+    fn by_brute_force(boxes: &[Aabb], point: [f32; 3], toward: [f32; 3]) -> Option<SectorId> {
         let solid = || (0..).zip(boxes).filter(|(_, held)| !held.is_empty());
         let inside = |held: &Aabb| (0..3).all(|a| held.min[a] < point[a] && point[a] < held.max[a]);
         let ahead = |held: &Aabb| -> f64 {
@@ -196,13 +197,13 @@ mod tests {
             .or_else(|| (!boxes.is_empty()).then_some(SectorId(0)))
     }
 
-    /// Numbers that look random, the same every time: whole, so that boxes touch and are alike.
+    /// Returns deterministic pseudo-random whole numbers, so that boxes touch and coincide.
     fn whole(state: &mut u64, below: u64) -> f32 {
         *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         ((*state >> 40) % below) as f32
     }
 
-    fn by_chance(state: &mut u64) -> Aabb {
+    fn random_box(state: &mut u64) -> Aabb {
         let min = [0; 3].map(|_| whole(state, 12));
         let size = [0; 3].map(|_| whole(state, 4));
         if size == [3.0; 3] {
@@ -218,7 +219,7 @@ mod tests {
     fn a_point_stands_where_asking_every_box_says_also_after_boxes_have_changed() {
         let mut state = 1;
         for count in [0, 1, 7, 300] {
-            let mut now: Vec<Aabb> = (0..count).map(|_| by_chance(&mut state)).collect();
+            let mut now: Vec<Aabb> = (0..count).map(|_| random_box(&mut state)).collect();
             if count > 7 {
                 let open_above = now.iter_mut().step_by(5).filter(|bounds| !bounds.is_empty());
                 open_above.for_each(|bounds| bounds.max[1] = f32::INFINITY);
@@ -230,11 +231,11 @@ mod tests {
                 if round % 50 == 0 {
                     point[round / 50 % 3] = [f32::NAN, f32::INFINITY][round / 50 % 2];
                 }
-                let expected = by_asking_all(&now, point, toward);
+                let expected = by_brute_force(&now, point, toward);
                 assert_eq!(boxes.locate(point, toward), expected, "{count} boxes, {point:?}");
                 if round % 10 == 0 && count > 0 {
                     let changed = round / 10 % count;
-                    now[changed] = by_chance(&mut state);
+                    now[changed] = random_box(&mut state);
                     boxes.change(SectorId(changed as u32), now[changed]);
                 }
             }

@@ -1,7 +1,8 @@
-//! The aggregate: sectors joined by portals. Only this folder knows where openings lead.
+//! The scene graph: sectors connected by portals. Only this folder knows the target of each opening.
 //!
-//! A scene can stand in another like a sector: its sectors become the outer scene's when that is built, its
-//! named exits become openings to join. So a look follows one flat graph, however deeply scenes are nested.
+//! A scene can be nested in another scene. Building the outer scene copies the sectors of the inner one into it, and
+//! the inner scene's named exits become openings that portals can connect. So a look always traverses one flat graph,
+//! however deeply scenes are nested.
 //! Source: Boreskov, Using portals to create aggregate scenes; RenderWare, Portal culling.
 
 mod builder;
@@ -27,46 +28,51 @@ use locate::Boxes;
 use std::collections::HashSet;
 use std::sync::Arc;
 
-/// Sectors, and portals that join them. Shared and immutable while looked at.
+/// Sectors connected by portals: the world that a [`Viewer`](crate::Viewer) looks at.
+///
+/// Build one with a [`SceneBuilder`]. Looks and queries take `&Scene`, so any number of threads can share it; changes
+/// need `&mut Scene`. A clone shares the geometry and what the methods built.
+#[doc(alias = "world")]
+#[doc(alias = "scene graph")]
 #[derive(Clone)]
 pub struct Scene {
-    sectors: Vec<Placed>,
+    sectors: Vec<SceneSector>,
     boxes: Boxes,
     portals: Vec<Portal>,
-    /// The portal of each opening, sector after sector; `first_opening` says where a sector's begin.
+    /// The portal of each opening, all openings of a sector in a row; `first_opening` holds the start of each row.
     portal_of: Vec<Option<PortalId>>,
     first_opening: Vec<u32>,
     flat: bool,
     lights: Vec<Light>,
-    /// What one sector's method may build, in bytes.
+    /// Memory limit per sector for what its method builds, in bytes.
     limit_bytes: u64,
-    /// Openings through which one leaves the scene, when it stands in another.
+    /// Openings that an outer scene can connect when this scene is nested in it.
     exits: Vec<Exit>,
 }
 
-/// A sector in a scene.
+/// A sector and its state in the scene.
 #[derive(Clone)]
-struct Placed {
+struct SceneSector {
     name: String,
     body: Body,
-    /// It has no top: its box goes up without end.
+    /// Whether its box extends upwards (+Y) to infinity for [`Scene::locate`].
     open_above: bool,
-    /// How often its method was built.
+    /// Number of times its method was built.
     builds: u64,
 }
 
 #[derive(Clone)]
 enum Body {
-    /// Geometry seen by a method of ours; the method can be exchanged.
+    /// Geometry with a built-in method, which can be replaced.
     BuiltIn {
         method: Method,
         sector: Arc<dyn EditableSector>,
     },
-    /// A sector of the user's own.
+    /// A sector implemented by the user.
     Custom(Arc<dyn Sector>),
 }
 
-/// A named way out of a scene.
+/// A named opening of a scene, for use when the scene is nested.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Exit {
     name: String,
@@ -75,27 +81,30 @@ pub(crate) struct Exit {
 }
 
 impl Scene {
-    /// How many sectors there are.
+    /// Returns the number of sectors.
     pub fn sector_count(&self) -> usize {
         self.sectors.len()
     }
 
-    /// The ids of all sectors.
+    /// Iterates over the ids of all sectors, in ascending order.
     pub fn sectors(&self) -> impl Iterator<Item = SectorId> + use<> {
         (0..self.sectors.len() as u32).map(SectorId)
     }
 
-    /// A sector, as whatever sees it.
+    /// Returns a sector as the trait object that computes its visibility.
+    ///
+    /// # Panics
+    /// Panics if the scene has no sector `id`, as do the other methods of [`Scene`] that take a [`SectorId`].
     pub fn sector(&self, id: SectorId) -> &dyn Sector {
         self.sectors[id.0 as usize].sector()
     }
 
-    /// A sector's name.
+    /// Returns the name of a sector.
     pub fn sector_name(&self, id: SectorId) -> &str {
         &self.sectors[id.0 as usize].name
     }
 
-    /// What a sector is made of; `None` where it is one of the user's own.
+    /// Returns the geometry of a sector; `None` for a custom sector.
     pub fn geometry(&self, id: SectorId) -> Option<&Arc<Geometry>> {
         match &self.sectors[id.0 as usize].body {
             Body::BuiltIn { sector, .. } => Some(sector.geometry()),
@@ -103,7 +112,7 @@ impl Scene {
         }
     }
 
-    /// How a sector is seen; `None` where it is one of the user's own.
+    /// Returns the method of a sector; `None` for a custom sector.
     pub fn method(&self, id: SectorId) -> Option<Method> {
         match &self.sectors[id.0 as usize].body {
             Body::BuiltIn { method, .. } => Some(*method),
@@ -111,12 +120,12 @@ impl Scene {
         }
     }
 
-    /// The portals, by [`PortalId`].
+    /// Returns all portals, indexed by [`PortalId`].
     pub fn portals(&self) -> &[Portal] {
         &self.portals
     }
 
-    /// Where an opening leads; `None` where it leads nowhere.
+    /// Returns the portal that leads out of an opening; `None` if the opening has none.
     pub fn portal_of(&self, sector: SectorId, opening: OpeningId) -> Option<PortalId> {
         let [first, end] = [0, 1].map(|next| self.first_opening[sector.0 as usize + next]);
         let index = first + u32::from(opening.0);
@@ -127,26 +136,27 @@ impl Scene {
         }
     }
 
-    /// Opens or closes a portal, in O(1). The way back, if there is one, is a portal of its own.
+    /// Opens or closes a portal, in O(1). A closed portal is opaque. A portal is one-way: the portal back, if there is
+    /// one, keeps its state.
     pub fn set_open(&mut self, portal: PortalId, open: bool) {
         self.portals[portal.0 as usize].open = open;
     }
 
-    /// Gives a sector other geometry, seen by the same method: what moves every frame has a sector of its own, and no
-    /// other is touched. Its openings may move but not become more or fewer.
+    /// Replaces the geometry of a sector and keeps its method. No other sector is rebuilt, so put geometry that changes
+    /// every frame in a sector of its own. The number of openings must not change, but the openings may move.
     ///
-    /// Cost: that of building the method, which is next to nothing for [`Method::ZBuffer`] and [`Method::SBuffer`].
+    /// Cost: that of building the method, which is negligible for [`Method::ZBuffer`] and [`Method::SBuffer`].
     ///
     /// # Errors
-    /// [`SceneError::NotOurs`], [`SceneError::Openings`], [`SceneError::TooLarge`], [`SceneError::NotBaked`] or
-    /// [`SceneError::NotConvex`], and then it stays as it was.
+    /// Returns [`SceneError::CustomSector`], [`SceneError::Openings`], [`SceneError::TooLarge`], [`SceneError::NotBaked`],
+    /// [`SceneError::NotConvex`] or [`SceneError::TerrainUnusable`], and leaves the sector unchanged.
     pub fn set_geometry(
         &mut self,
         id: SectorId,
         geometry: impl Into<Arc<Geometry>>,
     ) -> Result<(), SceneError> {
         let geometry = geometry.into();
-        let (before, method) = self.ours(id)?;
+        let (before, method) = self.editable(id)?;
         let [had, has] = [before, &geometry].map(|geometry| geometry.openings().len());
         if had != has {
             let sector = self.sector_name(id).to_owned();
@@ -158,20 +168,20 @@ impl Scene {
         Ok(())
     }
 
-    /// Has a sector seen by another method; no other is touched.
+    /// Replaces the method of a sector. No other sector is rebuilt.
     ///
     /// # Errors
-    /// [`SceneError::NotOurs`], [`SceneError::TooLarge`], [`SceneError::NotBaked`], [`SceneError::NotConvex`] or [`SceneError::TerrainUnusable`], and then it
-    /// stays as it was.
+    /// Returns [`SceneError::CustomSector`], [`SceneError::TooLarge`], [`SceneError::NotBaked`], [`SceneError::NotConvex`]
+    /// or [`SceneError::TerrainUnusable`], and leaves the sector unchanged.
     pub fn set_method(&mut self, id: SectorId, method: Method) -> Result<(), SceneError> {
-        let (geometry, _) = self.ours(id)?;
+        let (geometry, _) = self.editable(id)?;
         self.rebuild(id, Arc::clone(geometry), method)
     }
 
-    fn ours(&self, id: SectorId) -> Result<(&Arc<Geometry>, Method), SceneError> {
+    fn editable(&self, id: SectorId) -> Result<(&Arc<Geometry>, Method), SceneError> {
         match &self.sectors[id.0 as usize].body {
             Body::BuiltIn { sector, method } => Ok((sector.geometry(), *method)),
-            Body::Custom(_) => Err(SceneError::NotOurs(self.sector_name(id).to_owned())),
+            Body::Custom(_) => Err(SceneError::CustomSector(self.sector_name(id).to_owned())),
         }
     }
 
@@ -181,15 +191,15 @@ impl Scene {
         built.map_err(|why| SceneError::unsuited(&placed.name, why))
     }
 
-    /// How often a sector's method was built since the sector was added; 0 of one of the user's own.
+    /// Returns how many times the method of a sector was built, the first build included; 0 for a custom sector.
     pub fn builds(&self, id: SectorId) -> u64 {
         self.sectors[id.0 as usize].builds
     }
 
-    /// Moves where a portal leads, in O(1): the sector behind it moves as a whole.
+    /// Replaces the transform of a portal, in O(1). The sector behind it appears moved as a whole.
     ///
     /// # Errors
-    /// [`SceneError::NotSimilar`] or [`SceneError::TooFar`], and then it stays as it was.
+    /// Returns [`SceneError::NotSimilar`] or [`SceneError::TooFar`], and leaves the portal unchanged.
     pub fn set_portal(&mut self, portal: PortalId, there_from_here: Transform) -> Result<(), SceneError> {
         if !there_from_here.is_similarity() {
             return Err(SceneError::NotSimilar(portal.0 as usize));
@@ -204,17 +214,20 @@ impl Scene {
         Ok(())
     }
 
-    /// The same scene with every sector of ours seen by `method`. Geometries are shared, not copied.
+    /// Returns a copy of the scene in which all sectors but the custom ones use `method`. The copy shares the
+    /// geometries.
     ///
     /// # Errors
-    /// [`Unsuited::TooLarge`] where a sector would need more than `limit_bytes` for what the method builds,
-    /// [`Unsuited::NotBaked`], [`Unsuited::NotConvex`] or [`Unsuited::TerrainUnusable`] where one has not what the method goes by.
+    /// Returns [`Unsuited::TooLarge`] if a sector needs more than `limit_bytes` for what the method builds;
+    /// [`Unsuited::NotBaked`], [`Unsuited::NotConvex`] or [`Unsuited::TerrainUnusable`] if a sector lacks what the
+    /// method [requires](Method::requires).
     pub fn with_method(&self, method: Method, limit_bytes: u64) -> Result<Scene, Unsuited> {
         let mut scene = self.clone();
         scene.limit_bytes = limit_bytes;
-        // Of sectors of one geometry the first builds what the others share: side by side each would build its own.
+        // Of sectors that share a geometry, the first builds the data that the others reuse; built in parallel, each
+        // would build it again.
         let mut geometries = HashSet::new();
-        let is_first = |placed: &&mut Placed| match &placed.body {
+        let is_first = |placed: &&mut SceneSector| match &placed.body {
             Body::BuiltIn { sector, .. } => geometries.insert(Arc::as_ptr(sector.geometry())),
             Body::Custom(_) => false,
         };
@@ -231,13 +244,13 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Has every sector of ours what a method goes by ([`Method::suits`])?
+    /// Returns `true` if all sectors but the custom ones meet the requirements of a method ([`Method::suits`]).
     pub fn suits(&self, method: Method) -> bool {
         let mut geometries = self.sectors().filter_map(|id| self.geometry(id));
         geometries.all(|geometry| method.suits(geometry))
     }
 
-    /// The same scene with its openings as plain holes: no portal is followed.
+    /// Returns a copy of the scene in which no portal is followed and openings are empty holes.
     #[must_use]
     pub fn without_portals(&self) -> Scene {
         Scene {
@@ -250,21 +263,24 @@ impl Scene {
         self.flat
     }
 
-    /// The sector that a point stands in: of those whose boxes hold it, the smallest; else the one whose box is
-    /// nearest. `None` only where the scene has no sector.
+    /// Returns the sector that contains a point: the smallest of those whose boxes contain it. If no box contains it,
+    /// returns the sector with the nearest box. `None` only if the scene has no sectors.
     ///
-    /// The box of a sector that is [open above](SceneBuilder::open_above) has no top: whoever is on a roof or a balcony is in
-    /// the garden. Of several such boxes, the smallest is the one that covers the least ground.
+    /// The box of a sector that is [open above](SceneBuilder::open_above) has no top, so a point on a roof or a balcony
+    /// is in the garden. The smallest of several such boxes is the one with the smallest footprint.
     ///
-    /// Boxes that end in a doorway both hold an eye that stands in it: then the one whose middle is nearer to where
-    /// the eye looks (`toward`) is taken, so that the doorway is behind the eye.
+    /// If the point is on the boundary of all boxes that contain it, as in a doorway where two boxes meet, returns the
+    /// sector whose centre is farther along the viewing direction, from `point` to `toward`, so that the doorway is
+    /// behind the eye.
     ///
     /// Cost: O(log sectors) where few boxes overlap.
+    #[doc(alias = "point location")]
     pub fn locate(&self, point: [f32; 3], toward: [f32; 3]) -> Option<SectorId> {
         self.boxes.locate(point, toward)
     }
 
-    /// The sector that a view's eye stands in; `None` where the scene has none, or not the one that the view names.
+    /// Returns the sector of a view: [`View::sector`] if it is set, else the one that contains the eye
+    /// ([`Scene::locate`]). `None` if the scene has no sectors or not the one that the view names.
     pub fn sector_of(&self, view: &View) -> Option<SectorId> {
         match view.sector {
             Some(id) => ((id.0 as usize) < self.sectors.len()).then_some(id),
@@ -272,17 +288,18 @@ impl Scene {
         }
     }
 
-    /// Whether [`SceneBuilder::open_above`] was called for a sector.
+    /// Returns `true` if [`SceneBuilder::open_above`] was called for a sector.
     pub fn is_open_above(&self, id: SectorId) -> bool {
         self.sectors[id.0 as usize].open_above
     }
 
-    /// The smallest box around a sector's geometry, in the sector's own space.
+    /// Returns the bounding box of a sector, in the space of the sector.
     pub fn bounds(&self, id: SectorId) -> Aabb {
         self.sector(id).bounds()
     }
 
-    /// Items of all sectors; one that stands in two is counted twice. Of the user's own, as many as they say.
+    /// Returns the number of items in all sectors. An item that is in two sectors counts twice. For a custom sector,
+    /// adds [`Sector::item_count`].
     pub fn item_count(&self) -> usize {
         let items = |id| match self.geometry(id) {
             Some(geometry) => geometry.item_count(),
@@ -291,12 +308,13 @@ impl Scene {
         self.sectors().map(items).sum()
     }
 
-    /// Triangles of all sectors, each copy counted. Of the user's own, as many as they [say](Sector::item_triangles).
+    /// Returns the number of triangles in all sectors, counting every instance. For a custom sector, adds
+    /// [`Sector::item_triangles`].
     pub fn triangle_count(&self) -> u64 {
         self.sectors().map(|id| self.triangles_of(id)).sum()
     }
 
-    /// The same of one sector.
+    /// Returns the number of triangles in one sector, counting every instance.
     pub fn triangles_of(&self, id: SectorId) -> u64 {
         let own = self.sector(id);
         match self.geometry(id) {
@@ -307,14 +325,14 @@ impl Scene {
         }
     }
 
-    /// Memory in bytes, of geometries and of what methods built over them.
+    /// Returns the memory used by the geometries and by what the methods built, in bytes.
     pub fn bytes(&self) -> u64 {
         let sectors = self.sectors().map(|id| self.sector(id).bytes()).sum::<u64>();
         let portals = size_of_val(&*self.portals) + size_of_val(&*self.portal_of);
         sectors + self.boxes.bytes() + portals as u64
     }
 
-    /// What methods built, over all sectors: sums, and the depth of the deepest tree.
+    /// Returns build statistics over all sectors: sums of the counts, and the depth of the deepest tree.
     pub fn build_stats(&self) -> BuildStats {
         self.sectors()
             .map(|id| self.sector(id).build_stats())
@@ -326,7 +344,7 @@ impl Scene {
     }
 }
 
-impl Placed {
+impl SceneSector {
     fn sector(&self) -> &dyn Sector {
         match &self.body {
             Body::BuiltIn { sector, .. } => &**sector,
@@ -334,7 +352,7 @@ impl Placed {
         }
     }
 
-    /// The box by which an eye is located.
+    /// Returns the box that [`Scene::locate`] uses.
     fn space(&self) -> Aabb {
         let mut space = self.sector().bounds();
         if self.open_above && !space.is_empty() {
@@ -343,7 +361,7 @@ impl Placed {
         space
     }
 
-    /// Has this geometry seen by this method, or stays as it was.
+    /// Builds `method` for `geometry` and replaces both; on an error nothing changes.
     fn rebuild(&mut self, geometry: Arc<Geometry>, method: Method, limit_bytes: u64) -> Result<(), Unsuited> {
         let sector = method.build_editable(geometry, limit_bytes)?;
         self.body = Body::BuiltIn { method, sector };

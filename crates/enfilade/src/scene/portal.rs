@@ -1,33 +1,39 @@
-//! Where openings lead.
+//! Portals: the targets of openings.
 
 use crate::geom::{Transform, is_in_range};
 use crate::geometry::{Opening, OpeningId};
 
-/// A sector of a scene, by its place in [`Scene::sectors`](crate::Scene::sectors).
+/// Id of a sector: its index in [`Scene::sectors`](crate::Scene::sectors).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SectorId(pub u32);
 
-/// A portal of a scene, by its place in [`Scene::portals`](crate::Scene::portals).
+/// Id of a portal: its index in [`Scene::portals`](crate::Scene::portals).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PortalId(pub u32);
 
-/// One way through an opening. A door is two of these; a mirror is one, back into its own sector.
+/// One-way link from an opening of a sector into a sector, with a transform between their spaces.
+///
+/// A door is two portals, one each way. A mirror is one that leads back into its own sector.
+#[doc(alias = "portal link")]
+#[doc(alias = "doorway")]
+#[doc(alias = "gateway")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Portal {
-    /// The sector one looks out of.
+    /// The source sector.
     pub from: SectorId,
-    /// The opening of that sector.
+    /// The opening of the source sector.
     pub opening: OpeningId,
-    /// The sector one looks into.
+    /// The target sector.
     pub to: SectorId,
-    /// From the space of `from` to the space of `to`: rigid, uniformly scaling or reflecting.
+    /// Maps the space of `from` to the space of `to`: rigid, uniformly scaling or reflecting.
     pub there_from_here: Transform,
-    /// A closed portal is an opaque face.
+    /// Whether the portal is followed. A closed portal is an opaque face.
     pub open: bool,
 }
 
 impl Portal {
-    /// Whether what is seen through `opening`, the portal's own, is at coordinates that are allowed, and can be mapped back.
+    /// Returns `true` if the transform is invertible and maps `opening`, the one of this portal, within
+    /// [`MAX_COORDINATE`](crate::MAX_COORDINATE).
     pub(super) fn leads_in_range(&self, opening: &Opening) -> bool {
         let corners = opening.outline.corners().iter();
         self.there_from_here.inverse().is_some()

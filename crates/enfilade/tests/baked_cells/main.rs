@@ -213,7 +213,7 @@ fn edit_what_stands_free(scene: &mut Scene, count: usize, random: &mut Random) -
                 .add(HOUSE, geometry.name(item), Arc::clone(mesh), place)
                 .map(|_| ()),
             1 if free.len() > 12 => edit.remove(HOUSE, item),
-            _ => edit.place(HOUSE, item, place),
+            _ => edit.set_transform(HOUSE, item, place),
         };
     }
     let done = edit.finish().expect("little");
@@ -255,7 +255,7 @@ fn a_thing_that_stands_nowhere_is_always_looked_at_and_one_that_is_gone_never() 
     let middle = geometry.item(ball).bounds.center();
     let above = Transform::translation([0.0, 8.0, 0.0]) * geometry.item(ball).transform();
     let mut edit = scene.edit();
-    edit.place(HOUSE, ball, above).expect("it is there");
+    edit.set_transform(HOUSE, ball, above).expect("it is there");
     edit.finish().expect("little");
     let eye = [middle[0] + 1.0, 9.0, middle[2]];
     // From within the house too, as far as boxes tell: no row says anything of what is in no cell.
@@ -287,20 +287,23 @@ fn what_has_no_cells_is_told_to_be_not_baked() {
         .to_string();
     assert_eq!(
         why,
-        "not baked: pvs needs a precomputed PVS, and there is none; hierarchical-z needs none"
+        "method pvs needs a baked PVS and this sector has none; use hierarchical-z, or bake one"
     );
     let mut builder = SceneBuilder::new();
     let geometry = Arc::clone(scene.geometry(HOUSE).expect("ours"));
     builder.add("hall", geometry, Method::Pvs);
     let why = builder.build().err().expect("it has no cells").to_string();
-    assert!(why.starts_with("sector `hall`: not baked: pvs"), "{why}");
+    assert!(
+        why.starts_with("sector `hall`: method pvs needs a baked PVS"),
+        "{why}"
+    );
     let mut house = by_cells(&random_house(3).scene);
     let without = with_cells(house.geometry(HOUSE).expect("ours"), None);
     let why = house
         .set_geometry(HOUSE, without)
         .expect_err("it has no cells")
         .to_string();
-    assert!(why.contains("not baked"), "{why}");
+    assert!(why.contains("needs a baked PVS"), "{why}");
     assert!(
         house.geometry(HOUSE).expect("ours").cells().is_some(),
         "it stays as it was"

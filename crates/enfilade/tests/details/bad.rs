@@ -129,7 +129,8 @@ fn a_level_that_fails_is_stood_in_for_by_another_if_there_is_one() {
     settle(&mut details, &mut scene, &mut viewer, &straight());
     assert_eq!(details.level(HALL, item), Some(Some(0)));
     let mut edit = scene.edit();
-    edit.place(HALL, item, at([0.0, 0.0, -3.0])).expect("it is there");
+    edit.set_transform(HALL, item, at([0.0, 0.0, -3.0]))
+        .expect("it is there");
     edit.finish().expect("little");
     let set = viewer.look(&scene, &straight());
     let refined = details.refine(&mut scene, &[set]).expect("it fits");

@@ -201,11 +201,11 @@ fn what_has_no_ground_and_ground_that_was_moved_are_refused() {
         .expect("few faces");
     let mut scene = seen_by(builder.build().expect("sound things"), false);
     let mut edit = scene.edit();
-    edit.place(SectorId(0), thing, Transform::translation([3.0, 1.0, 0.0]))
+    edit.set_transform(SectorId(0), thing, Transform::translation([3.0, 1.0, 0.0]))
         .expect("it is there");
     edit.finish().expect("what stands on the ground may move");
     let mut edit = scene.edit();
-    edit.place(SectorId(0), ItemId(1), Transform::translation([3.0, 1.0, 0.0]))
+    edit.set_transform(SectorId(0), ItemId(1), Transform::translation([3.0, 1.0, 0.0]))
         .expect("it is there");
     let refused = edit.finish().expect_err("the ground stays");
     assert!(matches!(refused, SceneError::TerrainUnusable { .. }), "{refused}");

@@ -118,8 +118,8 @@ fn walk(
             slid.complete && slid.crossed.is_empty(),
             "step {step}: {course:?} from {place:?}: {slid:?}"
         );
-        assert!(slid.place.position.iter().all(|value| value.is_finite()));
-        let went = [0, 1, 2].map(|a| f64::from(slid.place.position[a]) - f64::from(place.position[a]));
+        assert!(slid.location.position.iter().all(|value| value.is_finite()));
+        let went = [0, 1, 2].map(|a| f64::from(slid.location.position[a]) - f64::from(place.position[a]));
         let went = DVec3::from(went).length();
         assert!(
             went <= f64::from(longest) * 1.74 + 1e-3,
@@ -128,7 +128,7 @@ fn walk(
         touched += usize::from(!slid.touched.is_empty());
         length += went;
         let before = place;
-        place = slid.place;
+        place = slid.location;
         let axis = axis(&place, &capsule);
         let reach = f64::from(capsule.radius) * 0.999;
         let [min, max] = [axis[0].min(axis[1]) - reach, axis[0].max(axis[1]) + reach];
@@ -182,7 +182,7 @@ fn it_slides_along_a_wall_into_a_corner_and_stands_on_the_floor() {
     };
     let capsule = Capsule::new(0.3, 1.8);
     let slid = scene.slide(from, capsule, [-3.0, -3.0, 1.0]);
-    let [x, y, z] = slid.place.position;
+    let [x, y, z] = slid.location.position;
     assert!(
         (x - 0.3).abs() < 1e-3 && (y - 0.9).abs() < 1e-3 && (z - 6.0).abs() < 1e-3,
         "{slid:?}"
@@ -195,8 +195,8 @@ fn it_slides_along_a_wall_into_a_corner_and_stands_on_the_floor() {
         .map(|normal| normal.map(|part| part.round()))
         .collect();
     assert_eq!(normals, [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]);
-    let slid = scene.slide(slid.place, capsule, [-3.0, 1.0, -30.0]);
-    let [x, y, z] = slid.place.position;
+    let slid = scene.slide(slid.location, capsule, [-3.0, 1.0, -30.0]);
+    let [x, y, z] = slid.location.position;
     assert!(
         (x - 0.3).abs() < 2e-3 && (y - 1.9).abs() < 1e-3 && (z - 0.3).abs() < 1e-3,
         "{slid:?}"
@@ -227,7 +227,7 @@ fn it_climbs_steps_that_are_low_enough_and_no_higher_ones() {
             position: [0.0, 0.95, 0.0],
         };
         for _ in 0..40 {
-            place = scene.slide(place, capsule, [0.1, -0.02, 0.01]).place;
+            place = scene.slide(place, capsule, [0.1, -0.02, 0.01]).location;
         }
         let risen = place.position[1] - 0.9;
         assert_eq!(
@@ -264,7 +264,7 @@ fn it_walks_through_the_doors_of_a_palace_and_nowhere_else() {
             // As a ray from middle to middle goes: no wall is between.
             let walked = scene.walk(
                 place,
-                [0, 1, 2].map(|a| slid.place.position[a] - place.position[a]),
+                [0, 1, 2].map(|a| slid.location.position[a] - place.position[a]),
             );
             if slid.crossed.is_empty() {
                 assert!(
@@ -272,7 +272,7 @@ fn it_walks_through_the_doors_of_a_palace_and_nowhere_else() {
                     "step {step} from {place:?}: {slid:?}"
                 );
             }
-            (place, capsule) = (slid.place, slid.capsule);
+            (place, capsule) = (slid.location, slid.capsule);
             assert!(place.position.iter().all(|value| value.is_finite()));
         }
     }
@@ -298,20 +298,20 @@ fn what_is_no_step_or_no_capsule_goes_nowhere() {
         (lying, [1.0; 3]),
     ] {
         let slid = scene.slide(from, capsule, step);
-        assert_eq!((slid.place, slid.touched.len()), (from, 0));
+        assert_eq!((slid.location, slid.touched.len()), (from, 0));
     }
     let still = scene.slide(from, sound, [0.0; 3]);
-    assert_eq!(still.place, from);
+    assert_eq!(still.location, from);
     // Begun in a wall, it is pushed out.
     let inside = Location {
         position: [0.1, 1.5, 5.0],
         ..from
     };
-    let pushed = scene.slide(inside, sound, [0.0; 3]).place.position;
+    let pushed = scene.slide(inside, sound, [0.0; 3]).location.position;
     assert!((pushed[0] - 0.3).abs() < 1e-3, "{pushed:?}");
     // Farther than it can go at once: it says so, or is stopped by a wall.
     let far = scene.slide(from, sound, [3e30, 0.0, 0.0]);
-    assert!(far.place.position[0] < 9.8);
+    assert!(far.location.position[0] < 9.8);
 }
 
 /// Two rooms and a door between them at z = 0, from x = -1 to 1: the room on this side, with `here` in it, and the one beyond.
@@ -352,16 +352,16 @@ fn in_a_doorway_it_is_stopped_by_what_stands_beyond_and_not_by_what_lies_there_i
     // What a room holds behind its own door is not where the door leads.
     for behind in [[-0.2, 0.0, -1.0], [-0.2, 0.0, -0.6]] {
         let slid = two_rooms(behind, AWAY).slide(from, capsule, [0.0, 0.0, -3.0]);
-        assert_eq!((slid.place.sector, slid.crossed.len()), (SectorId(1), 1));
+        assert_eq!((slid.location.sector, slid.crossed.len()), (SectorId(1), 1));
         assert!(
-            (slid.place.position[2] + 2.0).abs() < 1e-3 && slid.touched.is_empty(),
+            (slid.location.position[2] + 2.0).abs() < 1e-3 && slid.touched.is_empty(),
             "{slid:?}"
         );
         // But what the other room has there is, before its middle is through and after.
         let slid = two_rooms(AWAY, behind).slide(from, capsule, [0.0, 0.0, -3.0]);
         let stopped = behind[2] + 0.5 + 0.3;
-        assert!((slid.place.position[2] - stopped).abs() < 1e-3, "{slid:?}");
-        assert_eq!(slid.place.sector.0, u32::from(stopped < 0.0));
+        assert!((slid.location.position[2] - stopped).abs() < 1e-3, "{slid:?}");
+        assert_eq!(slid.location.sector.0, u32::from(stopped < 0.0));
     }
     // The posts of the door are there from both sides.
     for (x, through) in [(0.6, true), (0.8, false)] {
@@ -374,5 +374,5 @@ fn in_a_doorway_it_is_stopped_by_what_stands_beyond_and_not_by_what_lies_there_i
     let mut scene = two_rooms(AWAY, AWAY);
     scene.set_open(PortalId(0), false);
     let slid = scene.slide(from, capsule, [0.0, 0.0, -3.0]);
-    assert!((slid.place.position[2] - 0.3).abs() < 1e-3 && slid.crossed.is_empty());
+    assert!((slid.location.position[2] - 0.3).abs() < 1e-3 && slid.crossed.is_empty());
 }

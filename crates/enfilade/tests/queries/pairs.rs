@@ -113,7 +113,7 @@ fn what_is_no_box_is_refused_and_leaves_the_box_as_it_was() {
     let refused = pairs.set(9, inside_out).expect_err("it is empty");
     assert_eq!(
         refused.to_string(),
-        "box 9 is empty: a least side exceeds the greatest"
+        "box 9 is empty: a minimum exceeds its maximum"
     );
     assert_eq!([pairs.bounds(5), pairs.bounds(9)], [Some(unit), None]);
     assert!(pairs.update().ended.is_empty());

@@ -77,7 +77,7 @@ fn is_within(place: &SurveyView, block: &Block, margin: f32, scale: f32) -> bool
 }
 
 fn places(found: &Survey) -> Vec<[f32; 3]> {
-    found.places.iter().map(|place| place.eye).collect()
+    found.views.iter().map(|place| place.eye).collect()
 }
 
 #[test]
@@ -85,16 +85,16 @@ fn a_survey_stands_in_all_rooms_and_away_from_their_walls() {
     for scale in [1.0, 39.4] {
         let rooms = two_rooms();
         let found = survey(&scene(&rooms, scale, false), 8);
-        assert_eq!((found.places.len(), found.rooms), (8, 2), "scale {scale}");
+        assert_eq!((found.views.len(), found.rooms), (8, 2), "scale {scale}");
         assert!(!found.seems_inverted);
         for room in &rooms {
             let here = found
-                .places
+                .views
                 .iter()
                 .filter(|place| is_within(place, room, 0.249, scale));
             assert!(here.count() >= 3, "scale {scale}: {:?}", places(&found));
         }
-        let all = found.places.iter();
+        let all = found.views.iter();
         assert!(
             all.clone()
                 .all(|place| rooms.iter().any(|room| is_within(place, room, 0.249, scale)))
@@ -119,15 +119,15 @@ fn in_a_city_a_survey_stands_in_streets_and_a_little_on_roofs() {
         }
     }
     let found = survey(&scene(&city, 1.0, false), 32);
-    assert_eq!(found.places.len(), 32);
-    for place in &found.places {
+    assert_eq!(found.views.len(), 32);
+    for place in &found.views {
         assert!(
             !city.iter().any(|block| is_within(place, block, 0.0, 1.0)),
             "{place:?}"
         );
         assert_eq!(place.on_roof, place.eye[1] > 12.0, "{place:?}");
     }
-    let on_roofs = found.places.iter().filter(|place| place.on_roof).count();
+    let on_roofs = found.views.iter().filter(|place| place.on_roof).count();
     assert!((1..=4).contains(&on_roofs), "{on_roofs} on roofs");
 }
 
@@ -161,10 +161,10 @@ fn where_the_ground_goes_on_below_a_hall_a_survey_stays_outside() {
     let mut scene = SceneBuilder::new();
     scene.add("all", builder.build().expect("sound"), Method::ZBuffer);
     let found = survey(&scene.build().expect("one sector"), 24);
-    assert_eq!(found.places.len(), 24);
+    assert_eq!(found.views.len(), 24);
     let hall = solid(min, max);
     assert!(
-        !found.places.iter().any(|place| is_within(place, &hall, 0.0, 1.0)),
+        !found.views.iter().any(|place| is_within(place, &hall, 0.0, 1.0)),
         "{:?}",
         places(&found)
     );
@@ -177,16 +177,16 @@ fn a_survey_of_an_object_is_around_it() {
         solid([0.0, 0.45, 0.0], [0.5, 0.9, 0.1]),
     ];
     let found = survey(&scene(&chair, 1.0, false), 16);
-    assert_eq!((found.places.len(), found.rooms), (16, 0));
+    assert_eq!((found.views.len(), found.rooms), (16, 0));
     let around = solid([0.0; 3], [0.5, 0.9, 0.5]);
     assert!(
         !found
-            .places
+            .views
             .iter()
             .any(|place| is_within(place, &around, 0.0, 1.0))
     );
     for end in [false, true] {
-        let side = found.places.iter().filter(|place| (place.eye[0] > 0.25) == end);
+        let side = found.views.iter().filter(|place| (place.eye[0] > 0.25) == end);
         assert!(side.count() >= 3, "{:?}", places(&found));
     }
 }
@@ -196,7 +196,7 @@ fn every_view_of_a_survey_sees_something() {
     let mut viewer = Viewer::new();
     for name in NAMES.into_iter().filter(|&name| name != "enfilade") {
         let scene = built_in(name).expect("it is built in").scene;
-        for place in survey(&scene, 6).places {
+        for place in survey(&scene, 6).views {
             let view = View::new(place.eye, place.toward, [64, 36]);
             assert!(
                 !viewer.look(&scene, &view).items().is_empty(),
@@ -210,8 +210,8 @@ fn every_view_of_a_survey_sees_something() {
 fn a_survey_is_the_same_every_time() {
     let scene = built_in("enfilade").expect("it is built in").scene;
     let found = survey(&scene, 12);
-    assert_eq!(found.places, survey(&scene, 12).places);
-    assert_eq!(found.places.len(), 12);
+    assert_eq!(found.views, survey(&scene, 12).views);
+    assert_eq!(found.views.len(), 12);
     assert!(found.rooms >= 4, "{}", found.rooms);
 }
 

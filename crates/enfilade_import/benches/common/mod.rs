@@ -75,7 +75,7 @@ pub(crate) fn open(folder: &Path, file: &str) -> Place {
         .scene(Method::ZBuffer, Method::DEFAULT_LIMIT)
         .expect("one sector");
     let views = survey(&scene, VIEWS)
-        .places
+        .views
         .iter()
         .map(|at| View::new(at.eye, at.toward, SIZE))
         .collect();

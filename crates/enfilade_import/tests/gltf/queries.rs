@@ -151,7 +151,7 @@ fn questions_to_real_scenes_find_what_going_through_everything_finds() {
         let sector = scene.sectors().next().expect("one sector");
         let geometry = Arc::clone(scene.geometry(sector).expect("ours"));
         boxes_and_nearest(file, &geometry);
-        let eyes: Vec<[f32; 3]> = survey(&scene, 50).places.iter().map(|at| at.eye).collect();
+        let eyes: Vec<[f32; 3]> = survey(&scene, 50).views.iter().map(|at| at.eye).collect();
         rays(file, &geometry, &eyes);
     }
 }

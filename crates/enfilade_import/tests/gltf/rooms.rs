@@ -123,7 +123,10 @@ fn a_room_that_says_it_is_a_convex_cell_is_held_to_it() {
     assert_eq!(scene_of_cells.method(SectorId(0)), Some(Method::Cell));
     file.json["nodes"][0]["children"] = json!([1, 5]);
     let why = scene(&file).err().expect("a broom stands in it").to_string();
-    assert!(why.starts_with("sector `A-room`: not convex: cell"), "{why}");
+    assert!(
+        why.starts_with("sector `A-room`: method cell needs a convex sector"),
+        "{why}"
+    );
     assert!(why.contains("`broom`"), "{why}");
 }
 

@@ -60,7 +60,7 @@ fn nearest_wall(scene: &Scene, place: Location, person: &Capsule) -> (f64, Strin
     let half = 0.5 * person.height - person.radius;
     let mut nearest = (f64::INFINITY, String::new());
     for up in [-half, 0.0, half] {
-        let at = scene.walk(place, person.up.map(|side| up * side)).place;
+        let at = scene.walk(place, person.up.map(|side| up * side)).location;
         for turn in 0..DIRECTIONS {
             let angle = std::f32::consts::TAU * f32::from(turn) / f32::from(DIRECTIONS);
             let ray = Ray {
@@ -121,18 +121,18 @@ fn a_person_walks_through_a_villa_for_thousands_of_steps_and_never_into_a_wall()
             let slid = scene.slide(place, person, course);
             let what = || format!("from {start}, step {step}, {place:?} by {course:?} to {slid:?}");
             assert!(slid.complete, "{}", what());
-            assert!(is_in_its_room(&scene, &slid.place, 0.5), "{}: left", what());
-            let (nearest, ray) = nearest_wall(&scene, slid.place, &slid.capsule);
+            assert!(is_in_its_room(&scene, &slid.location, 0.5), "{}: left", what());
+            let (nearest, ray) = nearest_wall(&scene, slid.location, &slid.capsule);
             assert!(
                 nearest >= 0.99 * f64::from(slid.capsule.radius),
                 "{}: {nearest} away: {ray}",
                 what()
             );
-            length += apart(slid.there_from_here.point(place.position), slid.place.position);
+            length += apart(slid.there_from_here.point(place.position), slid.location.position);
             crossings += slid.crossed.len();
             touched += usize::from(!slid.touched.is_empty());
             course = slid.there_from_here.direction(course);
-            (place, person) = (slid.place, slid.capsule);
+            (place, person) = (slid.location, slid.capsule);
             visited.insert(scene.sector_name(place.sector));
         }
     }

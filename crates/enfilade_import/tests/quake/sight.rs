@@ -99,7 +99,7 @@ fn views(import: &Import, scene: &Scene, places: usize) -> Vec<View> {
         view.near = camera.near;
         view
     });
-    let found = survey(scene, places).places;
+    let found = survey(scene, places).views;
     assert!(found.len() > places / 2, "the map has open space");
     let places = found.iter().map(|place| View::new(place.eye, place.toward, SIZE));
     cameras.chain(places).collect()

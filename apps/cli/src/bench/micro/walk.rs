@@ -49,7 +49,7 @@ struct Walk {
 /// # Errors
 /// A scene in which there is nowhere to stand.
 pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<Row>> {
-    let places = enfilade::survey(scene, VIEWS).places;
+    let places = enfilade::survey(scene, VIEWS).views;
     if places.is_empty() {
         bail!(
             "the survey finds no open space to stand in; `bench --micro` without a scene leaves its rows out"

@@ -288,16 +288,16 @@ impl<'a> Builder<'a> {
     }
 
     /// Makes pieces of polygons that stay together.
-    fn finish(&mut self, combined_with: &mut Vec<Working>) -> BspLink {
-        combined_with.sort_by_key(|working| working.polygon);
+    fn finish(&mut self, together: &mut Vec<Working>) -> BspLink {
+        together.sort_by_key(|working| working.polygon);
         let first = self.tree.pieces.len() as u32;
-        let link = if combined_with.is_empty() {
+        let link = if together.is_empty() {
             BspLink::NOTHING
         } else {
             BspLink::pieces(first)
         };
-        let last = combined_with.len().saturating_sub(1);
-        for (place, working) in combined_with.drain(..).enumerate() {
+        let last = together.len().saturating_sub(1);
+        for (place, working) in together.drain(..).enumerate() {
             self.cuts.clear();
             self.cuts.extend(self.arena.cuts(&working));
             // One plane may have made two edges, where rounding bent a thin polygon.

@@ -1,24 +1,25 @@
-//! A body on its way: where it is by now, what it may still go, what it has touched.
+//! Advances a capsule along a step: position, remaining motion and contacts.
 //!
-//! A step is gone by parts. The distance from a body that is shifted to a convex face is a convex function of the shift, so
-//! its slope where the body stands bounds it from below: a part as long as that allows goes through nothing, however fast.
-//! Where nothing is left between body and face, what is left of the step goes on along it, or along the crease of two.
-//! Source: Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems, 1996, for advancement that is conservative;
-//!     Fauerby, Improved Collision Detection and Response, 2003, for what is left of a step.
-//! Cost: some tens of parts at most, each a distance to each triangle near by.
-//! Never through a face: a body that begins free keeps its radius from every face, but for what f32 rounds.
+//! Idea: conservative advancement. The distance between a translated body and a convex face is a convex function of the
+//!     translation, so its slope at the current position bounds it from below: a part of the step that is short enough
+//!     by that bound passes through no face, however fast the body is. At zero distance the remaining step is projected
+//!     onto the face, or onto the crease between two.
+//! Source: Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems, 1996, for conservative advancement;
+//!     Fauerby, Improved Collision Detection and Response, 2003, for the sliding response.
+//! Cost: at most some tens of parts in practice, each with a distance to every nearby triangle.
+//! A body that starts free never passes through a face: it keeps its radius from every face, up to f32 rounding.
 
 use super::obstacles::{Contact, Obstacles};
 use crate::geom::Transform;
-use crate::query::place::Location;
+use crate::query::location::Location;
 use crate::scene::{PortalId, Scene};
 use glam::DVec3;
 
-/// A capsule in the space of the sector that its middle is in.
+/// A capsule in the space of the sector that contains its centre.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Body {
     pub(super) radius: f64,
-    /// From the middle to each end of the axis.
+    /// Distance from the centre to each end of the axis.
     pub(super) half: f64,
     pub(super) up: DVec3,
 }
@@ -30,60 +31,61 @@ impl Body {
     }
 }
 
-/// A body, and how far it has come.
+/// A moving body: its current state and what it crossed and touched.
 #[derive(Clone)]
 pub(super) struct Mover<'a> {
     pub(super) scene: &'a Scene,
-    pub(super) place: Location,
+    pub(super) location: Location,
     pub(super) body: Body,
     pub(super) there_from_here: Transform,
     pub(super) crossed: Vec<PortalId>,
-    /// Unit normals of what has stopped it, in the space that it is in now.
+    /// Unit normals of the obstacles that stopped it, in its current space.
     pub(super) touched: Vec<DVec3>,
     pub(super) complete: bool,
 }
 
-/// Parts of one step, at most.
+/// Maximum number of parts of a step.
 const MAX_PARTS: usize = 512;
 
-/// Things in the way of one step that it slides along, at most: then it is stuck.
+/// Maximum number of obstacles that one step slides along; then the body is stuck.
 const MAX_STOPS: usize = 32;
 
-/// Times that a body is pushed out of what it stands in, at most, in a row.
+/// Maximum number of times in a row that a body is pushed out of faces.
 const MAX_PUSHES: usize = 16;
 
-/// A direction that goes into a face by less than this part of itself goes along it.
+/// A direction counts as parallel to a face if its component into the face is below this fraction of its length.
 const ALONG: f64 = 1e-6;
 
 impl Mover<'_> {
     pub(super) fn middle(&self) -> DVec3 {
-        DVec3::from(self.place.position.map(f64::from))
+        DVec3::from(self.location.position.map(f64::from))
     }
 
-    /// How much more than its radius a body keeps from faces: positions are of f32, and must not round into them.
+    /// Returns the extra distance, beyond the radius, that a body keeps from faces: f32 positions must not round into
+    /// them.
     fn skin(&self) -> f64 {
         let reach = self.middle().abs().max_element() + self.body.half + self.body.radius;
         (1e-3 * self.body.radius).max(8.0 * f64::from(f32::EPSILON) * reach)
     }
 
-    /// What it stands on, or leans on, there where it is.
-    pub(super) fn leans_on(&self) -> Vec<Contact> {
+    /// Returns the contacts at the current position.
+    pub(super) fn contacts_here(&self) -> Vec<Contact> {
         let skin = self.skin();
         let near = self.body.radius + 3.0 * skin;
-        let obstacles = Obstacles::about(self.scene, self.place, &self.body, 3.0 * skin);
+        let obstacles = Obstacles::about(self.scene, self.location, &self.body, 3.0 * skin);
         let mut contacts = Vec::new();
         obstacles.contacts(self.middle(), &self.body, near, &mut contacts);
         contacts
     }
 
-    /// Goes a step as far as it can, and on along what is in its way if it `slides`.
+    /// Moves by `step` as far as possible; if `slides`, continues along obstacles.
     pub(super) fn go(&mut self, step: DVec3, slides: bool) {
         let mut rest = step;
         let mut contacts: Vec<Contact> = Vec::new();
-        // What has stopped it where it is now.
+        // Normals of the obstacles that stop it at the current position.
         let mut planes: Vec<DVec3> = Vec::new();
         let [mut pushes, mut stopped] = [0; 2];
-        let mut near: Option<Near> = None;
+        let mut near: Option<NearbyObstacles> = None;
         for _ in 0..MAX_PARTS {
             let skin = self.skin();
             let [stops, keeps] = [0.5, 1.0].map(|part| self.body.radius + part * skin);
@@ -92,16 +94,16 @@ impl Mover<'_> {
             let middle = self.middle();
             if !(near.as_ref()).is_some_and(|near| near.serves(middle, length.min(size) + skin)) {
                 let reach = length.min(8.0 * size) + self.body.radius;
-                near = Some(Near {
-                    obstacles: Obstacles::about(self.scene, self.place, &self.body, reach),
+                near = Some(NearbyObstacles {
+                    obstacles: Obstacles::about(self.scene, self.location, &self.body, reach),
                     middle,
                     reach,
                 });
             }
-            let Some(Near { obstacles, .. }) = &near else {
+            let Some(NearbyObstacles { obstacles, .. }) = &near else {
                 return;
             };
-            // Near openings faces come and go with the way to them.
+            // Near openings, faces become reachable or unreachable as the body moves.
             let most = if obstacles.has_ways_out() {
                 0.5 * self.body.radius
             } else {
@@ -109,8 +111,8 @@ impl Mover<'_> {
             };
             let most = length.min(most);
             obstacles.contacts(middle, &self.body, keeps + most, &mut contacts);
-            // How far it may go before a face stops it. What is as good as nothing is nothing: f32 could not tell the
-            // places apart, and it would go on and on.
+            // Distance that the body can move before a face stops it. Negligible distances count as 0: f32 cannot
+            // resolve them, and the loop would not end.
             let free = |contact: &Contact| {
                 let [speed, gap] = [-forward.dot(contact.normal), contact.distance - stops];
                 let free = if gap <= 0.1 * skin { 0.0 } else { gap / speed };
@@ -142,12 +144,12 @@ impl Mover<'_> {
                 }
                 let along = along(rest, &planes);
                 stopped += 1;
-                // Where there are too many planes, nothing may be gained by going on.
+                // With too many planes, continuing may gain nothing.
                 if !slides || stopped == MAX_STOPS || along.length() > (1.0 - 0.1 * ALONG * ALONG) * length {
                     return;
                 }
                 rest = along;
-                // It goes on a little farther away: there the edges that two faces of one wall share are not in its way.
+                // Continue a little farther from the wall, where the edges that its faces share do not stop the body.
                 self.pushed_out(obstacles, &contacts, keeps, &mut rest)
             };
             if shifted {
@@ -158,8 +160,8 @@ impl Mover<'_> {
         self.complete = false;
     }
 
-    /// Goes away from the nearest of some faces until it keeps off it, if that does not lead nearer to another; says whether
-    /// it led through a portal.
+    /// Pushes the body away from the nearest contact until it keeps its distance, unless that leads closer to another
+    /// face. Returns `true` if that crossed a portal.
     fn pushed_out(
         &mut self,
         obstacles: &Obstacles,
@@ -175,17 +177,17 @@ impl Mover<'_> {
         self.is_freer_at(obstacles, push, nearest.distance) && self.shift(push, rest)
     }
 
-    /// Is nothing nearer than `depth` after a push?
+    /// Returns `true` if no face is nearer than `depth` after a push.
     fn is_freer_at(&self, obstacles: &Obstacles, push: DVec3, depth: f64) -> bool {
         let mut contacts = Vec::new();
         obstacles.contacts(self.middle() + push, &self.body, depth, &mut contacts);
         contacts.is_empty()
     }
 
-    /// Moves by so much; says whether that led through a portal, and then all is carried to the other space.
+    /// Translates the body. Returns `true` if that crossed a portal; then all vectors are transformed to the new space.
     fn shift(&mut self, by: DVec3, rest: &mut DVec3) -> bool {
-        let walked = self.scene.walk(self.place, by.as_vec3().to_array());
-        self.place = walked.place;
+        let walked = self.scene.walk(self.location, by.as_vec3().to_array());
+        self.location = walked.location;
         self.complete &= walked.complete;
         if walked.crossed.is_empty() {
             return false;
@@ -207,28 +209,29 @@ impl Mover<'_> {
     }
 }
 
-/// What stands about a place, and how far a body may go from there before that must be asked again.
-struct Near {
+/// Obstacles around a position, valid as long as the body stays within `reach`.
+struct NearbyObstacles {
     obstacles: Obstacles,
     middle: DVec3,
     reach: f64,
 }
 
-impl Near {
+impl NearbyObstacles {
     fn serves(&self, middle: DVec3, part: f64) -> bool {
         middle.distance(self.middle) + part <= self.reach
     }
 }
 
-/// Adds a normal, if none is nearly the same and there are not very many.
+/// Adds a normal unless a nearly equal one is in the list or the list is full.
 fn add_distinct(normals: &mut Vec<DVec3>, normal: DVec3) {
-    const MOST: usize = 16;
-    if normals.len() < MOST && !normals.iter().any(|known| known.distance_squared(normal) < 1e-14) {
+    const MAX_NORMALS: usize = 16;
+    if normals.len() < MAX_NORMALS && !normals.iter().any(|known| known.distance_squared(normal) < 1e-14) {
         normals.push(normal);
     }
 }
 
-/// The most of a step that goes into none of some planes: all of it, along one, along the crease of two, or nothing.
+/// Returns the longest projection of a step that enters none of the planes: the step itself, along one plane, along the
+/// crease of two, or zero.
 fn along(step: DVec3, normals: &[DVec3]) -> DVec3 {
     let slack = 0.5 * ALONG * step.length();
     let is_free = |way: &DVec3| normals.iter().all(|normal| way.dot(*normal) >= -slack);

@@ -1,56 +1,60 @@
-//! A capsule that slides along walls: for walking, and for cameras that must not look through walls.
+//! Kinematic capsule that slides along walls, for character controllers and cameras.
 //!
-//! It goes its step by parts that end where something is in the way ([`body`]); what is in the way is asked of every
-//! sector that it stands in ([`obstacles`]).
-//! Source: as in those two.
-//! Cost: that of the triangles near its way, some tens of times.
-//! It never gets into a wall that it did not begin in.
+//! Idea: a step is split into parts that end at obstacles ([`body`]); the obstacles come from every sector that the
+//!     capsule reaches into ([`obstacles`]).
+//! Source: see those two.
+//! Cost: testing the triangles near the path, some tens of times.
+//! The capsule never enters a face that it does not already overlap at the start.
 
 mod body;
 mod obstacles;
 
-use super::place::Location;
+use super::location::Location;
 use crate::geom::Transform;
 use crate::scene::{PortalId, Scene};
 use body::{Body, Mover};
 use glam::DVec3;
 
-/// An upright cylinder with round ends.
+/// Capsule for [`Scene::slide`]: a cylinder with hemispherical ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Capsule {
-    /// In scene units, above 0.
+    /// Radius in scene units, above 0.
     pub radius: f32,
-    /// From end to end; a sphere where it is no more than twice the radius.
+    /// Total height, hemispheres included, in scene units; a sphere if at most twice the radius.
     pub height: f32,
-    /// Along its axis, of any length but zero.
+    /// Direction of the axis, of any length but zero.
     pub up: [f32; 3],
-    /// The height of a step that it walks up. With 0 it is stopped by all that its round end does not slide over.
+    /// Maximum height of a step that it climbs, in scene units. With 0, obstacles stop it unless its rounded end slides
+    /// over them.
+    #[doc(alias = "step height")]
     pub climb: f32,
 }
 
-/// Where a step of a capsule leads.
+/// Result of [`Scene::slide`].
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SlideResult {
-    /// Where its middle is.
-    pub place: Location,
-    /// The capsule as it is there: turned, and grown or shrunk, as the portals have it.
+    /// Location of the capsule's centre after the step.
+    pub location: Location,
+    /// The capsule in the space of its new sector, rotated and scaled by the portals crossed.
     pub capsule: Capsule,
-    /// From the space that it began in to the one that it is in: turns its course, too.
+    /// Maps the space of the start to that of the end. Apply it to velocity and orientation.
     pub there_from_here: Transform,
-    /// The portals that its middle went through, in order.
+    /// The portals that its centre crossed, in order.
     pub crossed: Vec<PortalId>,
-    /// Unit normals of what was in its way, towards the capsule, in the space that it is in.
+    /// Unit normals of the obstacles touched, towards the capsule, in the space of the end.
     pub touched: Vec<[f32; 3]>,
-    /// Does it stand on a face no steeper than 45 degrees, or on the edge of one?
+    /// Whether it is on a face with a slope of at most 45 degrees, or on the edge of one.
+    #[doc(alias = "grounded")]
     pub on_ground: bool,
-    /// Was the whole step gone, but for what was in the way? If not, it was too long, or through too much.
+    /// Whether the step was completed, apart from obstacles. `false` if it was too long or crossed too many obstacles
+    /// or portals.
     pub complete: bool,
 }
 
 impl Capsule {
-    /// Upright along y, climbing nothing.
+    /// Creates a capsule whose axis is +Y, with a `climb` of 0.
     pub const fn new(radius: f32, height: f32) -> Capsule {
         Capsule {
             radius,
@@ -71,22 +75,29 @@ impl Capsule {
     }
 }
 
-/// The cosine of the steepest ground.
+/// Cosine of the maximum slope of ground.
 const STEEPEST: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 impl Scene {
-    /// Moves a capsule, its middle at `from`, by a step: along what is in its way, and through open portals.
+    /// Moves a capsule with its centre at `from` by `step`, sliding along obstacles and through open portals.
     ///
-    /// Every face stops it, from whichever side and of whatever it is made, glass and cut-outs too; so do openings that are
-    /// closed or lead nowhere. What reaches through an open portal is stopped by what stands there, not by what stands behind
-    /// the opening here. Sectors of the user's own have no faces to be stopped by. Nothing pulls it down: say so with the
-    /// step. Where it stands in a wall to begin with, it is pushed out, if that is not into another.
+    /// Returns where it ends, what it touched and which portals it crossed. `step` is in the space of `from`, in scene
+    /// units.
     ///
-    /// It keeps a thousandth of its radius away from faces, or as much as f32 loses there. A step, a place or a capsule that
-    /// is not finite, and a capsule without radius, go nowhere.
+    /// Obstacles are all faces, from both sides and of every material, alpha-blended and alpha-tested ones included,
+    /// and openings that are closed or lead nowhere. The part of the capsule that is beyond an open portal collides
+    /// with the sector there, not with what is behind the opening here. Custom sectors have no faces to collide with.
+    /// There is no gravity: add it to `step`. A capsule that overlaps a face at the start is pushed out, unless that
+    /// would push it into another.
+    ///
+    /// It keeps a distance of a thousandth of its radius from faces, or more where f32 rounding requires it. Nothing
+    /// moves if the step, the position or the capsule is not finite, or if the radius is not above 0.
+    #[doc(alias = "character controller")]
+    #[doc(alias = "kinematic")]
+    #[doc(alias = "move and slide")]
     pub fn slide(&self, from: Location, capsule: Capsule, step: [f32; 3]) -> SlideResult {
-        let goes_nowhere = SlideResult {
-            place: from,
+        let unmoved = SlideResult {
+            location: from,
             capsule,
             there_from_here: Transform::IDENTITY,
             crossed: Vec::new(),
@@ -96,11 +107,11 @@ impl Scene {
         };
         let finite = from.position.iter().chain(&step).all(|value| value.is_finite());
         let Some(body) = capsule.body().filter(|_| finite) else {
-            return goes_nowhere;
+            return unmoved;
         };
         let start = Mover {
             scene: self,
-            place: from,
+            location: from,
             body,
             there_from_here: Transform::IDENTITY,
             crossed: Vec::new(),
@@ -120,7 +131,7 @@ impl Scene {
         }
         let scale = moved.body.radius / body.radius;
         SlideResult {
-            place: moved.place,
+            location: moved.location,
             capsule: Capsule {
                 radius: moved.body.radius as f32,
                 height: (f64::from(capsule.height) * scale) as f32,
@@ -140,16 +151,17 @@ impl Scene {
     }
 }
 
-/// Is that a wall, told by how much its normal points up?
+/// Returns `true` if the slope is too steep for ground, given the up component of the unit normal.
 fn is_steep(up: f64) -> bool {
     up.abs() < STEEPEST
 }
 
-/// How high, in the space that it began in, what it stands on is: a face that is not steep, or the edge of one, as on stairs.
+/// Returns the height of the ground along `up`, in the space of the start: the highest contact that is a face of low
+/// slope, or the edge of one, as on stairs.
 fn ground(mover: &Mover, up: DVec3) -> Option<f64> {
     const FROM_ABOVE: f64 = 0.1;
     let here_from_there = mover.there_from_here.inverse()?.0;
-    let contacts = mover.leans_on().into_iter().filter(|contact| {
+    let contacts = mover.contacts_here().into_iter().filter(|contact| {
         let [leans, rises] = [contact.normal, contact.of_face].map(|normal| normal.dot(mover.body.up));
         leans >= FROM_ABOVE && rises >= STEEPEST
     });
@@ -158,15 +170,15 @@ fn ground(mover: &Mover, up: DVec3) -> Option<f64> {
         .max_by(f64::total_cmp)
 }
 
-/// The same step over something low: up, along, and down again; `None` where that does not lead further, to firm ground
-/// that is no higher above what it stood on.
+/// Repeats the step over a low obstacle: up, along, and down again. `None` unless that leads farther than the `plain`
+/// step and onto ground at most `climb` above the ground before.
 fn climbed<'a>(start: &Mover<'a>, step: DVec3, climb: f64, plain: &Mover) -> Option<Mover<'a>> {
     let up = start.body.up;
     let ground_before = ground(start, up).or_else(|| ground(plain, up))?;
     let mut tried = start.clone();
     tried.go(up * climb, false);
     let risen = (tried.middle() - start.middle()).dot(up);
-    // It may have been lifted into another space.
+    // Through a portal, the rest of the step would be in another space.
     if !tried.crossed.is_empty() || risen <= 0.0 {
         return None;
     }

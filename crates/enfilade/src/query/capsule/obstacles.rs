@@ -1,19 +1,20 @@
-//! What stands about a capsule: the faces of every sector that it reaches into, carried to the space of its middle.
+//! Obstacles around a capsule: the faces of every sector that it reaches into, transformed to the space of its centre.
 //!
-//! A face is there for the parts of the capsule that are in its sector: the way from the capsule's middle, along its axis
-//! and from there straight to the face, goes through the openings that lead there, and through no other.
+//! Idea: a face collides only with the parts of the capsule that are in its sector. That is so if the path from the
+//!     capsule's centre along its axis, and from there straight to the face, crosses the openings that lead to that
+//!     sector and no other.
 //! Source: RenderWare, Portal culling: bodies in doorways collide in each section that they stand in.
-//! Cost: the clusters near by, and for each question a distance to each of their triangles.
-//! Faces beyond an opening are cut at its plane; what stands before it there is not.
+//! Cost: collecting the nearby clusters; then one distance to each of their triangles per query.
+//! Faces beyond an opening are clipped at its plane; the part in front of it is ignored.
 
 use super::body::Body;
 use crate::geom::{Aabb, ConvexPolygon, Step, Transform, nearest_points};
 use crate::geometry::{Geometry, ItemId, OpeningId};
-use crate::query::place::{Location, corners, slack};
+use crate::query::location::{Location, corners, slack};
 use crate::scene::{Scene, SectorId};
 use glam::{DAffine3, DVec3};
 
-/// Triangles about a capsule, in the space of the sector that its middle is in.
+/// Triangles around a capsule, in the space of the sector that contains its centre.
 pub(super) struct Obstacles {
     triangles: Vec<Triangle>,
     sides: Vec<Side>,
@@ -21,40 +22,40 @@ pub(super) struct Obstacles {
 
 struct Triangle {
     corners: [DVec3; 3],
-    /// The least and the greatest corner of the box around it.
+    /// Minimum and maximum corner of the bounding box.
     around: [DVec3; 2],
     side: usize,
 }
 
-/// A sector that the capsule stands in, in the space of its middle.
+/// A sector that the capsule reaches into, in the space of the capsule's centre.
 struct Side {
-    /// What one goes through to get there, in order, and what leads on from there.
+    /// The openings crossed to get there, in order, and those that lead on from there.
     entered: Vec<Hole>,
     left: Vec<Hole>,
 }
 
-/// An opening that one may go through.
+/// An open opening.
 struct Hole {
     corners: Vec<DVec3>,
-    /// To the front.
+    /// Unit normal, to the front.
     normal: DVec3,
     slack: f64,
 }
 
-/// How a capsule's axis and a triangle are nearest.
+/// Closest approach of a capsule's axis and a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Contact {
     pub(super) distance: f64,
     /// From the triangle to the axis, of unit length.
     pub(super) normal: DVec3,
-    /// Where on the triangle.
+    /// The closest point on the triangle.
     pub(super) on: DVec3,
-    /// The triangle's own normal, on that side.
+    /// The triangle's normal, on the side of the capsule.
     pub(super) of_face: DVec3,
 }
 
 impl Obstacles {
-    /// All that is within `reach` of a body.
+    /// Collects all triangles within `reach` of a body.
     pub(super) fn about(scene: &Scene, place: Location, body: &Body, reach: f64) -> Obstacles {
         let middle = DVec3::from(place.position.map(f64::from));
         let around = body.radius + reach;
@@ -64,13 +65,13 @@ impl Obstacles {
             triangles: Vec::new(),
             sides: Vec::new(),
         };
-        for present in scene.stands_in(place, (body.half + around) as f32) {
+        for present in scene.body_sectors(place, (body.half + around) as f32) {
             let Some(here_from_there) = present.there_from_here.inverse() else {
                 continue;
             };
             let entered = holes_on_the_way(scene, place.sector, &present.crossed);
             let came = present.crossed.last();
-            let sector = present.place.sector;
+            let sector = present.location.sector;
             let left = scene
                 .ways_out(sector)
                 .filter(|&(portal, _)| !came.is_some_and(|&came| scene.leads_back(came, portal)))
@@ -99,7 +100,7 @@ impl Obstacles {
         obstacles
     }
 
-    /// The faces of the last side that has come.
+    /// Adds the faces of the last side.
     fn add_faces(&mut self, geometry: &Geometry, here_from_there: &DAffine3, near: &[DVec3; 2]) {
         let [min, max] = near.map(|corner| corner.as_vec3().to_array());
         let here = Aabb {
@@ -129,7 +130,7 @@ impl Obstacles {
         });
     }
 
-    /// A face of the last side that has come, or what of it lies beyond the opening that leads there.
+    /// Adds a face of the last side, clipped to the part beyond the opening that leads there.
     fn add(&mut self, corners: impl Iterator<Item = DVec3>, near: &[DVec3; 2]) {
         let side = self.sides.len() - 1;
         let mut outline: Vec<DVec3> = corners.collect();
@@ -150,12 +151,12 @@ impl Obstacles {
         }
     }
 
-    /// May a body move from one sector to another here, or touch what is there?
+    /// Returns `true` if the capsule reaches into more than one sector.
     pub(super) fn has_ways_out(&self) -> bool {
         self.sides.len() > 1
     }
 
-    /// What is nearer to a body's axis than `within`.
+    /// Finds all triangles nearer to the axis of a body than `within`.
     pub(super) fn contacts(&self, middle: DVec3, body: &Body, within: f64, found: &mut Vec<Contact>) {
         found.clear();
         let axis = body.axis(middle);
@@ -172,7 +173,7 @@ impl Obstacles {
             }
             let [a, b, c] = triangle.corners;
             let of_face = (b - a).cross(c - a).normalize_or(body.up);
-            // Where the axis goes through it, to the side that the middle is on.
+            // If the axis intersects the triangle, the normal points to the side of the centre.
             let of_face = if of_face.dot(middle - a) < 0.0 {
                 -of_face
             } else {
@@ -214,7 +215,7 @@ impl Hole {
         self.normal.dot(point - self.corners[0])
     }
 
-    /// Is it on the way from its front to what is behind it?
+    /// Returns `true` if the segment crosses the opening from the front to the back.
     fn is_on(&self, from: DVec3, to: DVec3) -> bool {
         let [before, behind] = [from, to].map(|point| self.height(point));
         if before < -self.slack || behind >= -self.slack {
@@ -228,11 +229,11 @@ impl Hole {
         let [least, most] = turns.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], turn| {
             [least.min(turn), most.max(turn)]
         });
-        // Either way round: a reflection turns outlines over.
+        // Both windings: a reflection reverses outlines.
         least >= 0.0 || most <= 0.0
     }
 
-    /// What of a face lies behind its plane, or in it.
+    /// Returns the part of a face that is behind the plane of the opening or in it.
     fn beyond(&self, outline: &[DVec3]) -> Vec<DVec3> {
         let mut kept = Vec::with_capacity(outline.len() + 1);
         for (i, &corner) in outline.iter().enumerate() {
@@ -249,7 +250,7 @@ impl Hole {
     }
 }
 
-/// The openings that portals lead through, in the space of the first.
+/// Returns the openings of a chain of portals, in the space of the first sector.
 fn holes_on_the_way(scene: &Scene, from: SectorId, crossed: &[crate::scene::PortalId]) -> Vec<Hole> {
     debug_assert!(
         crossed
@@ -269,7 +270,7 @@ fn holes_on_the_way(scene: &Scene, from: SectorId, crossed: &[crate::scene::Port
     holes
 }
 
-/// Do two boxes share a point, each given by its least and greatest corner?
+/// Returns `true` if two boxes, each [minimum, maximum], share a point.
 fn meet(one: &[DVec3; 2], other: &[DVec3; 2]) -> bool {
     one[0].cmple(other[1]).all() && one[1].cmpge(other[0]).all()
 }

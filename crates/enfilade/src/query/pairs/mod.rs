@@ -1,9 +1,9 @@
-//! Which of many moving boxes overlap: candidates for collisions.
+//! Broad phase: pairs of overlapping moving boxes, as candidates for collisions.
 //!
-//! Every box knows which others it overlaps; an update asks a tree for those that have changed, and for no other.
+//! Idea: every box stores the list of boxes that it overlaps; an update queries a tree for the changed boxes only.
 //! Source: the tree is that of [`tree`].
-//! Cost: O(changed · log n + pairs of the changed) an update.
-//! Exact: boxes as they are, none grown; those that only touch overlap, as [`Aabb::meets`] says.
+//! Cost: O(changed · log n + pairs of the changed) per update.
+//! Exact: boxes are not enlarged; boxes that only touch overlap, as in [`Aabb::meets`].
 
 mod tree;
 
@@ -12,9 +12,9 @@ use std::collections::HashMap;
 use thiserror::Error;
 use tree::Tree;
 
-/// Boxes that move, by numbers of the user's own, and the pairs of them that overlap.
+/// Broad phase for collision detection: moving AABBs with user-defined ids, and the pairs of them that overlap.
 ///
-/// Say what has moved, then ask for an update:
+/// Set the boxes that moved, then call [`Pairs::update`]:
 ///
 /// ```
 /// use enfilade::{Aabb, Pairs};
@@ -28,13 +28,16 @@ use tree::Tree;
 /// assert_eq!(pairs.update().ended, [[3, 7]]);
 /// # Ok::<(), enfilade::BoxError>(())
 /// ```
+#[doc(alias = "broad phase")]
+#[doc(alias = "overlap")]
+#[doc(alias = "sweep and prune")]
 #[derive(Clone, Debug, Default)]
 pub struct Pairs {
-    place_of: HashMap<u32, u32>,
-    /// By place, as all that follow; empty once removed.
+    slot_of: HashMap<u32, u32>,
+    /// By slot, as the fields below; empty once removed.
     boxes: Vec<Aabb>,
     ids: Vec<u32>,
-    /// The places of those that each overlaps, in order.
+    /// The slots of the boxes that each box overlaps, sorted.
     others: Vec<Vec<u32>>,
     is_changed: Vec<bool>,
     changed: Vec<u32>,
@@ -46,38 +49,38 @@ pub struct Pairs {
     count: usize,
 }
 
-/// What an update has changed: pairs of numbers, the lower first, in order.
+/// Changes found by [`Pairs::update`]: sorted pairs of ids, the lower id first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct PairChanges<'a> {
-    /// They overlap, and did not when the last update was made.
+    /// Pairs that overlap now, but did not at the last update.
     pub began: &'a [[u32; 2]],
-    /// They did, and do no longer, or one of them was removed.
+    /// Pairs that overlapped at the last update and no longer do, or of which a box was removed.
     pub ended: &'a [[u32; 2]],
 }
 
-/// Why something cannot be one of the boxes.
+/// An error of [`Pairs::set`]; the value is the id.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum BoxError {
-    /// A side is NaN or infinite.
+    /// A coordinate is NaN or infinite.
     #[error("box {0} is not finite")]
     NotFinite(u32),
-    /// It holds no point.
-    #[error("box {0} is empty: a least side exceeds the greatest")]
+    /// A minimum exceeds its maximum.
+    #[error("box {0} is empty: a minimum exceeds its maximum")]
     Empty(u32),
 }
 
 impl Pairs {
-    /// No boxes.
+    /// Creates an empty set of boxes.
     pub fn new() -> Pairs {
         Pairs::default()
     }
 
-    /// Adds a box by the name of any number, or moves the one that has it. The next update tells what that changes.
+    /// Adds a box with any id, or replaces the box that has it. The next update reports the changes.
     ///
     /// # Errors
-    /// One [`BoxError`] for each broken rule, and then the box stays as it was.
+    /// Returns a [`BoxError`] if the box is not finite or is empty, and leaves the set unchanged.
     pub fn set(&mut self, id: u32, bounds: Aabb) -> Result<(), BoxError> {
         if !bounds.min.iter().chain(&bounds.max).all(|side| side.is_finite()) {
             return Err(BoxError::NotFinite(id));
@@ -85,56 +88,56 @@ impl Pairs {
         if bounds.is_empty() {
             return Err(BoxError::Empty(id));
         }
-        let place = match self.place_of.get(&id) {
-            Some(&place) => place,
-            None => self.new_place(id),
+        let slot = match self.slot_of.get(&id) {
+            Some(&slot) => slot,
+            None => self.new_slot(id),
         };
-        if self.boxes[place as usize] != bounds {
-            self.boxes[place as usize] = bounds;
-            self.mark(place);
+        if self.boxes[slot as usize] != bounds {
+            self.boxes[slot as usize] = bounds;
+            self.mark(slot);
         }
         Ok(())
     }
 
-    /// Takes a box away; says whether there was one.
+    /// Removes a box. Returns `true` if there was one.
     pub fn remove(&mut self, id: u32) -> bool {
-        let Some(&place) = self.place_of.get(&id) else {
+        let Some(&slot) = self.slot_of.get(&id) else {
             return false;
         };
-        let there = !self.boxes[place as usize].is_empty();
-        self.boxes[place as usize] = Aabb::EMPTY;
-        self.mark(place);
+        let there = !self.boxes[slot as usize].is_empty();
+        self.boxes[slot as usize] = Aabb::EMPTY;
+        self.mark(slot);
         there
     }
 
-    /// A box; `None` where none has that number.
+    /// Returns the box with the given id; `None` if there is none.
     pub fn bounds(&self, id: u32) -> Option<Aabb> {
-        let bounds = self.boxes[*self.place_of.get(&id)? as usize];
+        let bounds = self.boxes[*self.slot_of.get(&id)? as usize];
         (!bounds.is_empty()).then_some(bounds)
     }
 
-    /// Finds what has changed since the last update.
+    /// Computes the pairs that changed since the last update.
     pub fn update(&mut self) -> PairChanges<'_> {
         self.began.clear();
         self.ended.clear();
         let mut changed = std::mem::take(&mut self.changed);
-        let is_new = |&&place: &&u32| !(self.tree.holds(place) || self.boxes[place as usize].is_empty());
+        let is_new = |&&slot: &&u32| !(self.tree.holds(slot) || self.boxes[slot as usize].is_empty());
         let newcomers = changed.iter().filter(is_new).count();
         if self.tree.serves(newcomers) {
-            for &place in &changed {
-                self.tree.set(place, &self.boxes[place as usize]);
+            for &slot in &changed {
+                self.tree.set(slot, &self.boxes[slot as usize]);
             }
         } else {
             self.tree.build(&self.boxes);
         }
-        for &place in &changed {
-            self.compare(place);
+        for &slot in &changed {
+            self.compare(slot);
         }
-        for place in changed.drain(..) {
-            self.is_changed[place as usize] = false;
-            if self.boxes[place as usize].is_empty() {
-                self.place_of.remove(&self.ids[place as usize]);
-                self.free.push(place);
+        for slot in changed.drain(..) {
+            self.is_changed[slot as usize] = false;
+            if self.boxes[slot as usize].is_empty() {
+                self.slot_of.remove(&self.ids[slot as usize]);
+                self.free.push(slot);
             }
         }
         self.changed = changed;
@@ -147,59 +150,59 @@ impl Pairs {
         }
     }
 
-    /// How many pairs overlapped when the last update was made.
+    /// Returns the number of overlapping pairs at the last update.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// All pairs that overlapped when the last update was made: the lower number first, in order.
+    /// Returns all overlapping pairs at the last update, sorted, the lower id of each pair first.
     pub fn all(&self) -> Vec<[u32; 2]> {
         let mut all = Vec::with_capacity(self.count);
-        for (place, others) in (0..).zip(&self.others) {
-            let once = others.iter().filter(|&&other| other > place);
-            all.extend(once.map(|&other| in_order(&self.ids, place, other)));
+        for (slot, others) in (0..).zip(&self.others) {
+            let once = others.iter().filter(|&&other| other > slot);
+            all.extend(once.map(|&other| in_order(&self.ids, slot, other)));
         }
         all.sort_unstable();
         all
     }
 
-    /// The numbers of the boxes that one overlapped when the last update was made, in no order.
+    /// Iterates over the ids of the boxes that box `id` overlapped at the last update, in no order.
     pub fn of(&self, id: u32) -> impl Iterator<Item = u32> {
-        let place = self.place_of.get(&id);
-        let others = place.map_or(&[][..], |&place| &self.others[place as usize][..]);
+        let slot = self.slot_of.get(&id);
+        let others = slot.map_or(&[][..], |&slot| &self.others[slot as usize][..]);
         others.iter().map(|&other| self.ids[other as usize])
     }
 
-    fn new_place(&mut self, id: u32) -> u32 {
-        let place = self.free.pop().unwrap_or(self.boxes.len() as u32);
-        if place as usize == self.boxes.len() {
+    fn new_slot(&mut self, id: u32) -> u32 {
+        let slot = self.free.pop().unwrap_or(self.boxes.len() as u32);
+        if slot as usize == self.boxes.len() {
             self.boxes.push(Aabb::EMPTY);
             self.ids.push(id);
             self.others.push(Vec::new());
             self.is_changed.push(false);
         }
-        self.ids[place as usize] = id;
-        self.place_of.insert(id, place);
-        place
+        self.ids[slot as usize] = id;
+        self.slot_of.insert(id, slot);
+        slot
     }
 
-    fn mark(&mut self, place: u32) {
-        if !std::mem::replace(&mut self.is_changed[place as usize], true) {
-            self.changed.push(place);
+    fn mark(&mut self, slot: u32) {
+        if !std::mem::replace(&mut self.is_changed[slot as usize], true) {
+            self.changed.push(slot);
         }
     }
 
-    /// Finds what a changed box overlaps now, and tells the others.
-    fn compare(&mut self, place: u32) {
-        let bounds = self.boxes[place as usize];
+    /// Recomputes the overlaps of a changed box, and updates the lists of the others.
+    fn compare(&mut self, slot: u32) {
+        let bounds = self.boxes[slot as usize];
         self.found.clear();
         if !bounds.is_empty() {
             self.tree.meeting(&bounds, &mut self.found);
         }
-        self.found.retain(|&other| other != place);
+        self.found.retain(|&other| other != slot);
         self.found.sort_unstable();
-        let before = std::mem::take(&mut self.others[place as usize]);
-        // Those of both lists in order, as one goes through two that are sorted.
+        let before = std::mem::take(&mut self.others[slot as usize]);
+        // Merges two sorted lists.
         let [mut old, mut new] = [before.iter().peekable(), self.found.iter().peekable()];
         loop {
             let (other, is_new) = match (old.peek(), new.peek()) {
@@ -214,12 +217,12 @@ impl Pairs {
                 (None, Some(&&b)) => (b, true),
             };
             let others = &mut self.others[other as usize];
-            // Of two boxes each knows of the other, or none does.
-            match others.binary_search(&place) {
+            // The lists are symmetric: toggle the entry of the other box.
+            match others.binary_search(&slot) {
                 Ok(at) => drop(others.remove(at)),
-                Err(at) => others.insert(at, place),
+                Err(at) => others.insert(at, slot),
             }
-            let pair = in_order(&self.ids, place, other);
+            let pair = in_order(&self.ids, slot, other);
             if is_new {
                 new.next();
                 self.began.push(pair);
@@ -230,12 +233,12 @@ impl Pairs {
         }
         let mut others = before;
         others.clone_from(&self.found);
-        self.others[place as usize] = others;
+        self.others[slot as usize] = others;
     }
 }
 
-/// The numbers of two boxes, the lower first.
+/// Returns the ids of two boxes, the lower first.
 fn in_order(ids: &[u32], a: u32, b: u32) -> [u32; 2] {
-    let [a, b] = [a, b].map(|place| ids[place as usize]);
+    let [a, b] = [a, b].map(|slot| ids[slot as usize]);
     [a.min(b), a.max(b)]
 }

@@ -1,53 +1,53 @@
-//! A tree over boxes that move: refitted where they do, built again when it has gone bad.
+//! AABB tree over moving boxes: refitted on moves, rebuilt when its quality degrades.
 //!
-//! A complete binary tree in one array, as a heap: node i has the children 2i and 2i + 1, each place one leaf. Building
-//! parts the boxes at the median of their middles, across the axis along which these reach farthest.
-//! Source: Bentley, Multidimensional Binary Search Trees, 1975, for medians; van den Bergen, Efficient Collision Detection
-//!     of Complex Deformable Models Using AABB Trees, 1997, for refitting.
-//! Cost: building O(n log n); a move O(log n); a question O(log n + found) in a tree that is good.
-//! Depth is log₂ n whatever the boxes are. A question counts what it wastes, and once that is more than building costs, the
-//! tree is built again.
+//! Idea: a complete binary tree in one array, laid out as a heap: node i has the children 2i and 2i + 1, and each leaf
+//!     holds one box. Building splits the boxes at the median of their centres along the axis of largest extent.
+//! Source: Bentley, Multidimensional Binary Search Trees, 1975, for medians; van den Bergen, Efficient Collision
+//!     Detection of Complex Deformable Models Using AABB Trees, 1997, for refitting.
+//! Cost: building O(n log n); a move O(log n); a query O(log n + found) in a good tree.
+//! The depth is log₂ n for any boxes. Queries count the nodes that they test in vain; once those exceed the cost of
+//! building, the tree is rebuilt.
 
 use crate::geom::Aabb;
 
-/// A tree over boxes that are numbered by their place.
+/// AABB tree over boxes that are identified by slot.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tree {
     /// The root is 1; leaves are the second half.
     nodes: Vec<Aabb>,
-    /// The thing in each leaf; what it says of an empty one means nothing.
-    thing_of: Vec<u32>,
-    /// The leaf of each thing.
+    /// The slot of the box in each leaf; undefined for an empty leaf.
+    box_of: Vec<u32>,
+    /// The leaf of each box.
     leaf_of: Vec<Option<u32>>,
-    /// Leaves that hold nothing.
+    /// Empty leaves.
     free: Vec<u32>,
     wasted: usize,
     order: Vec<u32>,
 }
 
-/// Nodes that a question to a good tree looks at: this for each level, and for each box found.
+/// Expected number of nodes tested by a query in a good tree, per level and per box found.
 const EXPECTED: usize = 6;
 
 impl Tree {
-    /// Is there a leaf for so many things more, and was little wasted?
+    /// Returns `true` if there are leaves for `more` boxes and few node tests were wasted.
     pub(super) fn serves(&self, more: usize) -> bool {
-        more <= self.free.len() && self.wasted <= self.thing_of.len() * self.levels()
+        more <= self.free.len() && self.wasted <= self.box_of.len() * self.levels()
     }
 
-    pub(super) fn holds(&self, thing: u32) -> bool {
-        (self.leaf_of.get(thing as usize)).is_some_and(|leaf| leaf.is_some())
+    pub(super) fn holds(&self, slot: u32) -> bool {
+        (self.leaf_of.get(slot as usize)).is_some_and(|leaf| leaf.is_some())
     }
 
     fn levels(&self) -> usize {
-        self.thing_of.len().max(2).ilog2() as usize
+        self.box_of.len().max(2).ilog2() as usize
     }
 
-    /// Builds it over all boxes that are not empty.
+    /// Builds the tree over all boxes that are not empty.
     pub(super) fn build(&mut self, boxes: &[Aabb]) {
         self.order.clear();
         self.order
-            .extend((0..boxes.len() as u32).filter(|&thing| !boxes[thing as usize].is_empty()));
-        // An eighth to spare, so that newcomers do not have it built each time.
+            .extend((0..boxes.len() as u32).filter(|&slot| !boxes[slot as usize].is_empty()));
+        // An eighth spare, so that additions do not cause a rebuild each time.
         let leaves = (self.order.len() + self.order.len() / 8)
             .max(1)
             .next_power_of_two();
@@ -61,10 +61,10 @@ impl Tree {
                 continue;
             }
             let part = &mut self.order[start..end];
-            let middles = Aabb::of(part.iter().map(|&thing| boxes[thing as usize].center()));
+            let middles = Aabb::of(part.iter().map(|&slot| boxes[slot as usize].center()));
             let size = middles.size();
             let axis = (0..3).max_by(|&a, &b| size[a].total_cmp(&size[b])).unwrap_or(0);
-            let key = |thing: u32| boxes[thing as usize].center()[axis];
+            let key = |slot: u32| boxes[slot as usize].center()[axis];
             part.select_nth_unstable_by(half, |&a, &b| key(a).total_cmp(&key(b)).then(a.cmp(&b)));
             if half > 1 {
                 waiting.push((start, start + half, half));
@@ -73,16 +73,16 @@ impl Tree {
         }
         self.nodes.clear();
         self.nodes.resize(2 * leaves, Aabb::EMPTY);
-        self.thing_of.clear();
-        self.thing_of.resize(leaves, 0);
+        self.box_of.clear();
+        self.box_of.resize(leaves, 0);
         self.leaf_of.clear();
         self.leaf_of.resize(boxes.len(), None);
         self.free.clear();
         self.free.extend((self.order.len() as u32..leaves as u32).rev());
-        for (leaf, &thing) in self.order.iter().enumerate() {
-            self.thing_of[leaf] = thing;
-            self.leaf_of[thing as usize] = Some(leaf as u32);
-            self.nodes[leaves + leaf] = boxes[thing as usize];
+        for (leaf, &slot) in self.order.iter().enumerate() {
+            self.box_of[leaf] = slot;
+            self.leaf_of[slot as usize] = Some(leaf as u32);
+            self.nodes[leaves + leaf] = boxes[slot as usize];
         }
         for node in (1..leaves).rev() {
             self.nodes[node] = self.nodes[2 * node].union(&self.nodes[2 * node + 1]);
@@ -90,26 +90,26 @@ impl Tree {
         self.wasted = 0;
     }
 
-    /// A thing has moved, come or, with an empty box, gone. One that comes needs a leaf ([`Tree::serves`]).
-    pub(super) fn set(&mut self, thing: u32, bounds: &Aabb) {
-        if self.leaf_of.len() <= thing as usize {
-            self.leaf_of.resize(thing as usize + 1, None);
+    /// Moves, adds or, with an empty box, removes a box. Adding needs a free leaf ([`Tree::serves`]).
+    pub(super) fn set(&mut self, slot: u32, bounds: &Aabb) {
+        if self.leaf_of.len() <= slot as usize {
+            self.leaf_of.resize(slot as usize + 1, None);
         }
         let gone = bounds.is_empty();
-        let leaf = match self.leaf_of[thing as usize] {
+        let leaf = match self.leaf_of[slot as usize] {
             None if gone => return,
             Some(leaf) => leaf,
             None => {
                 let Some(leaf) = self.free.pop() else { return };
-                self.thing_of[leaf as usize] = thing;
+                self.box_of[leaf as usize] = slot;
                 leaf
             }
         };
-        self.leaf_of[thing as usize] = (!gone).then_some(leaf);
+        self.leaf_of[slot as usize] = (!gone).then_some(leaf);
         if gone {
             self.free.push(leaf);
         }
-        let mut node = self.thing_of.len() + leaf as usize;
+        let mut node = self.box_of.len() + leaf as usize;
         self.nodes[node] = *bounds;
         while node > 1 {
             node /= 2;
@@ -121,26 +121,26 @@ impl Tree {
         }
     }
 
-    /// All things whose boxes meet this one, in no order.
+    /// Finds all boxes that overlap `bounds`, in no order.
     pub(super) fn meeting(&mut self, bounds: &Aabb, found: &mut Vec<u32>) {
-        let leaves = self.thing_of.len();
+        let leaves = self.box_of.len();
         if leaves == 0 {
             return;
         }
-        let (mut asked, before) = (0, found.len());
-        // One sibling waits on each level.
+        let (mut tested, before) = (0, found.len());
+        // One pending sibling per level.
         let mut waiting = [0_usize; 34];
         waiting[0] = 1;
         let mut count = 1;
         while count > 0 {
             count -= 1;
             let node = waiting[count];
-            asked += 1;
+            tested += 1;
             if !self.nodes[node].meets(bounds) {
                 continue;
             }
             if node >= leaves {
-                found.push(self.thing_of[node - leaves]);
+                found.push(self.box_of[node - leaves]);
             } else {
                 waiting[count] = 2 * node + 1;
                 waiting[count + 1] = 2 * node;
@@ -148,7 +148,7 @@ impl Tree {
             }
         }
         let expected = EXPECTED * (self.levels() + found.len() - before);
-        self.wasted += usize::saturating_sub(asked, expected);
+        self.wasted += usize::saturating_sub(tested, expected);
     }
 }
 
@@ -171,18 +171,18 @@ mod tests {
         assert!(tree.serves(1048) && !tree.serves(1049));
         let mut found = Vec::new();
         let mut ask = |tree: &mut Tree, boxes: &[Aabb]| {
-            for (thing, bounds) in (0..).zip(boxes) {
+            for (slot, bounds) in (0..).zip(boxes) {
                 found.clear();
                 tree.meeting(bounds, &mut found);
-                assert_eq!(found, [thing]);
+                assert_eq!(found, [slot]);
             }
         };
         ask(&mut tree, &boxes);
         assert!(tree.serves(0), "{} nodes were wasted in a good tree", tree.wasted);
-        // Everyone changes places: neighbours are far apart now.
-        for (thing, held) in (0..).zip(&mut boxes) {
-            *held = cube((thing * 617 % 1000) as f32);
-            tree.set(thing, held);
+        // All boxes are permuted: neighbours in the tree are far apart now.
+        for (slot, held) in (0..).zip(&mut boxes) {
+            *held = cube((slot * 617 % 1000) as f32);
+            tree.set(slot, held);
         }
         ask(&mut tree, &boxes);
         assert!(!tree.serves(0), "only {} nodes were wasted", tree.wasted);
@@ -209,10 +209,10 @@ mod tests {
             let mut tree = Tree::default();
             tree.build(&boxes);
             let mut found = Vec::new();
-            for (thing, bounds) in (0..).zip(&boxes) {
+            for (slot, bounds) in (0..).zip(&boxes) {
                 found.clear();
                 tree.meeting(bounds, &mut found);
-                assert_eq!(found, [thing]);
+                assert_eq!(found, [slot]);
             }
             assert!(tree.serves(0), "{} nodes were wasted", tree.wasted);
         }

@@ -3,8 +3,8 @@
 use super::{SurveyView, Surveyor, TRIES};
 use glam::DVec3;
 
-/// Range of distances from the centre, relative to the radius of the bounding sphere. From the minimum the sphere fills the
-/// picture.
+/// Range of distances from the centre, relative to the radius of the bounding sphere. From the minimum the sphere fills
+/// the picture.
 const DISTANCE: [f64; 2] = [1.2, 2.5];
 /// Range of the sine of the elevation.
 const ELEVATION: [f64; 2] = [-0.3, 0.9];

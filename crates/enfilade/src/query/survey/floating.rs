@@ -1,7 +1,7 @@
 //! Camera positions in the open space of geometries without floors.
 //!
-//! Idea: choose a random point on the free segment between a point on a surface and the next surface, and look level. A position
-//!     is rejected as inside a solid if most rays from it hit back faces.
+//! Idea: choose a random point on the free segment between a point on a surface and the next surface, and look level. A
+//!     position is rejected as inside a solid if most rays from it hit back faces.
 //! Source: after the random walks of visibility sampling.
 
 use super::{CLEARANCE, SurveyView, Surveyor, TRIES};

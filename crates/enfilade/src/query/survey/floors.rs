@@ -1,10 +1,10 @@
 //! Walkable floors of a geometry, voxelized into vertical spans on a horizontal grid.
 //!
-//! Idea: each triangle is clipped to the columns of the grid and added to their solid spans. The top of a span is a floor if its
-//!     slope is small and the free height above it is sufficient. Floors of neighbouring columns are connected if the step between them is
-//!     small.
-//! Source: Mononen, Recast Navigation, 2009 (height field of spans); Snook, Simplified 3D Movement and Pathfinding Using
-//!     Navigation Meshes, Game Programming Gems, 2000.
+//! Idea: each triangle is clipped to the columns of the grid and added to their solid spans. The top of a span is a
+//!     floor if its slope is small and the free height above it is sufficient. Floors of neighbouring columns are
+//!     connected if the step between them is small.
+//! Source: Mononen, Recast Navigation, 2009 (height field of spans); Snook, Simplified 3D Movement and Pathfinding
+//!     Using Navigation Meshes, Game Programming Gems, 2000.
 //! Cost: O(faces + columns covered by them), at most [`MAX_COLUMNS`] columns and [`MAX_PARTS`] parts of faces.
 
 use crate::geometry::{Alpha, Geometry, ItemId};
@@ -36,13 +36,14 @@ pub(super) struct Floor {
     column: u32,
 }
 
-/// What a floor is.
+/// Kind of a floor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Floor,
     /// Under open sky and above free space.
     Roof,
-    /// Not in the file: at the lowest point of the geometry, below a column's first span. Many buildings lack their ground.
+    /// Not in the file: at the lowest point of the geometry, below a column's first span. Many buildings lack their
+    /// ground.
     Assumed,
 }
 

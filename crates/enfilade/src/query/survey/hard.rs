@@ -1,15 +1,18 @@
-//! Views that are numerically hard for visibility: eyes in portals, on vertices, on edges and in planes of faces.
+//! Numerically hard camera positions: in portals, on vertices, on edges and in planes of faces.
 
 use super::{Dice, SurveyView};
 use crate::geometry::{Geometry, ItemId};
 use crate::scene::{Scene, SectorId};
 use glam::DVec3;
 
-/// Returns up to `count` views in which methods are most likely to be wrong, chosen by a fixed seed: in turn with the eye in or next
-/// to an opening, on a vertex, on an edge, and in the plane of a face, often looking along a face.
+/// Returns up to `count` camera positions at which visibility methods are most likely to be wrong.
 ///
-/// Eyes may be inside solids. Returns fewer views if [`Scene::locate`] finds many of the eyes in other sectors, and none if the scene
-/// has no faces.
+/// Uses a fixed seed. In turn, the eye is in or next to an opening, on a vertex, on an edge, and in the plane of a
+/// face, often looking along a face.
+///
+/// Eyes may be inside solids. Returns fewer views if [`Scene::locate`] finds many of the eyes in other sectors, and
+/// none if the scene has no faces.
+#[doc(alias = "stress test views")]
 pub fn survey_hard(scene: &Scene, count: usize) -> Vec<SurveyView> {
     let geometries: Vec<(SectorId, &Geometry)> = scene
         .sectors()
@@ -25,9 +28,9 @@ pub fn survey_hard(scene: &Scene, count: usize) -> Vec<SurveyView> {
         let (sector, geometry) = geometries[dice.below(geometries.len())];
         let place = match number % 4 {
             0 => in_opening(geometry, &mut dice),
-            1 => at_face(geometry, &mut dice, Where::Corner),
-            2 => at_face(geometry, &mut dice, Where::Edge),
-            _ => at_face(geometry, &mut dice, Where::Plane),
+            1 => at_face(geometry, &mut dice, FacePart::Corner),
+            2 => at_face(geometry, &mut dice, FacePart::Edge),
+            _ => at_face(geometry, &mut dice, FacePart::Plane),
         };
         let Some([eye, toward]) = place.map(|place| place.map(|point| point.as_vec3().to_array())) else {
             continue;
@@ -50,7 +53,7 @@ const TRIES: usize = 16;
 /// Distances of eyes from an opening, relative to its size.
 const OFF: [f64; 7] = [0.0, 1e-6, -1e-6, 1e-3, -1e-3, 1e-2, -1e-2];
 
-enum Where {
+enum FacePart {
     Corner,
     Edge,
     Plane,
@@ -83,8 +86,9 @@ fn in_opening(geometry: &Geometry, dice: &mut Dice) -> Option<[DVec3; 2]> {
     Some([eye, eye + ahead * size])
 }
 
-/// Returns an eye on a vertex, on an edge or in the plane of a face, and a target in that plane or in a random direction.
-fn at_face(geometry: &Geometry, dice: &mut Dice, place: Where) -> Option<[DVec3; 2]> {
+/// Returns an eye on a vertex, on an edge or in the plane of a face, and a target in that plane or in a random
+/// direction.
+fn at_face(geometry: &Geometry, dice: &mut Dice, place: FacePart) -> Option<[DVec3; 2]> {
     let item = ItemId(dice.below(geometry.items().len()) as u32);
     let mesh = geometry.mesh_of(item);
     if mesh.face_count() == 0 {
@@ -100,10 +104,10 @@ fn at_face(geometry: &Geometry, dice: &mut Dice, place: Where) -> Option<[DVec3;
     let [a, b, c] = [corner(first), corner(first + 1), corner(first + 2)];
     let middle = (a + b + c) / 3.0;
     let eye = match place {
-        Where::Corner => a,
-        Where::Edge => a.lerp(b, dice.fraction()),
+        FacePart::Corner => a,
+        FacePart::Edge => a.lerp(b, dice.fraction()),
         // On an edge, or outside the face by up to four times its size.
-        Where::Plane => middle + (a.lerp(b, dice.fraction()) - middle) * (1.0 + 4.0 * dice.fraction()),
+        FacePart::Plane => middle + (a.lerp(b, dice.fraction()) - middle) * (1.0 + 4.0 * dice.fraction()),
     };
     let toward = match dice.below(3) {
         0 => b,

@@ -1,13 +1,13 @@
-//! Survey: camera positions where people stand, the same for the same scene.
+//! Automatic camera placement: positions at eye height in the open space of a scene, deterministic for a given scene.
 //!
-//! Idea: find the walkable floors of each geometry, segment them into rooms, and distribute positions over the rooms, more in
-//!     large ones, each as far as possible from the others. A room from which most rays hit back faces is rejected: it is inside
-//!     a solid, or outside a map whose faces point inward. The floors of the whole scene decide which side is the back, because
-//!     some files have inverted winding.
+//! Idea: find the walkable floors of each geometry, segment them into rooms, and distribute positions over the rooms,
+//!     more in large ones, each as far as possible from the others. A room from which most rays hit back faces is
+//!     rejected: it is inside a solid, or outside a map whose faces point inward. The floors of the whole scene decide
+//!     which side is the back, because some files have inverted winding.
 //! Source: Mononen, Recast Navigation, 2009, for floors and rooms.
 //! Cost: see `floors.rs`; then about three hundred rays per room and two hundred per position.
-//! No promise: open space need not have a floor. Without any floor, positions float; see `floating.rs`. Around a small object
-//! see `around.rs`.
+//! No promise: open space need not have a floor. Without any floor, positions float; see `floating.rs`. Around a small
+//! object see `around.rs`.
 
 mod around;
 mod floating;
@@ -31,7 +31,7 @@ use std::cell::Cell;
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
 
-/// A camera position in open space and its target.
+/// Camera position in open space with a target, from [`survey`] or [`survey_hard`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SurveyView {
@@ -41,17 +41,19 @@ pub struct SurveyView {
     pub eye: [f32; 3],
     /// Camera target; level with the eye in [`survey`] where something is visible there, anywhere in [`survey_hard`].
     pub toward: [f32; 3],
-    /// Whether the eye is above a roof.
+    /// Whether the camera is above a roof.
     pub on_roof: bool,
 }
 
-/// Camera positions in the open space of a scene, and how they were found.
+/// Result of [`survey`]: camera positions in the open space of a scene, and how they were found.
+#[doc(alias = "camera placement")]
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Survey {
     /// The positions, distributed over the rooms.
-    pub places: Vec<SurveyView>,
-    /// Number of rooms and streets found; 0 if the positions are around an object, or float because the scene has no floors.
+    pub views: Vec<SurveyView>,
+    /// Number of rooms and streets found; 0 if the positions are around an object, or float because the scene has no
+    /// floors.
     pub rooms: usize,
     /// Estimated length of a metre in scene units.
     pub metre: f64,
@@ -61,13 +63,17 @@ pub struct Survey {
 
 /// Returns up to `count` camera positions above the walkable floors of a scene, always the same for the same scene.
 ///
-/// Eyes are 1.6 m above floors and ground, some of them halfway up to a higher ceiling, and at least 0.25 m from every face. They
-/// are distributed over the rooms and look in a direction in which many items are visible, level if possible. At most an eighth
-/// are above roofs. A metre is one unit, unless rooms would be lower than 1.2 m or higher than 40 m.
+/// Eyes are 1.6 m above floors and ground, some of them halfway up to a higher ceiling, and at least 0.25 m from every
+/// face. They are distributed over the rooms and look in a direction in which many items are visible, level if
+/// possible. At most an eighth are above roofs. A metre is one unit, unless rooms would be lower than 1.2 m or higher
+/// than 40 m.
 ///
 /// A scene of at most 3 m without a ceiling is an object: eyes are around it and look at its centre.
 ///
-/// Returns fewer positions if it finds no more or if thousands of items overlap, and none if the scene has no open space.
+/// Returns fewer positions if it finds no more or if thousands of items overlap, and none if the scene has no open
+/// space.
+#[doc(alias = "camera placement")]
+#[doc(alias = "viewpoint selection")]
 pub fn survey(scene: &Scene, count: usize) -> Survey {
     let seed = 0x656E_6669_6C61_6465;
     Surveyor::new(scene, scene.sectors(), seed).survey(count)
@@ -81,8 +87,8 @@ pub fn survey_in(scene: &Scene, sector: SectorId, count: usize) -> Survey {
 
 /// Eye height above the floor, in metres; lower under low ceilings.
 const EYE: f64 = 1.6;
-/// Maximum height of the eyes that are halfway up to a ceiling, in metres. They represent cameras on walls, and they are in the room
-/// above where a file has only the ceiling of the room below and no floor slab.
+/// Maximum height of the eyes that are halfway up to a ceiling, in metres. They represent wall-mounted cameras.
+/// Where a file has only the ceiling of the room below and no floor slab, they are in the room above.
 const HIGHEST_EYE: f64 = 3.0;
 /// Minimum distance of an eye from all faces, in metres.
 const CLEARANCE: f64 = 0.25;
@@ -168,21 +174,21 @@ impl<'a> Surveyor<'a> {
             .collect();
         let (rooms, seems_inverted) = self.open_rooms(&sites);
         let mut found = Survey {
-            places: Vec::new(),
+            views: Vec::new(),
             rooms: 0,
             metre: self.metre,
             seems_inverted,
         };
         if self.is_an_object(&rooms) {
-            found.places = around::places(&mut self, count);
+            found.views = around::places(&mut self, count);
         }
-        if found.places.is_empty() {
+        if found.views.is_empty() {
             found.rooms = rooms.len();
             self.distribute(rooms, count, &mut found);
         }
-        if found.places.is_empty() {
+        if found.views.is_empty() {
             found.rooms = 0;
-            found.places = floating::places(&mut self, count);
+            found.views = floating::places(&mut self, count);
         }
         (found, self.budget.tested.get())
     }
@@ -223,7 +229,8 @@ impl<'a> Surveyor<'a> {
         (wanted.collect(), seems_inverted)
     }
 
-    /// Returns the fraction of hits on front faces and the number of distinct items hit by rays from a room; `None` if no ray hits.
+    /// Returns the fraction of hits on front faces and the number of distinct items hit by rays from a room; `None` if
+    /// no ray hits.
     fn sample_room(&mut self, site: &Site, room: &Room) -> Option<(f64, usize)> {
         let (mut all, mut items) = ([0, 0], BTreeSet::new());
         for _ in 0..SAMPLED_FLOORS {
@@ -237,7 +244,7 @@ impl<'a> Surveyor<'a> {
         (all[1] > 0).then(|| (f64::from(all[0]) / f64::from(all[1]), items.len()))
     }
 
-    /// Returns whether the scene is a thing to look at rather than a place to be in.
+    /// Returns `true` if the scene is an object to view from outside rather than a place to be in.
     fn is_an_object(&self, rooms: &[RoomQuota]) -> bool {
         let is_small =
             |geometry: &Geometry| f64::from(geometry.bounds().longest_side()) <= OBJECT * self.metre;
@@ -251,8 +258,8 @@ impl<'a> Surveyor<'a> {
 
     /// Casts rays in all directions; returns the number of hits on front faces and the number of hits.
     ///
-    /// Steep rays downwards count only if hardly any others hit: the ground of many cities goes on below closed buildings, and
-    /// shows its front inside.
+    /// Steep rays downwards count only if hardly any others hit: the ground of many cities goes on below closed
+    /// buildings, and shows its front inside.
     fn cast_around(&self, geometry: &Geometry, eye: DVec3, mut met: impl FnMut(ItemId)) -> [u32; 2] {
         let [mut others, mut steep] = [[0, 0]; 2];
         for direction in (0..DIRECTIONS).map(spread) {
@@ -287,7 +294,7 @@ impl<'a> Surveyor<'a> {
     /// Adds positions one after the other, each in the room with the highest priority.
     fn distribute(&mut self, mut rooms: Vec<RoomQuota<'_, 'a>>, count: usize, found: &mut Survey) {
         let mut on_roofs = 0;
-        while found.places.len() < count && !self.budget.is_spent() {
+        while found.views.len() < count && !self.budget.is_spent() {
             let roofs_left = 8 * (on_roofs + 1) <= count;
             let next = (rooms.iter_mut())
                 .filter(|quota| quota.failed < TRIES && (roofs_left || quota.room.kind != Kind::Roof))
@@ -297,14 +304,15 @@ impl<'a> Surveyor<'a> {
                 Some(place) => {
                     on_roofs += usize::from(place.on_roof);
                     next.eyes.push(DVec3::from(place.eye.map(f64::from)));
-                    found.places.push(place);
+                    found.views.push(place);
                 }
                 None => next.failed += TRIES / 4,
             }
         }
     }
 
-    /// Returns a position above one of a few random floors of a room: the free one that is farthest from the latest others there.
+    /// Returns a position above one of a few random floors of a room: the free one that is farthest from the latest
+    /// others there.
     fn place_in(&mut self, quota: &RoomQuota<'_, 'a>, found: &Survey) -> Option<SurveyView> {
         let RoomQuota { site, room, eyes, .. } = quota;
         let high = eyes.len().is_multiple_of(3);
@@ -348,8 +356,8 @@ impl<'a> Surveyor<'a> {
         })
     }
 
-    /// Returns a target: of eight random level directions one of the two around which most items are visible, the deeper; if
-    /// nothing is, the farthest hit in other directions.
+    /// Returns a target: of eight random level directions one of the two around which most items are visible, the
+    /// deeper; if nothing is, the farthest hit in other directions.
     fn target(&mut self, sector: SectorId, geometry: &Geometry, place: DVec3) -> Option<DVec3> {
         let size = f64::from(geometry.bounds().longest_side());
         let level: [f64; 8] = std::array::from_fn(|_| std::f64::consts::TAU * self.dice.fraction());
@@ -410,8 +418,8 @@ struct RoomQuota<'s, 'a> {
 }
 
 impl RoomQuota<'_, '_> {
-    /// Returns the Sainte-Laguë quotient of the square root of the area: large rooms get more positions, and small ones get their
-    /// first early. The area that counts is limited by what is visible, for the empty plain around a house.
+    /// Returns the Sainte-Laguë quotient of the square root of the area: large rooms get more positions, and small ones
+    /// get their first early. The area that counts is limited by what is visible, for the empty plain around a house.
     fn priority(&self) -> f64 {
         let area = self.room.area.min(AREA_PER_ITEM * self.items as f64);
         let weight = if self.room.kind == Kind::Roof { 0.3 } else { 1.0 };
@@ -541,12 +549,12 @@ impl Dice {
         z ^ z >> 31
     }
 
-    /// From 0 to just below 1.
+    /// Returns a random number in [0, 1).
     fn fraction(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// From 0 to `end` - 1; `end` above 0.
+    /// Returns a random integer in 0..`end`; `end` must be above 0.
     fn below(&mut self, end: usize) -> usize {
         (self.fraction() * end as f64) as usize
     }
@@ -568,7 +576,7 @@ mod tests {
     use crate::method::Method;
     use crate::scene::SceneBuilder;
 
-    /// A scene of so many pyramids at one position.
+    /// Builds a scene of `count` pyramids at one position.
     fn pyramids(count: usize) -> Scene {
         let corners = [
             [-4.0, 0.0, -4.0],

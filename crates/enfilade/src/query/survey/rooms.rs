@@ -1,9 +1,10 @@
 //! Segments floors into rooms, which end where the free width is small, as in doorways.
 //!
-//! Idea: watershed by clearance. Floors are visited in descending order of clearance. One that has no neighbour in a room starts a
-//!     room; where two rooms meet at a clearance much smaller than that of both, such as in a door, they stay separate; otherwise they merge.
-//! Source: Beucher, Meyer, The Morphological Approach to Segmentation: The Watershed Transformation, 1993; as Recast
-//!     parts its regions.
+//! Idea: watershed by clearance. Floors are visited in descending order of clearance. One that has no neighbour in a
+//!     room starts a room. Where two rooms meet at a clearance much smaller than that of both, as in a door, they stay
+//!     separate; otherwise they merge.
+//! Source: Beucher, Meyer, The Morphological Approach to Segmentation: The Watershed Transformation, 1993; Recast
+//!     partitions its regions in the same way.
 //! Cost: O(n log n) for n floors.
 
 use super::floors::{Floors, Kind};
@@ -94,8 +95,8 @@ pub(super) fn rooms(floors: &Floors, metre: f64) -> (Vec<Room>, Vec<f32>) {
     (rooms, clearance)
 }
 
-/// Returns the distance of each floor from the nearest border floor, which lacks a neighbour: a distance transform that propagates
-/// the nearest border floor.
+/// Returns the distance of each floor from the nearest border floor, which lacks a neighbour: a distance transform that
+/// propagates the nearest border floor.
 fn clearance(floors: &Floors, metre: f64) -> Vec<f32> {
     let mut nearest = vec![u32::MAX; floors.all.len()];
     let mut waiting = VecDeque::new();

@@ -119,9 +119,8 @@ fn a_refusal_says_what_is_where_and_what_to_do() {
         builder.item(name, mesh, Transform::IDENTITY);
     }
     let geometry = Arc::new(builder.build().expect("sound"));
-    let told = "not convex: cell needs every face to have all others on one side, but face 0 of item 0 `floor` has face 0 \
-                of item 1 `cellar` behind it, 0.5 deep at (1, -0.5, 1), and others before it; hierarchical-z takes any \
-                geometry";
+    let told = "method cell needs a convex sector, but face 0 of item 1 `cellar` is 0.5 behind the plane of face 0 of item 0 \
+                `floor` at (1, -0.5, 1), and another face is in front of it; use hierarchical-z";
     assert_eq!(refusal(&geometry).to_string(), told);
     let mut scene = SceneBuilder::new();
     scene.add("house", geometry, Method::Cell);
@@ -180,7 +179,7 @@ fn an_edit_that_dents_a_cell_is_refused_and_leaves_it_as_it_was() {
     // A wall that goes leaves it convex, and so does one that is moved within its plane.
     let mut edit = scene.edit();
     edit.remove(SectorId(0), ItemId(5)).expect("it is there");
-    edit.place(SectorId(0), ItemId(4), Transform::scaling([0.5, 0.5, 1.0]))
+    edit.set_transform(SectorId(0), ItemId(4), Transform::scaling([0.5, 0.5, 1.0]))
         .expect("it is there");
     assert_eq!(edit.finish().expect("still convex").rebuilt, 1);
     keeps_its_contract(&scene, &[ahead], "without a wall");

@@ -1,4 +1,4 @@
-//! Positions that know their sector, and how they move through portals.
+//! Locations (a position and its sector), and movement through portals.
 //!
 //! Source: RenderWare, Portal culling: bodies and cameras that cross a portal change section and coordinates.
 
@@ -6,59 +6,63 @@ use crate::geom::{ConvexPolygon, Pierced, Transform, is_in_range, nearest_in, pi
 use crate::scene::{Portal, PortalId, Scene, SectorId};
 use glam::DVec3;
 
-/// A position in a sector's space.
+/// Position in a scene: a sector and coordinates in its space.
+#[doc(alias = "position")]
+#[doc(alias = "world position")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Location {
-    /// Where it is.
+    /// The sector.
     pub sector: SectorId,
-    /// Where in it, in its own space.
+    /// Coordinates in the space of the sector, in scene units.
     pub position: [f32; 3],
 }
 
-/// Where a step leads.
+/// Result of [`Scene::walk`].
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct MoveResult {
-    /// Where it ends.
-    pub place: Location,
-    /// From the space that it began in to the one that it ends in: turns a body and its course.
+    /// The location after the step.
+    pub location: Location,
+    /// Maps the space of the start to that of the end. Apply it to the velocity and orientation of a body.
     pub there_from_here: Transform,
-    /// The portals that it went through, in order.
+    /// The portals crossed, in order.
     pub crossed: Vec<PortalId>,
-    /// Whether it went through every portal on the way. If not, it ends behind the opening of the first one that it did not
-    /// go through, in the space before it: that was one more than [`MoveResult::MAX_CROSSED`], or led beyond
-    /// [`MAX_COORDINATE`](crate::MAX_COORDINATE), as portals that enlarge again and again do.
+    /// Whether every portal on the way was crossed. If `false`, the position is behind the opening of the first portal
+    /// not crossed, in the space in front of it: that portal exceeded [`MoveResult::MAX_CROSSED`] or led beyond
+    /// [`MAX_COORDINATE`](crate::MAX_COORDINATE), as portals that scale up repeatedly do.
     pub complete: bool,
 }
 
 impl MoveResult {
-    /// Portals that one step goes through at most.
+    /// Maximum number of portals that one step crosses.
     pub const MAX_CROSSED: usize = 256;
 }
 
-/// A sector that a body stands in.
+/// Sector that a bounding sphere reaches into, from [`Scene::body_sectors`].
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct BodyInSector {
-    /// Where its middle is, as seen from that sector; it may lie outside.
-    pub place: Location,
-    /// Its radius there.
+    /// The centre of the sphere in the space of that sector; it may be outside of the sector.
+    pub location: Location,
+    /// The radius in the space of that sector.
     pub radius: f32,
-    /// From the space of the sector that its middle is in.
+    /// Maps the space of the sphere's own sector to that of this one.
     pub there_from_here: Transform,
-    /// The portals between, in order.
+    /// The portals crossed to get there, in order.
     pub crossed: Vec<PortalId>,
 }
 
 impl Scene {
-    /// Moves a point, or the middle of a sphere, by a step, through every open portal that it crosses from the front to
-    /// the back; nothing else stops it. What ends in the plane of an opening has not crossed it. A step that is not finite, or
-    /// ends beyond [`MAX_COORDINATE`](crate::MAX_COORDINATE), is none.
+    /// Moves a point, or the centre of a sphere, by a step through every open portal that it crosses from front to
+    /// back. Nothing else stops it. A step that ends in the plane of an opening does not cross it. Does not move at all
+    /// if the step is not finite or ends beyond [`MAX_COORDINATE`](crate::MAX_COORDINATE).
     ///
-    /// Cost: O(openings) for each sector on the way.
+    /// Cost: O(openings) per sector on the way.
+    #[doc(alias = "move")]
+    #[doc(alias = "teleport")]
     pub fn walk(&self, from: Location, step: [f32; 3]) -> MoveResult {
         let mut walked = MoveResult {
-            place: from,
+            location: from,
             there_from_here: Transform::IDENTITY,
             crossed: Vec::new(),
             complete: true,
@@ -67,8 +71,8 @@ impl Scene {
         if !from.position.iter().chain(&end).all(|&value| is_in_range(value)) {
             return walked;
         }
-        walked.place.position = end;
-        // Both ends of the step, in the space at hand; what is nearer than `at` along it lies behind.
+        walked.location.position = end;
+        // Both ends of the step, in the current space; portals at a parameter below `at` are already crossed.
         let mut ends = [from.position, end].map(|point| DVec3::from(point.map(f64::from)));
         let mut at = 0.0;
         while let Some((portal_id, pierced)) = self.next_crossed(&walked, ends, at) {
@@ -79,14 +83,14 @@ impl Scene {
             let portal = &self.portals()[portal_id.0 as usize];
             at = pierced.at.max(at);
             let there = ends.map(|point| portal.there_from_here.0.transform_point3(point));
-            // The far end is what will be asked of later: it is rounded before, not after, sides are told.
+            // Later queries start at the end point: it is rounded before its side of a plane is computed, not after.
             let rounded = there[1].as_vec3();
             if !rounded.to_array().into_iter().all(is_in_range) {
                 walked.complete = false;
                 break;
             }
             ends = [there[0], rounded.as_dvec3()];
-            walked.place = Location {
+            walked.location = Location {
                 sector: portal.to,
                 position: rounded.into(),
             };
@@ -96,19 +100,19 @@ impl Scene {
         walked
     }
 
-    /// The next portal that a step crosses, if any.
+    /// Returns the next portal that a step crosses, if any.
     fn next_crossed(&self, walked: &MoveResult, ends: [DVec3; 2], at: f64) -> Option<(PortalId, Pierced)> {
-        let sector = walked.place.sector;
+        let sector = walked.location.sector;
         let mut first: Option<(PortalId, Pierced)> = None;
         for (portal_id, outline) in self.ways_out(sector) {
-            // A line crosses a plane once: it has just come through this one.
+            // A line crosses a plane once, and it has just crossed this one.
             if (walked.crossed.last()).is_some_and(|&came| self.leads_back(came, portal_id)) {
                 continue;
             }
             let Some(pierced) = pierced(outline, ends) else {
                 continue;
             };
-            // Where the last step ended, rounding may have left it a little behind an opening that it is before.
+            // Rounding may have left the end of the last step slightly behind an opening that it is in front of.
             let starts_here = walked.crossed.is_empty();
             let before = pierced.from_front || (starts_here && pierced.distance >= -slack(outline));
             let ahead = pierced.at >= at - 1e-9;
@@ -120,7 +124,7 @@ impl Scene {
         first
     }
 
-    /// The open portals of a sector, and the outlines of the openings that they lead out of.
+    /// Iterates over the open portals of a sector and the outlines of their openings.
     pub(crate) fn ways_out(&self, sector: SectorId) -> impl Iterator<Item = (PortalId, &ConvexPolygon)> {
         let openings = self.sector(sector).openings().iter().zip(0..);
         openings.filter_map(move |(opening, number)| {
@@ -130,7 +134,7 @@ impl Scene {
         })
     }
 
-    /// Is a portal the way back through the opening that one has come through?
+    /// Returns `true` if `portal` leads back through the opening by which `came` arrived.
     pub(crate) fn leads_back(&self, came: PortalId, portal: PortalId) -> bool {
         let [came, portal] = [came, portal].map(|id| &self.portals()[id.0 as usize]);
         if portal.from != came.to || portal.to != came.from {
@@ -150,24 +154,25 @@ impl Scene {
         there.iter().all(returns) && home.transform_point3(middle(&back)).distance(middle(&there)) <= near
     }
 
-    /// The sectors that a sphere stands in, its own first: those that it reaches into through open portals, however
-    /// many in a row. A body is seen whole if it is an item of each, at the place that is given here.
+    /// Returns the sectors that a sphere reaches into through any number of open portals, its own sector first. To make
+    /// a body visible as a whole, add it as an item to each of them at the location returned.
     ///
-    /// A position beyond [`MAX_COORDINATE`](crate::MAX_COORDINATE) is in its own sector only, and the sphere is in at most
-    /// 64 sectors. It may say one too many: where the sphere reaches an opening, but not through the one before it.
-    pub fn stands_in(&self, place: Location, radius: f32) -> Vec<BodyInSector> {
+    /// Returns at most 64 sectors, and only the sphere's own one if its position is beyond
+    /// [`MAX_COORDINATE`](crate::MAX_COORDINATE). Conservative: may include a sector whose opening the sphere reaches,
+    /// but not through the opening before it.
+    pub fn body_sectors(&self, location: Location, radius: f32) -> Vec<BodyInSector> {
         let mut all = vec![BodyInSector {
-            place,
+            location,
             radius,
             there_from_here: Transform::IDENTITY,
             crossed: Vec::new(),
         }];
         let mut next = 0;
-        while next < all.len() && all.len() < MAX_PRESENT {
+        while next < all.len() && all.len() < MAX_SECTORS {
             let here = all[next].clone();
             next += 1;
-            let middle = DVec3::from(here.place.position.map(f64::from));
-            for (portal_id, outline) in self.ways_out(here.place.sector) {
+            let middle = DVec3::from(here.location.position.map(f64::from));
+            for (portal_id, outline) in self.ways_out(here.location.sector) {
                 let portal = &self.portals()[portal_id.0 as usize];
                 if (here.crossed.last()).is_some_and(|&came| self.leads_back(came, portal_id))
                     || !reaches(outline, middle, f64::from(here.radius))
@@ -175,14 +180,14 @@ impl Scene {
                     continue;
                 }
                 let there = portal.there_from_here;
-                let position = there.point(here.place.position);
+                let position = there.point(here.location.position);
                 if !position.into_iter().all(is_in_range) {
                     continue;
                 }
                 let mut crossed = here.crossed.clone();
                 crossed.push(portal_id);
                 all.push(BodyInSector {
-                    place: Location {
+                    location: Location {
                         sector: portal.to,
                         position,
                     },
@@ -196,10 +201,10 @@ impl Scene {
     }
 }
 
-/// Sectors that one body stands in at most.
-const MAX_PRESENT: usize = 64;
+/// Maximum number of sectors that one body is in.
+const MAX_SECTORS: usize = 64;
 
-/// Does a sphere before an opening reach it?
+/// Returns `true` if a sphere whose centre is in front of an opening reaches it.
 fn reaches(outline: &ConvexPolygon, middle: DVec3, radius: f64) -> bool {
     let corners = corners(outline);
     let normal = DVec3::from(outline.normal().map(f64::from));
@@ -207,14 +212,15 @@ fn reaches(outline: &ConvexPolygon, middle: DVec3, radius: f64) -> bool {
         && nearest_in(&corners, middle).distance(middle) < radius
 }
 
-/// How far a point may lie behind an opening that it is before: what f32 positions and the flatness of outlines lose.
+/// Returns the tolerance for points in front of an opening: the distance by which rounding to f32 and the flatness of
+/// outlines may put them behind it.
 pub(crate) fn slack(outline: &ConvexPolygon) -> f64 {
     let bounds = outline.bounds();
     let farthest = (bounds.min.iter().chain(&bounds.max)).fold(0.0_f32, |most, value| most.max(value.abs()));
     1e-5 * f64::from(bounds.longest_side()) + 4.0 * f64::from(f32::EPSILON) * f64::from(farthest)
 }
 
-/// The corners of an outline.
+/// Returns the corners of an outline in f64.
 pub(super) fn corners(outline: &ConvexPolygon) -> Vec<DVec3> {
     let corners = outline.corners().iter();
     corners.map(|corner| DVec3::from(corner.map(f64::from))).collect()

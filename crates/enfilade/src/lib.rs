@@ -30,9 +30,10 @@
 //! [`Viewer`] looks at a scene through a [`View`] and answers with a [`VisibleSet`]: the ways from the eye into
 //! fragments, and what may be seen through each. [`Viewer::draw`] paints the same on a [`Canvas`].
 //!
-//! A method is an [order](order) times a [cover](cover), and states its [`Contract`]; the feature `laws` adds the
+//! A method is an [order] times a [cover], and states its [`Contract`]; the feature `laws` adds the
 //! reference that any method, also one of your own, is held against. Looking cannot fail and opens no file; what does
 //! not fit together is refused when a mesh, a content or a scene is built.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
 pub mod cover;

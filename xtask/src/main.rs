@@ -1,10 +1,11 @@
-//! Developer commands: `cargo xtask verify`, `fuzz-scenes`, `fingerprint`, `ci-long` and `charts`.
+//! Developer commands: `cargo xtask verify`, `fuzz-scenes`, `fingerprint`, `public-api`, `ci-long` and `charts`.
 #![forbid(unsafe_code)]
 
 mod charts;
 mod ci_long;
 mod fingerprint;
 mod fuzz_scenes;
+mod public_api;
 mod verify;
 
 use clap::Parser;
@@ -19,6 +20,8 @@ enum Task {
     FuzzScenes(fuzz_scenes::Args),
     /// Writes the visible sets and picture hashes of all methods to a file, and compares it with an earlier one
     Fingerprint(fingerprint::Args),
+    /// Compares the public API of the libraries, signatures included, with the committed listings
+    PublicApi(public_api::Args),
     /// Runs what is too long for `.ci/run`: both of the above, and the tests that are ignored elsewhere; takes hours
     CiLong(ci_long::Args),
     /// Measures every method on every scene, and draws the book's charts of it; takes half an hour
@@ -26,10 +29,14 @@ enum Task {
 }
 
 fn main() -> anyhow::Result<()> {
+    if public_api::run_as_rustdoc()? {
+        return Ok(());
+    }
     match Task::parse() {
         Task::Verify(args) => verify::run(&args),
         Task::FuzzScenes(args) => fuzz_scenes::run(&args),
         Task::Fingerprint(args) => fingerprint::run(&args),
+        Task::PublicApi(args) => public_api::run(&args),
         Task::CiLong(args) => ci_long::run(&args),
         Task::Charts(args) => charts::run(&args),
     }

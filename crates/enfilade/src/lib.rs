@@ -44,7 +44,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A method is an [order](order) (which nodes and faces come next) times a [cover](cover) (what is already hidden). Each
+//! A method is an [order] (which nodes and faces come next) times a [cover] (what is already hidden). Each
 //! states its [`Contract`]; the feature `laws` adds the reference that every method, and any custom sector, can be tested
 //! against. Looking cannot fail and does no I/O; inconsistent input is rejected when a mesh, a geometry or a scene is
 //! built. Units are scene units, radians and pixels; space is right-handed, faces are counter-clockwise seen from their
@@ -62,7 +62,7 @@
 //! | [aperture](Aperture) | clip region, portal window, scissor |
 //! | [look](Viewer::look) | cull, visibility query, determine visibility |
 //! | [visible set](VisibleSet) | cull result, draw list, PVS of one view |
-//! | [order](order) · [cover](cover) | traversal order · occlusion buffer |
+//! | [order] · [cover] | traversal order · occlusion buffer |
 //! | [canvas](Canvas) | render target |
 //! | [cluster](Cluster) | meshlet |
 //! | reversed depth (`rev_depth`) | 1/w in perspective views: larger is nearer |
@@ -73,6 +73,7 @@
 //!
 //! * `rayon` (default): builds, and looks of viewers that may, run on the current rayon pool.
 //! * `laws`: the reference and the conformance checks.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
 pub mod cover;

@@ -18,6 +18,7 @@
 //! inside: an upper bound, never less than what is seen; [`PairsWork`] finds it out in steps, can be stopped, and goes on.
 //! [`find_missing`] shoots random lines through the
 //! cells, without any of the code that computes the pairs, and finds a [`Witness`] where one is missing.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
 mod aim;

@@ -20,6 +20,7 @@
 //! assert_ne!(picture.image.get_pixel(32, 24), picture.image.get_pixel(0, 0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
 mod clip;

@@ -89,6 +89,7 @@
 //! that cannot be had is grey, and a warning says why. A file that breaks a rule, however it does, gives an [`ImportError`]
 //! that names the place and the rule.
 // Not forbidden, for `terrain/map.rs` allows it, in one function.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(unsafe_code)]
 
 mod authoring;

@@ -9,6 +9,7 @@
 //!
 //! Everything is made of numbers, images too: no files, no randomness but from fixed seeds. All scenes are y up, in
 //! metres.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
 mod camera;

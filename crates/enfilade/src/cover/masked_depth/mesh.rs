@@ -238,7 +238,7 @@ fn behind<S: Simd, const HALVES: usize>(simd: S, planes: &[[[f32; LANES]; 4]; HA
 
 /// Positions as a kernel takes them; what is missing is no number.
 pub(super) fn block(positions: &[[f32; 3]]) -> Block {
-    if let Some(whole) = positions.as_array::<LANES>() {
+    if let Ok(whole) = <&[[f32; 3]; LANES]>::try_from(positions) {
         return [0, 1, 2].map(|axis| whole.map(|position| position[axis]));
     }
     let mut block = [[f32::NAN; LANES]; 3];

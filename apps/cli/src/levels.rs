@@ -1,4 +1,4 @@
-//! Levels of detail in a picture.
+//! `draw --levels`: renders large items with levels of detail.
 
 use crate::measure;
 use crate::out;
@@ -8,20 +8,20 @@ use anyhow::Result;
 use enfilade::{DetailOptions, Details, ItemId, Scene, SectorId, View, Viewer};
 use enfilade_import::details_of;
 
-/// A scene's large items, by levels, and what they were.
+/// LODs of a scene's large items, and the scene at full detail.
 pub(crate) struct Leveled {
     details: Details,
     full: Scene,
 }
 
-/// Items of fewer triangles are drawn as they are.
+/// Items with fewer triangles get no LODs.
 const LARGE: u64 = 1000;
 
-/// Steps until a view has all it wants, at most; each builds something.
+/// Maximum number of refinement steps per view; each step builds some LODs.
 const MAX_STEPS: usize = 1000;
 
 impl Leveled {
-    /// Has the large items of a scene drawn by levels that are off by so many pixels at most.
+    /// Prepares LODs of the large items of a scene, with a geometric error of at most `pixels` pixels.
     pub(crate) fn new(prepared: &mut Prepared, pixels: f32) -> Result<Leveled> {
         let full = prepared.scene.clone();
         let mut options = DetailOptions::default();
@@ -30,7 +30,7 @@ impl Leveled {
         Ok(Leveled { details, full })
     }
 
-    /// Looks, and has what is wanted made, until nothing waits. Says what came of it.
+    /// Looks and builds the LODs that the view needs, until none is pending. Returns a summary for the output line.
     pub(crate) fn settle(
         &mut self,
         prepared: &mut Prepared,
@@ -43,7 +43,7 @@ impl Leveled {
             for (sector, item, why) in &refined.failed {
                 let geometry = self.full.geometry(*sector);
                 let name = geometry.map_or("", |geometry| geometry.name(*item));
-                out::warn(format_args!("no coarser levels of detail for `{name}`: {why}"));
+                out::warn(format_args!("no LODs for `{name}`: {why}"));
             }
             if refined.changed == 0 && refined.waiting == 0 {
                 break;
@@ -62,10 +62,10 @@ impl Leveled {
         let [full, now] = [&self.full, &prepared.scene].map(triangles);
         let items = seen.iter().filter(|(sector, item)| {
             let level = self.details.level(*sector, *item).flatten();
-            level.is_some() && !hides(&prepared.scene, *sector, *item)
+            level.is_some() && !is_occluder(&prepared.scene, *sector, *item)
         });
         Ok(format!(
-            "; {} of them by coarser levels: {} triangles in place of {}",
+            "; {} of them with LODs: {} triangles instead of {}",
             items.count(),
             count(now),
             count(full)
@@ -73,8 +73,8 @@ impl Leveled {
     }
 }
 
-/// Is an item drawn as it is? Coarser levels hide nothing.
-fn hides(scene: &Scene, sector: SectorId, item: ItemId) -> bool {
+/// Whether an item is an occluder, which it is at full detail only: LODs occlude nothing.
+fn is_occluder(scene: &Scene, sector: SectorId, item: ItemId) -> bool {
     let geometry = scene.geometry(sector);
     geometry.is_some_and(|geometry| geometry.item(item).is_occluder)
 }

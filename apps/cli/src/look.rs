@@ -1,4 +1,4 @@
-//! `look`: what is visible, what it costs, and whether it is right.
+//! `look`: computes the visible set of each view, times it, and optionally checks it.
 
 use crate::Outcome;
 use crate::args::LookArgs;
@@ -51,8 +51,8 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
         reports.push(Report::new(&opened, prepared, &views, args.cameras.size, looks));
     }
     drop(progress);
-    if let Some(places) = args.check {
-        let found = check(&prepared, &mut viewers, &views, places)?;
+    if let Some(samples) = args.check {
+        let found = check(&prepared, &mut viewers, &views, samples)?;
         for ((report, found), prepared) in reports.iter_mut().zip(&found).zip(&prepared) {
             report.add_checks(found, &prepared.scene);
         }
@@ -68,10 +68,10 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
     Ok(Outcome::of(reports.each()))
 }
 
-/// With a smaller share of certain samples a check has tested little.
+/// Minimum share of certain samples; with fewer, a check has tested little, and a warning is printed.
 const CERTAIN_ENOUGH: f64 = 0.8;
 
-/// Warns where a check could not tell who owns many of the samples, and names items whose faces coincide.
+/// Warns if the reference could not decide the owner of many samples, and names items whose faces coincide.
 pub(crate) fn tell_what_is_contested(reports: &[Report]) {
     const FEW: usize = 3;
     // The reference is the same for all methods.
@@ -92,15 +92,15 @@ pub(crate) fn tell_what_is_contested(reports: &[Report]) {
     let named = if most.is_empty() {
         String::new()
     } else {
-        format!("; faces seem to coincide: {}", most.join(", "))
+        format!("; faces probably coincide: {}", most.join(", "))
     };
     out::warn(format_args!(
-        "check: only {} of the samples have one possible owner, so little was tested{named}",
+        "check: only {} of the samples have one possible owner, so the check tested little{named}",
         percent(certain)
     ));
 }
 
-/// Prints what is missed or painted wrongly on standard error; of a method that may be wrong, only how much that is.
+/// Prints false culls and wrong pixels on standard error. For approximate methods prints only their numbers.
 pub(crate) fn tell_what_is_wrong(report: &Report) {
     let Summary {
         missed,
@@ -110,7 +110,7 @@ pub(crate) fn tell_what_is_wrong(report: &Report) {
     if report.contract == Contract::Approximate {
         if *missed > 0 || *pixels_different > 0 {
             out::note(format_args!(
-                "check: {} is approximate: {} missed and {} (--json names them)",
+                "check: {} is approximate: {} missed and {} (--json lists them)",
                 report.method,
                 plural(*missed, "item"),
                 plural(*pixels_different as usize, "wrong pixel")
@@ -120,7 +120,7 @@ pub(crate) fn tell_what_is_wrong(report: &Report) {
     }
     for (number, view) in report.views.iter().enumerate() {
         let Some(check) = &view.check else { continue };
-        let place = || {
+        let location = || {
             format!(
                 "check: {}, view {} (eye {})",
                 report.method,
@@ -129,13 +129,13 @@ pub(crate) fn tell_what_is_wrong(report: &Report) {
             )
         };
         if !check.missed.is_empty() {
-            out::note(format_args!("{}: missed {}", place(), check.missed.join(", ")));
+            out::note(format_args!("{}: missed {}", location(), check.missed.join(", ")));
         }
         if check.pixels_different > 0 {
             let pixels = plural(check.pixels_different as usize, "wrong pixel");
             out::note(format_args!(
                 "{}: {pixels} (the surface drawn there is not visible according to the reference)",
-                place()
+                location()
             ));
         }
     }
@@ -165,11 +165,11 @@ fn for_people(scene: &SceneReport, reports: &[Report]) -> String {
     text
 }
 
-/// Writing to a String cannot fail, so what `writeln!` returns is dropped here and below.
+/// Appends the text of one method. Writing to a String cannot fail, so `writeln!` results are dropped here and below.
 fn add_report(text: &mut String, report: &Report) {
     let [width, height] = report.size;
     let method = if report.method == "own" {
-        "each sector by its own method"
+        "the method of each sector"
     } else {
         report.method
     };
@@ -186,7 +186,7 @@ fn add_report(text: &mut String, report: &Report) {
         let growth = report.faces_built as f64 / (report.faces_built - report.splits) as f64;
         let _ = writeln!(
             text,
-            "tree: {} after {}, {} times as many; {}",
+            "tree: {} after {}, {} times the input; {}",
             plural(report.faces_built as usize, "face"),
             plural(report.splits as usize, "split"),
             short(growth),
@@ -194,7 +194,7 @@ fn add_report(text: &mut String, report: &Report) {
         );
     }
     if report.views.is_empty() {
-        text.push_str("there are no views\n");
+        text.push_str("no views\n");
         return;
     }
     let header = [
@@ -257,7 +257,7 @@ fn add_passages(text: &mut String, passages: &[WayReport]) {
     let _ = write!(text, "\n{}", table(&header, &rows));
     if passages.len() > FEW {
         let more = count((passages.len() - FEW) as u64);
-        let _ = writeln!(text, "and {more} passages more (--json - names all)");
+        let _ = writeln!(text, "and {more} more passages (--json - lists all)");
     }
     text.push('\n');
 }
@@ -271,7 +271,7 @@ fn add_visible(text: &mut String, visible: &[Arc<str>]) {
     if visible.len() > FEW {
         let _ = write!(
             text,
-            " and {} more (--json - names all)",
+            " and {} more (--json - lists all)",
             count((visible.len() - FEW) as u64)
         );
     }

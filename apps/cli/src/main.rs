@@ -1,4 +1,4 @@
-//! The `enfilade` program: says what can be seen in a scene, and draws it.
+//! The `enfilade` program: computes what is visible in a scene, verifies it and draws it.
 #![forbid(unsafe_code)]
 
 mod args;
@@ -36,17 +36,17 @@ use report::Report;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// How a run ended that could be carried out.
+/// Result of a run that completed without an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Outcome {
-    /// As it should.
+    /// Exit code 0.
     Done,
-    /// Something was missed, or painted that must not be.
+    /// Exit code 1: a check found a false cull or a wrong pixel.
     CheckFailed,
 }
 
 impl Outcome {
-    /// Of reports that have been checked, or that nobody asked to check.
+    /// Returns `CheckFailed` if any report breaks its contract; unchecked reports never do.
     fn of(reports: &[Report]) -> Outcome {
         if reports.iter().any(Report::breaks_its_contract) {
             Outcome::CheckFailed
@@ -83,7 +83,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Help is asked for, or the command line makes no sense; a scene where the verb should be is told how to go on.
+/// Prints the help or a usage error. If the verb is a scene, suggests `look` with it.
 fn refuse(error: &clap::Error) -> ExitCode {
     let word = error
         .get(ContextKind::InvalidSubcommand)
@@ -97,7 +97,7 @@ fn refuse(error: &clap::Error) -> ExitCode {
         return ExitCode::from(2);
     }
     if error.use_stderr() {
-        // Where standard error is closed there is nobody to tell.
+        // A failure is ignored: if standard error is closed, nothing can report it.
         let _ = error.print();
         return ExitCode::from(2);
     }

@@ -1,6 +1,6 @@
-//! The timing rule: one pass over all views in order to warm up, then three; the median for each view.
+//! Times looks, drawing and traversal: one warm-up pass over all views, then three timed passes; the median per view.
 //!
-//! So what a method remembers at a view is always the view before it.
+//! All passes run in the order of the views, so temporal coherence always uses the view before.
 
 use crate::draw::{draw, settings};
 use crate::open::Opened;
@@ -11,41 +11,41 @@ use enfilade::{Contract, ItemId, OpeningId, Passage, Scene, SectorId, View, View
 use enfilade_draw::{Settings, Show};
 use std::time::Instant;
 
-/// Passes that count.
+/// Number of timed passes.
 pub(crate) const PASSES: usize = 3;
 
-/// What a look saw and cost.
+/// Result and cost of one look.
 pub(crate) struct Look {
-    /// Median of the passes.
+    /// Median time of the passes, in milliseconds.
     pub(crate) ms: f64,
     pub(crate) passages: Vec<Way>,
     pub(crate) items_in_frustum: usize,
     pub(crate) triangles_in_frustum: u64,
     pub(crate) triangles_visible: u64,
     pub(crate) complete: bool,
-    /// Over all passages, each once, in order.
+    /// Visible items over all passages, each once, sorted.
     pub(crate) visible: Vec<(SectorId, ItemId)>,
-    /// For each of these the longer side of its box on the screen, in pixels: the largest over all passages.
+    /// For each visible item the longer side of its screen rectangle, in pixels: the maximum over all passages.
     pub(crate) sizes_px: Vec<u16>,
 }
 
-/// A passage of a look.
+/// A passage of a look, in the order of the set.
 pub(crate) struct Way {
     pub(crate) sector: SectorId,
-    /// The opening that its portal leads out of.
+    /// The opening of its last portal; `None` for the passage that starts at the eye.
     pub(crate) through: Option<(SectorId, OpeningId)>,
     pub(crate) crossings: u16,
     pub(crate) contract: Contract,
     pub(crate) items_visible: usize,
 }
 
-/// The looks at all views, and what the last pass cost over all of them.
+/// The looks at all views, and the counters of the last pass, summed over the views.
 pub(crate) struct Looks {
     pub(crate) each: Vec<Look>,
     pub(crate) stats: Vec<(&'static str, u64)>,
 }
 
-/// Looks at all views by the timing rule.
+/// Looks at all views: once for the results, then in timed passes.
 pub(crate) fn looks(prepared: &Prepared, views: &[View], viewer: &mut Viewer, progress: &Progress) -> Looks {
     let scene = &prepared.scene;
     let mut each: Vec<Look> = views
@@ -68,7 +68,7 @@ pub(crate) fn looks(prepared: &Prepared, views: &[View], viewer: &mut Viewer, pr
     Looks { each, stats }
 }
 
-/// Looks at all views by every method, draws them and walks the orders alone, each by the timing rule.
+/// Times looks, drawing and traversal of every method over all views.
 pub(crate) fn all(
     opened: &Opened,
     prepared: &[Prepared],
@@ -77,7 +77,7 @@ pub(crate) fn all(
     size: [u32; 2],
 ) -> Vec<Report> {
     let settings = settings(Show::Image);
-    // The first pictures of a run are slow, whoever draws them.
+    // The first pictures of a run are slow for any method, so they are not timed.
     if let Some(view) = views.first() {
         for (prepared, viewer) in prepared.iter().zip(&mut *viewers) {
             draw(prepared, viewer, view, &settings);
@@ -95,7 +95,8 @@ pub(crate) fn all(
     measured.collect()
 }
 
-/// Draws all views, shading included, and gives each one's milliseconds; the viewer has been over them once before.
+/// Draws all views, shading included, and returns the milliseconds of each. The viewer must have looked at all of them
+/// once before, as warm-up.
 pub(crate) fn draws(
     prepared: &Prepared,
     views: &[View],
@@ -108,7 +109,7 @@ pub(crate) fn draws(
     })
 }
 
-/// Walks the orders of each view's passages alone, and gives each one's milliseconds.
+/// Walks the traversal orders of each view's passages with nothing culled, and returns the milliseconds of each view.
 pub(crate) fn walks(
     prepared: &Prepared,
     views: &[View],
@@ -123,7 +124,7 @@ pub(crate) fn walks(
     })
 }
 
-/// Runs the passes that count, and gives each view's median in milliseconds.
+/// Runs the timed passes, and returns the median of each view, in milliseconds.
 pub(crate) fn timed(views: &[View], progress: &Progress, mut run: impl FnMut(usize, &View)) -> Vec<f64> {
     medians(views, progress, |pass, view| took(|| run(pass, view)))
 }
@@ -145,7 +146,7 @@ fn medians(views: &[View], progress: &Progress, mut run: impl FnMut(usize, &View
     times.iter().map(|times| median(times)).collect()
 }
 
-/// The value in the middle, or between the two in the middle; 0 of none.
+/// Returns the median; of an even number of values the mean of the middle two, of none 0.
 pub(crate) fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -156,7 +157,7 @@ pub(crate) fn median(values: &[f64]) -> f64 {
     }
 }
 
-/// The least value that 99 % of all do not exceed; 0 of none.
+/// Returns the 99th percentile: the smallest value that at least 99 % do not exceed; of none 0.
 pub(crate) fn p99(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -199,7 +200,7 @@ fn ways(set: &VisibleSet, scene: &Scene) -> Vec<Way> {
     ways
 }
 
-/// The items of a set over all passages, each once, in order.
+/// Returns the items of a set over all passages, each once, sorted.
 pub(crate) fn distinct(set: &VisibleSet) -> Vec<(SectorId, ItemId)> {
     let mut items: Vec<_> = set
         .items()
@@ -211,13 +212,13 @@ pub(crate) fn distinct(set: &VisibleSet) -> Vec<(SectorId, ItemId)> {
     items
 }
 
-/// Returns the sizes in pixels of the items `visible`, which are those of a set in order.
+/// Returns the sizes of the items in `visible`, in pixels; `visible` is the result of [`distinct`] for `set`.
 fn sizes_px(set: &VisibleSet, visible: &[(SectorId, ItemId)]) -> Vec<u16> {
     let mut sizes = vec![0; visible.len()];
     for seen in set.items() {
         let item = (set.passage(seen.passage).sector, seen.item);
-        if let Ok(place) = visible.binary_search(&item) {
-            sizes[place] = seen.size_px.max(sizes[place]);
+        if let Ok(index) = visible.binary_search(&item) {
+            sizes[index] = seen.size_px.max(sizes[index]);
         }
     }
     sizes

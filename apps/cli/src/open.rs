@@ -1,4 +1,4 @@
-//! Scenes, from a file or by the name of a built-in one.
+//! Opens scenes: files, or built-in scenes by name. Configures threads and SIMD.
 
 use crate::args::{HowArgs, LimitArgs, PortalArgs};
 use crate::cameras::Camera;
@@ -17,38 +17,39 @@ use std::path::Path;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-/// A scene and what came with it.
+/// A scene with its cameras, source and warnings.
 pub(crate) struct Opened {
-    /// As it was asked for: a path or `@NAME`. What is not UTF-8 in it is replaced.
+    /// The name the user gave: a path or `@NAME`, with anything that is not UTF-8 replaced.
     pub(crate) file: String,
-    /// How it is stored, in words.
+    /// The file format, in words.
     pub(crate) format: &'static str,
     pub(crate) scene: Scene,
     pub(crate) cameras: Vec<Camera>,
-    /// Which nodes of a glTF file the items come from, by sector; empty for a built-in scene.
+    /// The glTF nodes the items come from, by sector; empty for a built-in scene.
     pub(crate) nodes: Vec<SourceNodes>,
-    /// What only a compiled map has.
+    /// Summary of a compiled map; `None` for other files.
     pub(crate) map: Option<MapSummary>,
-    /// What was left out or is odd, a line each; printed already.
+    /// Warnings of the reader, one line each; already printed.
     pub(crate) warnings: Vec<String>,
     pub(crate) load_ms: f64,
-    /// What its pictures share, once one was drawn.
+    /// Data that all pictures of the scene share; set when the first is drawn.
     pub(crate) stage: Arc<OnceLock<Stage>>,
 }
 
-/// What a scene is opened for.
+/// The purpose a scene is opened for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum For {
-    /// Pictures of how it looks, which need the images on its faces.
+    /// Shaded pictures, which need the textures.
     Pictures,
-    /// Questions about what can be seen.
-    Answers,
+    /// Visibility only, without textures.
+    Visibility,
 }
 
-/// Opens a scene. Rooms of a file whose author says no method are seen by hierarchical-z unless another is chosen and
-/// built from it. With `portals.flat` a file is one room; the portals of a built-in scene are there and are not to be followed.
+/// Opens a scene and prints its warnings.
 ///
-/// The files that belong to the scene are added to the inputs in `files`.
+/// With [`Choice::Own`] rooms of a file that names no method get hierarchical-z. With `portals.flat` a file is read as one
+/// room; a built-in scene keeps its portals, and the caller must not follow them. Adds the files that belong to the scene
+/// to the inputs in `files`.
 pub(crate) fn open(
     scene: &OsStr,
     wanted: For,
@@ -80,7 +81,7 @@ fn open_built_in(file: &str, name: &str) -> Result<Opened> {
             .map(|name| format!("@{name}"))
             .collect();
         anyhow!(
-            "there is no built-in scene `{file}`; {}",
+            "no built-in scene `{file}`; {}",
             among(file, names.iter().map(String::as_str))
         )
     })?;
@@ -114,7 +115,7 @@ fn open_file(
     };
     options.limit_bytes = limits.memory.unwrap_or(options.limit_bytes);
     if !path.exists() && enfilade_scenes::NAMES.contains(&file) {
-        bail!("{file}: there is no such file; the built-in scene is called @{file}");
+        bail!("{file}: no such file; the built-in scene is called @{file}");
     }
     let mut import = enfilade_import::read(path, &options).map_err(with_ways_on)?;
     import
@@ -128,22 +129,23 @@ fn open_file(
     let pinned = large.find_map(|room| room.method.filter(|&method| method != Method::FloatingHorizon));
     if let Some(method) = pinned {
         bail!(
-            "{file}: it names the method {method}, but terrain that does not fit in --memory can only be seen by {}; choose \
-             that --method, or raise --memory",
+            "{file}: it names method {method}, but terrain that does not fit in --memory needs {}; use that --method, or \
+             raise --memory",
             Method::FloatingHorizon
         );
     }
     let method = match choice {
         Choice::Own | Choice::Auto => Method::HierarchicalZ,
-        // What is asked for is built from it, and timed, so the first is the one that builds least.
+        // The requested methods are built and timed later, so start with the cheapest to build.
         Choice::One(_) | Choice::All => Method::ZBuffer,
     };
     let scene = import.scene(method, limits.memory()).map_err(|why| {
+        // The message itself names a method to use instead; this one comes from the file.
         let remedy = match why {
             SceneError::NotBaked { .. }
             | SceneError::NotConvex { .. }
-            | SceneError::TerrainUnusable { .. } => "choose another --method, or have the file name another",
-            _ => "raise --memory, or choose another --method",
+            | SceneError::TerrainUnusable { .. } => "--method overrides the method in the file",
+            _ => "raise --memory, or use another --method",
         };
         anyhow!("{file}: {why}; {remedy}")
     })?;
@@ -160,14 +162,14 @@ fn open_file(
     })
 }
 
-/// Adds the options that open a file in spite of what its author marked wrongly.
+/// Adds to an authoring error the options that open the file in spite of it.
 fn with_ways_on(why: ImportError) -> anyhow::Error {
     let BrokenRule::Authoring(errors) = &why.rule else {
         return why.into();
     };
     let mut ways = Vec::new();
     if errors.can_be_skipped() {
-        ways.push("--skip-bad-portals to make plain holes of these portals");
+        ways.push("--skip-bad-portals to turn these portals into plain holes");
     }
     if errors.flat_ignores_them() {
         ways.push(
@@ -177,14 +179,14 @@ fn with_ways_on(why: ImportError) -> anyhow::Error {
     if ways.is_empty() {
         return why.into();
     }
-    anyhow!("{why}\nTo open it as it is, use {}", ways.join(", or "))
+    anyhow!("{why}\nto open it unchanged, use {}", ways.join(", or "))
 }
 
-/// How a file that could be read is stored, as its first bytes say.
+/// Returns the format of a readable file, in words, from its first bytes.
 fn format(path: &Path) -> &'static str {
     let mut first = Vec::new();
     let opened = File::open(path);
-    // What cannot be read any more has been read.
+    // A read error is ignored: the file was read successfully before.
     let _ = opened.and_then(|file| file.take(1 << 12).read_to_end(&mut first));
     let text = first.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&first);
     match text.trim_ascii_start() {
@@ -193,20 +195,20 @@ fn format(path: &Path) -> &'static str {
         [b'I', b'B', b'S', b'P', ..] => "IBSP46, a map of Quake 3",
         [b'g', b'l', b'T', b'F', ..] => "glTF 2.0, binary",
         [b'{', rest @ ..] if rest.windows(13).any(|key| key == b"\"cellMetresX\"") => {
-            "heights, and a description of them"
+            "heightmap with a description"
         }
         [b'{', ..] => "glTF 2.0",
         _ => "OBJ",
     }
 }
 
-/// Settles what the whole program uses, before anything is built: threads and SIMD instructions.
-pub(crate) fn settle(how: &HowArgs) -> Result<()> {
-    settle_on(&how.limits, how.simd.as_deref())
+/// Sets the threads and SIMD level of the whole program. Call it before anything is built.
+pub(crate) fn configure(how: &HowArgs) -> Result<()> {
+    configure_with(&how.limits, how.simd.as_deref())
 }
 
-/// The same, of a verb that takes no other options of [`HowArgs`].
-pub(crate) fn settle_on(limits: &LimitArgs, simd: Option<&str>) -> Result<()> {
+/// As [`configure`], for a verb that takes no other options of [`HowArgs`].
+pub(crate) fn configure_with(limits: &LimitArgs, simd: Option<&str>) -> Result<()> {
     allow_threads(limits)?;
     if let Some(level) = simd {
         enfilade::use_simd_level(level)?;
@@ -214,13 +216,13 @@ pub(crate) fn settle_on(limits: &LimitArgs, simd: Option<&str>) -> Result<()> {
     Ok(())
 }
 
-/// Lets the whole program use so many threads, and says how many these are.
+/// Sets the number of threads of the whole program, and returns it.
 pub(crate) fn allow_threads(limits: &LimitArgs) -> Result<usize> {
     if let Some(threads) = limits.threads {
         rayon::ThreadPoolBuilder::new()
             .num_threads(threads.into())
             .build_global()
-            .with_context(|| format!("cannot start {threads} threads; allow fewer with --threads"))?;
+            .with_context(|| format!("cannot start {threads} threads; use fewer with --threads"))?;
     }
     Ok(rayon::current_num_threads())
 }

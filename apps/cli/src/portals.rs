@@ -1,4 +1,4 @@
-//! `portals`: the portals of a compiled map, rebuilt, so that what is visible can be computed where its .prt is lost.
+//! `portals`: rebuilds the portals of a compiled map, so that `vis` can run if the .prt is lost.
 
 use crate::Outcome;
 use crate::args::PortalsArgs;
@@ -14,7 +14,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What was made.
+/// The JSON report.
 #[derive(Debug, Serialize)]
 struct Made {
     file: String,
@@ -22,7 +22,7 @@ struct Made {
     map: String,
     /// `PRT1`, `PRT2`, or `PRT1 of Quake 3`.
     kind: &'static str,
-    /// What said which leafs are one cluster: `map`, `rows` of what is visible, or nothing: then each of the `leafs` is one.
+    /// Source of the clusters: `map`, `rows` of the PVS, or `leafs` if neither exists; then each leaf is a cluster.
     clusters_from: &'static str,
     leafs: u32,
     clusters: u32,
@@ -39,11 +39,11 @@ pub(crate) fn run(args: &PortalsArgs) -> Result<Outcome> {
         .is_some_and(|ending| ending.eq_ignore_ascii_case("prt"))
     {
         bail!(
-            "cannot write {}: portals are a .prt, so its name must end in that",
+            "cannot write {}: portals are a .prt file, so the name must end in .prt",
             output.display()
         );
     }
-    keep(&output, args.force)?;
+    keep_existing(&output, args.force)?;
     let mut files = RunFiles::default();
     files.reads(&args.map)?;
     let destination = files.writes(&output)?;
@@ -61,7 +61,7 @@ pub(crate) fn run(args: &PortalsArgs) -> Result<Outcome> {
     let text = file.to_text();
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
-    keep(&output, args.force)?;
+    keep_existing(&output, args.force)?;
     destination.write(text.as_bytes())?;
     let made = Made {
         file: output.display().to_string(),
@@ -81,7 +81,7 @@ pub(crate) fn run(args: &PortalsArgs) -> Result<Outcome> {
     };
     if !args.json.takes_stdout() {
         let alone = match clusters_from {
-            ClustersFrom::Leafs => "\nThe map does not say which leafs are one cluster, so each is one.",
+            ClustersFrom::Leafs => "\nThe map has no clusters and no PVS, so each leaf is a cluster.",
             ClustersFrom::Map | ClustersFrom::Rows => "",
         };
         out::print(&format!(
@@ -99,7 +99,7 @@ pub(crate) fn run(args: &PortalsArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Where the portals of a map stand: `NAME.prt` beside `NAME.bsp` and `NAME.novis.bsp`.
+/// Returns the default path of a map's portals: `NAME.prt` beside `NAME.bsp` or `NAME.novis.bsp`.
 fn beside(map: &Path) -> PathBuf {
     let is = |path: &Path, word: &str| {
         path.extension()
@@ -117,11 +117,11 @@ fn beside(map: &Path) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// That no file is there which would be lost.
-fn keep(output: &Path, force: bool) -> Result<()> {
+/// Fails if the output exists, unless `force`.
+fn keep_existing(output: &Path, force: bool) -> Result<()> {
     if !force && fs::symlink_metadata(output).is_ok() {
         bail!(
-            "cannot write {}: it is there already; name another file with -o, or replace it with --force",
+            "cannot write {}: it exists already; name another file with -o, or replace it with --force",
             output.display()
         );
     }

@@ -1,4 +1,4 @@
-//! The methods that are asked for, each built over the scene and within its memory.
+//! Builds the requested methods over a scene, each within the memory limit.
 
 use crate::args::HowArgs;
 use crate::choose::{self, ChoiceReport};
@@ -12,11 +12,11 @@ use enfilade_draw::Stage;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-/// A scene ready to be looked at by a method.
+/// A scene with a method built over it, and the options of its viewers.
 pub(crate) struct Prepared {
-    /// The method's name, or `own`.
+    /// The method's name, `own` or `auto`.
     pub(crate) method: &'static str,
-    /// Of all sectors together; where only some are seen, more may be promised.
+    /// The weakest contract of all sectors; a view that shows only some of them may have a stronger one.
     pub(crate) contract: Contract,
     pub(crate) scene: Scene,
     pub(crate) build_ms: f64,
@@ -24,17 +24,17 @@ pub(crate) struct Prepared {
     coherence: bool,
     occluders: Option<u32>,
     pub(crate) cover_size: Option<[u32; 2]>,
-    /// How its methods were chosen, where they were.
+    /// How `auto` chose the methods; empty otherwise.
     pub(crate) choices: Vec<ChoiceReport>,
 }
 
 impl Prepared {
-    /// What its pictures share: those of all methods over one scene.
+    /// Returns the data that the pictures of all methods over one scene share.
     pub(crate) fn stage(&self) -> &Stage {
         self.stage.get_or_init(|| Stage::new(&self.scene))
     }
 
-    /// A viewer that remembers nothing yet.
+    /// Returns a new viewer, without temporal coherence data yet.
     pub(crate) fn viewer(&self) -> Viewer {
         let mut viewer = Viewer::new();
         viewer.set_coherence(self.coherence);
@@ -43,20 +43,20 @@ impl Prepared {
         viewer
     }
 
-    /// The method in words for people: `own` says which one, where all sectors agree.
+    /// Returns the method for text output: its name if all sectors use the same.
     pub(crate) fn spoken_method(&self) -> &'static str {
         match self.methods().as_slice() {
             [one] => one.name(),
-            _ => "each sector's own method",
+            _ => "the method of each sector",
         }
     }
 
-    /// The methods that its sectors are seen by, each once.
+    /// Returns the methods of the sectors, each once.
     pub(crate) fn methods(&self) -> Vec<Method> {
         methods_of(&self.scene)
     }
 
-    /// Memory of the scene, of what was built over it, and of the buffers for a screen of this size, in bytes.
+    /// Returns the memory of the scene, the methods' data and the buffers for a screen of this size, in bytes.
     pub(crate) fn bytes(&self, size: [u32; 2]) -> u64 {
         self.scene.bytes()
             + self
@@ -67,11 +67,11 @@ impl Prepared {
     }
 }
 
-/// Builds what is asked for over a scene, for views that all have one size; where methods are to be chosen, those that make
-/// `aim` cheap.
+/// Builds the requested methods over a scene, for views of one size. `auto` minimizes the cost of `aim`.
 ///
 /// # Errors
-/// A method that would need too much memory, or does not suit the scene, unless all were asked for: then it is skipped.
+/// Fails if a method needs too much memory or does not suit the scene. With [`Choice::All`] such methods are skipped and
+/// returned with the reason.
 pub(crate) fn prepare(
     opened: &Opened,
     choice: Choice,
@@ -101,13 +101,14 @@ pub(crate) fn prepare(
     };
     if choice != Choice::All {
         let built = build(choice).map_err(|why| {
+            // The message itself names a method to use instead.
             let remedy = match why {
-                Unsuited::NotBaked(_) => "choose another --method, or a scene that has cells",
-                Unsuited::NotConvex(_) => "choose another --method, or split the scene into convex rooms",
-                Unsuited::TerrainUnusable(_) => "choose another --method, or a scene that is terrain",
-                _ => "raise --memory, or choose a smaller --size or another --method",
+                Unsuited::NotBaked(_) => " (`enfilade vis` bakes maps)",
+                Unsuited::NotConvex(_) => ", or split the sector into convex rooms",
+                Unsuited::TerrainUnusable(_) => "",
+                _ => "; raise --memory, or use a smaller --size or another --method",
             };
-            anyhow!("{}: {why}; {remedy}", opened.file)
+            anyhow!("{}: {why}{remedy}", opened.file)
         })?;
         return Ok((vec![built], Vec::new()));
     }
@@ -132,25 +133,26 @@ pub(crate) fn prepare(
     Ok((prepared, skipped))
 }
 
-/// The names of sectors that are terrain too large to be meshes.
+/// Returns the names of terrain sectors that are too large for meshes and are read from their file on demand.
 pub(crate) fn in_files(scene: &Scene) -> impl Iterator<Item = &str> {
     let own = scene.sectors().filter(|&id| scene.geometry(id).is_none());
     own.map(|id| scene.sector_name(id))
 }
 
-/// Refuses to see terrain that stays in its file by any method but the one that can, or to choose one for it.
+/// Fails if the scene has terrain that is read from its file on demand and `method` cannot look at it; `None` stands for
+/// any method that `choose` would try.
 pub(crate) fn stays_visible(opened: &Opened, method: Option<Method>) -> Result<()> {
-    let seen_by = Method::FloatingHorizon;
-    if method != Some(seen_by) && in_files(&opened.scene).next().is_some() {
+    let required = Method::FloatingHorizon;
+    if method != Some(required) && in_files(&opened.scene).next().is_some() {
         bail!(
-            "{}: terrain that does not fit in --memory can only be seen by {seen_by}; choose that --method, or raise --memory",
+            "{}: terrain that does not fit in --memory needs {required}; use that --method, or raise --memory",
             opened.file
         );
     }
     Ok(())
 }
 
-/// Each sector by the method that suits it.
+/// Measures the methods, and builds the cheapest for each sector.
 fn chosen(opened: &Opened, aim: ChoiceGoal, how: &HowArgs, view: Option<&View>) -> Result<Prepared> {
     let scene = &opened.scene;
     let size = view.map_or([1280, 720], |view| view.size);
@@ -170,7 +172,7 @@ fn chosen(opened: &Opened, aim: ChoiceGoal, how: &HowArgs, view: Option<&View>) 
     finish(opened, "auto", built, how, view).map_err(|why| anyhow!("{}: {why}", opened.file))
 }
 
-/// A cover is no larger than the screen, and asked for where some method can do with one of another size.
+/// Fails if `--cover-size` exceeds the screen, or if no selected method supports it.
 fn check_cover_size(opened: &Opened, choice: Choice, how: &HowArgs, view: Option<&View>) -> Result<()> {
     let (Some([width, height]), Some(view)) = (how.cover_size, view) else {
         return Ok(());
@@ -178,7 +180,7 @@ fn check_cover_size(opened: &Opened, choice: Choice, how: &HowArgs, view: Option
     let screen = view.size;
     ensure!(
         width <= screen[0] && height <= screen[1],
-        "--cover-size {width}x{height} is larger than the screen; choose one of {}x{} at most, or a larger --size",
+        "--cover-size {width}x{height} is larger than the screen; use {}x{} at most, or a larger --size",
         screen[0],
         screen[1]
     );
@@ -193,7 +195,7 @@ fn check_cover_size(opened: &Opened, choice: Choice, how: &HowArgs, view: Option
     let able = Method::ALL.iter().filter(|method| method.takes_cover_size());
     let able: Vec<&str> = able.map(|method| method.name()).collect();
     bail!(
-        "{}: --cover-size has no effect on {}; choose one of --method {}, or leave it out",
+        "{}: --cover-size has no effect on {}; use it with --method {}, or leave it out",
         opened.file,
         methods[0],
         able.join(", ")
@@ -207,7 +209,7 @@ fn build(opened: &Opened, choice: Choice, how: &HowArgs, view: Option<&View>) ->
     let (name, scene) = match choice {
         Choice::One(method) => (method.name(), scene.with_method(method, limit)?),
         Choice::Own | Choice::All | Choice::Auto => {
-            // It is built already; done again to be timed, and to be held against the limit.
+            // Already built; built again to time it and to enforce the limit.
             for (geometry, method) in geometries(scene) {
                 method.build(Arc::clone(geometry), limit)?;
             }
@@ -222,7 +224,7 @@ fn build(opened: &Opened, choice: Choice, how: &HowArgs, view: Option<&View>) ->
     finish(opened, name, built, how, view)
 }
 
-/// A scene by the methods that were asked for.
+/// A scene with the requested methods, and the time to build them.
 struct Built {
     scene: Scene,
     ms: f64,
@@ -244,7 +246,7 @@ fn finish(
             .iter()
             .try_for_each(|method| method.check_screen(view, how.cover_size, limit))?;
     }
-    // As many cells as the screen has samples are those samples.
+    // A cover of the screen's size has one cell per sample, so it is the default.
     let cover_size = how
         .cover_size
         .filter(|&cells| view.is_none_or(|view| view.size != cells));
@@ -272,7 +274,7 @@ fn finish(
     })
 }
 
-/// The same scene, by a method that builds next to nothing, to be drawn by it.
+/// Returns the same scene with another method, without a memory limit. Use a method that is cheap to build.
 pub(crate) fn drawn_by(prepared: &Prepared, method: Method) -> Result<Prepared, Unsuited> {
     Ok(Prepared {
         method: method.name(),
@@ -290,7 +292,7 @@ fn geometries(scene: &Scene) -> impl Iterator<Item = (&Arc<enfilade::Geometry>, 
         .filter_map(|id| Some((scene.geometry(id)?, scene.method(id)?)))
 }
 
-/// The methods that a scene's sectors are seen by, each once.
+/// Returns the methods of a scene's sectors, each once.
 fn methods_of(scene: &Scene) -> Vec<Method> {
     let mut methods = Vec::new();
     for (_, method) in geometries(scene) {

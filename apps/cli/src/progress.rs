@@ -1,4 +1,4 @@
-//! A bar on standard error for what takes more than a second.
+//! Shows a progress bar on standard error for work that takes more than a second.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -6,54 +6,54 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// Work that is going on. Shown after a second, on a terminal only; gone when dropped.
+/// A progress bar. Appears after a second, on a terminal only; removed when dropped.
 pub(crate) struct Progress {
     bar: ProgressBar,
-    waiting: Option<(Sender<()>, JoinHandle<()>)>,
+    timer: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
 impl Progress {
-    /// Work whose end cannot be foreseen.
-    pub(crate) fn spinner(what: &str) -> Progress {
-        Progress::start(None, "{spinner} {msg} ({elapsed})", what)
+    /// Starts a spinner, for work of unknown length.
+    pub(crate) fn spinner(label: &str) -> Progress {
+        Progress::start(None, "{spinner} {msg} ({elapsed})", label)
     }
 
-    /// Work in `steps` steps.
-    pub(crate) fn steps(what: &str, steps: usize) -> Progress {
+    /// Starts a bar for work of `steps` steps.
+    pub(crate) fn steps(label: &str, steps: usize) -> Progress {
         Progress::start(
             Some(steps as u64),
             "{msg} {wide_bar} {pos} of {len}, {eta} left",
-            what,
+            label,
         )
     }
 
-    /// Work that says itself how much of it is done.
-    pub(crate) fn share(what: &str) -> Progress {
-        Progress::start(Some(PARTS), "{msg} {wide_bar} {percent} %, {eta} left", what)
+    /// Starts a bar whose position is set with [`Progress::set`].
+    pub(crate) fn share(label: &str) -> Progress {
+        Progress::start(Some(PARTS), "{msg} {wide_bar} {percent} %, {eta} left", label)
     }
 
-    /// So much of it is done, 0 to 1.
+    /// Sets the finished share of the work, 0 to 1.
     pub(crate) fn set(&self, share: f64) {
         self.bar.set_position((share * PARTS as f64) as u64);
     }
 
-    /// Changes what the bar is called.
-    pub(crate) fn rename(&self, what: &'static str) {
-        self.bar.set_message(what);
+    /// Changes the bar's label.
+    pub(crate) fn rename(&self, label: &'static str) {
+        self.bar.set_message(label);
     }
 
-    /// One step is done.
+    /// Advances the bar by one step.
     pub(crate) fn step(&self) {
         self.bar.inc(1);
     }
 
-    fn start(steps: Option<u64>, template: &str, what: &str) -> Progress {
+    fn start(steps: Option<u64>, template: &str, label: &str) -> Progress {
         let bar =
-            ProgressBar::with_draw_target(steps, ProgressDrawTarget::hidden()).with_message(what.to_owned());
+            ProgressBar::with_draw_target(steps, ProgressDrawTarget::hidden()).with_message(label.to_owned());
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
-        let waiting = std::io::stderr().is_terminal().then(|| {
+        let timer = std::io::stderr().is_terminal().then(|| {
             let (over, ends) = channel();
             let shown = bar.clone();
             (
@@ -61,11 +61,11 @@ impl Progress {
                 std::thread::spawn(move || show_after_a_second(&shown, || ends.recv_timeout(A_SECOND))),
             )
         });
-        Progress { bar, waiting }
+        Progress { bar, timer }
     }
 }
 
-/// Into how many parts a bar is cut that shows a share.
+/// Resolution of a bar that shows a share.
 const PARTS: u64 = 10_000;
 
 const A_SECOND: Duration = Duration::from_secs(1);
@@ -79,8 +79,8 @@ fn show_after_a_second(bar: &ProgressBar, wait: impl FnOnce() -> Result<(), Recv
 
 impl Drop for Progress {
     fn drop(&mut self) {
-        if let Some((over, thread)) = self.waiting.take() {
-            // The thread sees the end at once, so that no bar appears after its work is over.
+        if let Some((over, thread)) = self.timer.take() {
+            // The thread notices at once, so no bar appears after the work is done.
             drop(over);
             let _ = thread.join();
         }

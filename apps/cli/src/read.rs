@@ -1,4 +1,4 @@
-//! Whole files, refused before anything is read if they are too large or no files.
+//! Reads whole files. Refuses directories, pipes, devices and files above a limit before reading anything.
 
 use crate::text;
 use anyhow::{Context, Result, bail};
@@ -6,14 +6,14 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
-/// Reads a file of at most `limit` bytes; `remedy` says what to do about a larger one.
+/// Reads a file of at most `limit` bytes. `remedy` is appended to the error for a larger one.
 pub(crate) fn read_file(path: &Path, limit: u64, remedy: &str) -> Result<Vec<u8>> {
     let fails = || format!("cannot read {}", path.display());
-    // Asked before opening: a pipe does not open until someone writes.
+    // Checked before opening: opening a pipe blocks until someone writes.
     let there = fs::metadata(path).with_context(fails)?;
     if !there.is_file() {
         bail!(
-            "{}: it is not a file, but a folder, a pipe or a device; name a file",
+            "{}: it is a folder, a pipe or a device; name a file",
             fails()
         );
     }
@@ -21,7 +21,7 @@ pub(crate) fn read_file(path: &Path, limit: u64, remedy: &str) -> Result<Vec<u8>
     let file = File::open(path).with_context(fails)?;
     let length = file.metadata().with_context(fails)?.len();
     if length <= limit {
-        // One byte more, for a file can grow meanwhile.
+        // One byte more, to notice a file that has grown meanwhile.
         file.take(limit.saturating_add(1))
             .read_to_end(&mut bytes)
             .with_context(fails)?;
@@ -29,7 +29,7 @@ pub(crate) fn read_file(path: &Path, limit: u64, remedy: &str) -> Result<Vec<u8>
     let length = length.max(bytes.len() as u64);
     if length > limit {
         bail!(
-            "{}: it has {}, more than the limit of {}; {remedy}",
+            "{}: it has {}, above the limit of {}; {remedy}",
             fails(),
             text::bytes(length),
             text::bytes(limit)
@@ -51,7 +51,7 @@ mod tests {
         assert_eq!(read(4).as_deref(), Ok(&b"four"[..]));
         let why = read(3).expect_err("it is too long");
         assert!(
-            why.ends_with("it has 4 bytes, more than the limit of 3 bytes; cut it"),
+            why.ends_with("it has 4 bytes, above the limit of 3 bytes; cut it"),
             "{why}"
         );
     }

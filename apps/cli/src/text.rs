@@ -1,13 +1,13 @@
-//! Numbers and tables as people read them.
+//! Formats numbers and tables as text.
 
 use std::fmt::Write;
 
-/// `1,234,567`.
+/// Formats a number with separators: `1,234,567`.
 pub(crate) fn count(number: u64) -> String {
     let digits = number.to_string();
     let mut grouped = String::new();
-    for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && (digits.len() - place).is_multiple_of(3) {
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
             grouped.push(',');
         }
         grouped.push(digit);
@@ -15,7 +15,7 @@ pub(crate) fn count(number: u64) -> String {
     grouped
 }
 
-/// `1 item`, `2 items`.
+/// Formats a number with its noun: `1 item`, `2 items`.
 pub(crate) fn plural(number: usize, one: &str) -> String {
     format!(
         "{} {one}{}",
@@ -24,7 +24,7 @@ pub(crate) fn plural(number: usize, one: &str) -> String {
     )
 }
 
-/// `12.3 MB`, in powers of a thousand.
+/// Formats bytes with a decimal unit: `12.3 MB`.
 pub(crate) fn bytes(number: u64) -> String {
     const UNITS: [&str; 4] = ["kB", "MB", "GB", "TB"];
     if number < 1000 {
@@ -39,7 +39,7 @@ pub(crate) fn bytes(number: u64) -> String {
     format!("{shown:.1} {}", UNITS[unit])
 }
 
-/// Milliseconds with as many places as mean something.
+/// Formats milliseconds with about three significant digits.
 pub(crate) fn ms(milliseconds: f64) -> String {
     match milliseconds {
         m if m < 10.0 => format!("{m:.2}"),
@@ -48,7 +48,7 @@ pub(crate) fn ms(milliseconds: f64) -> String {
     }
 }
 
-/// A number with no more than four significant digits.
+/// Formats a number with at most four significant digits.
 pub(crate) fn short(number: f64) -> String {
     let whole_digits = if number == 0.0 {
         1
@@ -63,18 +63,18 @@ pub(crate) fn short(number: f64) -> String {
     }
 }
 
-/// `97.3 %`, of a share; not rounded up to all.
+/// Formats a share, 0 to 1, as `97.3 %`. Rounds down, so that only all is 100 %.
 pub(crate) fn percent(share: f64) -> String {
     let tenths = (1000.0 * share).floor() / 10.0;
     format!("{} %", short(tenths))
 }
 
-/// `1.2, 3.4, 5.6`.
+/// Formats a point: `1.2, 3.4, 5.6`.
 pub(crate) fn point(point: [f32; 3]) -> String {
     point.map(|value| short(value.into())).join(", ")
 }
 
-/// Rows of cells, the first column to the left and the others to the right, with a header.
+/// Formats a table with a header; the first column is left-aligned, the others right-aligned.
 pub(crate) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
         let cells = rows.iter().map(|row| row[column].chars().count());

@@ -1,19 +1,19 @@
-//! Values on the command line, from text, with messages that say what would be right.
+//! Parses option values, with messages that say what is expected.
 
 use crate::bench::row_names;
 use enfilade::{ChoiceGoal, Method, View};
 use enfilade_draw::Show;
 
-/// Which methods look.
+/// The methods selected by `--method`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Choice {
-    /// Each sector is seen as its author said.
+    /// Each sector uses the method that its file names.
     Own,
     /// One method for all sectors.
     One(Method),
-    /// Every method there is, one after the other.
+    /// Every method, one after the other.
     All,
-    /// Each sector by the method that is cheapest there, as measured first.
+    /// Each sector uses the method that is cheapest there, measured first.
     Auto,
 }
 
@@ -35,18 +35,18 @@ pub(crate) fn method(text: &str) -> Result<Choice, String> {
     }
 }
 
-/// What a method may be called, for the help.
+/// Returns the help of `--method`: all method names.
 pub(crate) fn methods() -> String {
     format!(
-        "{} auto (for each sector the cheapest, as measured first), or all",
+        "Use this method: {} auto (the cheapest in each sector, measured first) or all",
         Method::ALL.map(|method| format!("{method},")).join(" ")
     )
 }
 
-/// The same where there need not be one.
+/// Returns the help of an optional `--method`.
 pub(crate) fn methods_or_own() -> String {
     format!(
-        "{} [default: each sector's own, hierarchical-z where nothing is said]",
+        "{} [default: the method that the file names for each sector, else hierarchical-z]",
         methods()
     )
 }
@@ -63,9 +63,9 @@ pub(crate) fn show(text: &str) -> Result<Show, String> {
     Show::by_name(text).ok_or_else(|| among(text, Show::ALL.iter().map(|show| show.name())))
 }
 
-/// `X,Y,Z`, each finite.
+/// Parses `X,Y,Z`, each finite.
 pub(crate) fn point(text: &str) -> Result<[f32; 3], String> {
-    let wants = "three numbers are wanted, such as 1,2.5,-3";
+    let wants = "expected three numbers, such as 1,2.5,-3";
     let values = text.split(',').map(|value| {
         let number: f32 = value
             .trim()
@@ -81,12 +81,12 @@ pub(crate) fn point(text: &str) -> Result<[f32; 3], String> {
     <[f32; 3]>::try_from(values).map_err(|_| wants.to_owned())
 }
 
-/// `WxH`, in pixels.
+/// Parses `WxH`, in pixels.
 pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
     let sides = text
         .split_once(['x', 'X'])
         .and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
-    let sides: [u64; 2] = sides.ok_or("width and height are wanted, such as 1280x720")?;
+    let sides: [u64; 2] = sides.ok_or("expected width and height, such as 1280x720")?;
     if sides
         .iter()
         .any(|side| !(1..=u64::from(View::MAX_PIXELS)).contains(side))
@@ -96,58 +96,58 @@ pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
     Ok(sides.map(|side| side as u32))
 }
 
-/// Degrees, as a lens can have.
+/// Parses a field of view, in degrees.
 pub(crate) fn degrees(text: &str) -> Result<f32, String> {
     let angle: f32 = text
         .parse()
-        .map_err(|_| "a number of degrees is wanted, such as 60")?;
+        .map_err(|_| "expected a number of degrees, such as 60")?;
     if angle > 0.0 && angle < 180.0 {
         Ok(angle)
     } else {
-        Err("it must be above 0 and below 180 degrees".to_owned())
+        Err("must be above 0 and below 180 degrees".to_owned())
     }
 }
 
-/// Pixels, or parts of one.
+/// Parses a positive number of pixels.
 #[cfg(feature = "levels")]
 pub(crate) fn pixels(text: &str) -> Result<f32, String> {
     let pixels: f32 = text
         .parse()
-        .map_err(|_| "a number of pixels is wanted, such as 1 or 0.5")?;
+        .map_err(|_| "expected a number of pixels, such as 1 or 0.5")?;
     if pixels > 0.0 && pixels.is_finite() {
         Ok(pixels)
     } else {
-        Err("it must be above 0".to_owned())
+        Err("must be above 0".to_owned())
     }
 }
 
-/// Samples of each pixel.
+/// Parses the number of samples per pixel, 1 or 4.
 pub(crate) fn samples(text: &str) -> Result<u32, String> {
     match text {
         "1" => Ok(1),
         "4" => Ok(4),
-        _ => Err("a pixel has 1 sample or 4".to_owned()),
+        _ => Err("expected 1 or 4 samples per pixel".to_owned()),
     }
 }
 
-/// Stops of exposure: each doubles the light.
+/// Parses stops of exposure; each doubles the light.
 pub(crate) fn stops(text: &str) -> Result<f32, String> {
-    const MOST: f32 = 30.0;
+    const MAX_STOPS: f32 = 30.0;
     let stops: Option<f32> = text.parse().ok();
     stops
-        .filter(|stops| stops.abs() <= MOST)
-        .ok_or_else(|| format!("a number of stops from -{MOST} to {MOST} is wanted, such as 1 or -0.5"))
+        .filter(|stops| stops.abs() <= MAX_STOPS)
+        .ok_or_else(|| format!("expected a number of stops from -{MAX_STOPS} to {MAX_STOPS}, such as 1 or -0.5"))
 }
 
-/// Seconds, from none to some decades.
+/// Parses seconds, 0 to 10⁹.
 pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|seconds| (0.0..=1e9).contains(seconds));
-    seconds.ok_or_else(|| "a number of seconds is wanted, such as 600 or 0.5".to_owned())
+    seconds.ok_or_else(|| "expected a number of seconds, such as 600 or 0.5".to_owned())
 }
 
-/// Bytes, plain or with a unit: `2GB`, `500MB`, `1.5 GiB`.
+/// Parses bytes, plain or with a unit: `2GB`, `500MB`, `1.5 GiB`.
 pub(crate) fn bytes(text: &str) -> Result<u64, String> {
-    let wants = || "a number of bytes is wanted, such as 2GB, 500MB or 1000000".to_owned();
+    let wants = || "expected a number of bytes, such as 2GB, 500MB or 1000000".to_owned();
     let units_at = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
     let (number, unit) = text.split_at(units_at);
     let factor = match unit.to_ascii_lowercase().as_str() {
@@ -170,15 +170,15 @@ pub(crate) fn bytes(text: &str) -> Result<u64, String> {
     }
 }
 
-/// How many places a pixel strict methods are held to, 1 to 64.
+/// Parses the number of random samples per pixel at which strict methods are checked, 1 to 64.
 pub(crate) fn check(text: &str) -> Result<u32, String> {
     match text.parse::<u32>() {
-        Ok(places @ 1..=64) => Ok(places),
-        _ => Err("a number of random samples per pixel from 1 to 64 is wanted, or nothing".to_owned()),
+        Ok(samples @ 1..=64) => Ok(samples),
+        _ => Err("expected a number of random samples per pixel from 1 to 64, or nothing".to_owned()),
     }
 }
 
-/// A row of `bench --micro`.
+/// Parses the name of a row of `bench --micro`.
 pub(crate) fn row(text: &str) -> Result<String, String> {
     if row_names().any(|name| name == text) {
         Ok(text.to_owned())
@@ -187,7 +187,7 @@ pub(crate) fn row(text: &str) -> Result<String, String> {
     }
 }
 
-/// A SIMD level that this machine has.
+/// Parses a SIMD level that this machine supports.
 pub(crate) fn simd(text: &str) -> Result<String, String> {
     if enfilade::simd_levels().any(|level| level == text) {
         Ok(text.to_owned())
@@ -196,7 +196,7 @@ pub(crate) fn simd(text: &str) -> Result<String, String> {
     }
 }
 
-/// Says which of the names was meant, if one is near, and which there are.
+/// Lists the available names, after the one that the mistyped name resembles most, if any.
 pub(crate) fn among<'a>(mistyped: &str, names: impl Iterator<Item = &'a str>) -> String {
     const FEW: usize = 24;
     let names: Vec<&str> = names.collect();
@@ -205,13 +205,13 @@ pub(crate) fn among<'a>(mistyped: &str, names: impl Iterator<Item = &'a str>) ->
         .iter()
         .max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
         .filter(|name| likeness(name) > 0.7);
-    let there = nearest.map_or("there".to_owned(), |name| format!("did you mean {name}? There"));
+    let suggestion = nearest.map_or(String::new(), |name| format!("did you mean {name}? "));
     let more = if names.len() > FEW {
         format!(" and {} more", names.len() - FEW)
     } else {
         String::new()
     };
-    format!("{there} are: {}{more}", names[..names.len().min(FEW)].join(", "))
+    format!("{suggestion}available: {}{more}", names[..names.len().min(FEW)].join(", "))
 }
 
 #[cfg(test)]
@@ -239,7 +239,7 @@ mod tests {
     #[test]
     fn what_is_wrong_is_refused_with_a_word_on_what_is_right() {
         let says = |result: Result<(), String>, word: &str| {
-            let message = result.expect_err("it is wrong");
+            let message = result.expect_err("invalid");
             assert!(message.contains(word), "`{message}` does not say `{word}`");
         };
         for text in ["1,2", "1,2,3,4", "1,,3", "NaN,0,0", "0,inf,0", ""] {
@@ -256,7 +256,7 @@ mod tests {
             says(bytes(text).map(drop), "such as 2GB");
         }
         says(method("z-bufer").map(drop), "did you mean z-buffer?");
-        says(method("quux").map(drop), "there are: ");
+        says(method("quux").map(drop), "available: ");
         says(simd("avx3").map(drop), enfilade::simd_level());
         says(check("65").map(drop), "1 to 64");
         assert_eq!(check("16"), Ok(16));

@@ -8,9 +8,9 @@ use std::path::PathBuf;
 /// Options of `choose`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Every method that may be taken is tried in each sector, alone, from eight places in each and through the openings by which \
-it is seen from there. What counts is the time of a look, or of drawing, and a ten-thousandth of the time to build; of \
-methods that are as fast, the one that takes least memory is taken. `--method auto` of other verbs does the same first.
+Measures every eligible method in each sector, from 32 survey positions per sector, also through the openings that show the \
+sector from elsewhere. The cost is the time of a look, or of drawing, plus a ten-thousandth of the build time; among equally \
+fast methods the one that uses the least memory is chosen. `--method auto` of other verbs runs the same measurement first.
 
 Examples:
   enfilade choose @enfilade --size 160x90
@@ -19,27 +19,27 @@ Examples:
 pub(crate) struct ChooseArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArg,
-    /// Write a copy of the scene's file, of glTF or of terrain, that names the chosen methods, and so pins them
+    /// Write a copy of the glTF or heightmap file that names the chosen methods, which pins them
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
-    /// What is to be cheap: look or draw
+    /// Minimize the time to look or to draw
     #[arg(long, value_name = "WHAT", default_value = "look", value_parser = values::aim)]
     pub(crate) aim: ChoiceGoal,
-    /// Take also methods that may call more visible than is; without it, what is seen does not hang on the choice
+    /// Also consider conservative methods, whose sets may contain hidden items
     #[arg(long)]
     pub(crate) conservative: bool,
-    /// Sectors in which an item moves between any two looks
+    /// Expect an item to move before every look in these sectors
     #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
     pub(crate) moving: Vec<String>,
-    /// Measure again on other views, and say how far from the best the choice is there
+    /// Measure again on other views, and print how far each choice is from the fastest method there
     #[arg(long)]
     pub(crate) check: bool,
     #[command(flatten)]
     pub(crate) json: JsonArg,
-    /// Columns and rows of the screen
+    /// Set the screen size, in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = values::size)]
     pub(crate) size: [u32; 2],
-    /// Use no better SIMD instructions than these, which changes the times and nothing else [default: the machine's best]
+    /// Use this SIMD level; changes the times only [default: the machine's best]
     #[arg(long, value_name = "LEVEL", value_parser = values::simd)]
     pub(crate) simd: Option<String>,
     #[command(flatten)]

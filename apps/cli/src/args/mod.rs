@@ -15,9 +15,9 @@ use enfilade_draw::Show;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// Says what can be seen in a scene, and draws it.
+/// Computes what is visible in a 3D scene, verifies it and draws it.
 ///
-/// Without a verb: draws the built-in scene @enfilade to enfilade.png and compares the methods on it.
+/// Without a verb, draws the built-in scene @enfilade to enfilade.png and compares all methods on it.
 #[derive(Debug, Parser)]
 #[command(
     name = "enfilade",
@@ -35,33 +35,33 @@ pub(crate) struct Args {
     pub(crate) verb: Option<Verb>,
 }
 
-/// What to do.
+/// The verbs.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
-    /// Draws what is seen, as PNG
+    /// Draw views as PNG
     Draw(DrawArgs),
-    /// Says what is visible, and what it costs to know
+    /// Print the visible items of each view, and what computing them costs
     Look(LookArgs),
-    /// Shows all methods side by side, on a page of pictures, differences and times
+    /// Compare all methods side by side, on an HTML page of pictures, differences and times
     Compare(CompareArgs),
-    /// Times all methods over a path of views, and holds what they see against what is expected
+    /// Time all methods over a list of views, and check their visible sets
     Bench(BenchArgs),
-    /// Finds the method that suits each sector, and says what each costs there
+    /// Measure which method is fastest in each sector
     Choose(ChooseArgs),
-    /// Joins separately exported files by portals
+    /// Join separately exported glTF files by portals
     Link(LinkArgs),
-    /// Finds out what is visible in a map of Quake or Quake 3, and writes it into the map
+    /// Compute the PVS of a Quake or Quake 3 map, and write it into the map
     Vis(VisArgs),
-    /// Rebuilds the lost .prt of a compiled Quake map
+    /// Rebuild the lost .prt of a compiled Quake map
     Portals(PortalsArgs),
-    /// Says what is in a file
+    /// Print the contents of a scene file
     Info(InfoArgs),
 }
 
 /// Options of `draw`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Several views are numbered: a-000.png, a-001.png and so on.
+Pictures of several views are numbered: a-000.png, a-001.png and so on.
 
 Examples:
   enfilade draw -o palace.png --size 320x180
@@ -72,22 +72,22 @@ Examples:
 pub(crate) struct DrawArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArg,
-    /// Where the picture goes; it is written whole or not at all
+    /// Write the picture to this file, as a whole or not at all
     #[arg(short, long, value_name = "FILE.png")]
     pub(crate) output: PathBuf,
-    /// What the picture shows: image, overdraw, items, order, sectors or cover
+    /// Show the image, overdraw, items, order, sectors or cover
     #[arg(long, value_name = "WHAT", default_value = "image", value_parser = values::show)]
     pub(crate) show: Show,
     /// Omit the legend below pictures other than the image
     #[arg(long)]
     pub(crate) no_legend: bool,
-    /// Samples of each pixel: 1, or 4 for smooth edges
+    /// Take N samples per pixel: 1, or 4 for smooth edges
     #[arg(long, value_name = "N", default_value = "1", value_parser = values::samples)]
     pub(crate) samples: u32,
-    /// Show what lights shine on brighter by so many stops, or darker where it is below 0
+    /// Brighten lit surfaces by this many stops of exposure; below 0 darkens them
     #[arg(long, value_name = "STOPS", default_value = "0", value_parser = values::stops, allow_negative_numbers = true)]
     pub(crate) exposure: f32,
-    /// Draw large items by coarser levels, made on demand, that are off by no more than so many pixels
+    /// Render with LODs, built on demand, whose geometric error stays below this many pixels
     #[cfg(feature = "levels")]
     #[arg(long, value_name = "PIXELS", value_parser = values::pixels, conflicts_with = "file")]
     pub(crate) levels: Option<f32>,
@@ -102,7 +102,7 @@ pub(crate) struct DrawArgs {
 /// Options of `look`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Times are the median of three passes over all views, after one to warm up.
+Times are the median of three passes over all views, after one warm-up pass.
 
 Examples:
   enfilade look scene.glb --json -
@@ -112,9 +112,9 @@ Examples:
 pub(crate) struct LookArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArg,
-    /// Hold the answers against the reference; exit 1 if anything is missed or painted that no owner allows. With a
-    /// number above 1 strict methods are also held to what is seen at that many places by chance in each pixel
-    #[arg(long, value_name = "PLACES", num_args = 0..=1, require_equals = true, default_missing_value = "1",
+    /// Compare with the reference, and exit with 1 on any false cull or wrong pixel. Above 1, also test strict methods at
+    /// this many random samples per pixel
+    #[arg(long, value_name = "SAMPLES", num_args = 0..=1, require_equals = true, default_missing_value = "1",
           value_parser = values::check)]
     pub(crate) check: Option<u32>,
     #[command(flatten)]
@@ -128,9 +128,8 @@ pub(crate) struct LookArgs {
 /// Options of `compare`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The page is one file that refers to nothing outside itself. Every method is held against the reference; exit 1 if one \
-that is not approximate misses anything or paints what no possible owner allows. Times are the median of three passes \
-over all views, after one to warm up.
+The page is one self-contained file. Every method is compared with the reference; exits with 1 if a method that is not \
+approximate has a false cull or a wrong pixel. Times are the median of three passes over all views, after one warm-up pass.
 
 Examples:
   enfilade compare @two-rooms -o rooms.html --size 160x90
@@ -139,10 +138,10 @@ Examples:
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArg,
-    /// Where the page goes; it is written whole or not at all
+    /// Write the page to this file, as a whole or not at all
     #[arg(short, long, value_name = "FILE.html")]
     pub(crate) output: PathBuf,
-    /// Views that are shown as pictures; the others are in the numbers
+    /// Show pictures of the first N views, and numbers only of the others
     #[arg(long, value_name = "N", default_value_t = 4)]
     pub(crate) pictures: usize,
     #[command(flatten)]
@@ -158,47 +157,47 @@ pub(crate) struct CompareArgs {
 /// Options of `link`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-WORLD.toml names parts, each a .glb or .gltf file with its place, and portals between them:
+WORLD.toml lists parts, each a .glb or .gltf file with a transform, and the portals between them:
 
   [[part]]
   name = \"house\"                   # its nodes are called house/NAME in the world
-  file = \"house.glb\"               # from the folder of WORLD.toml
+  file = \"house.glb\"               # relative to the folder of WORLD.toml
   [[part]]
   name = \"barn\"
   file = \"barn.glb\"
-  translation = [40, 0, 0]         # optional, as are the next two; this comes last
+  translation = [40, 0, 0]         # optional, as are rotation and scale; applied last
   rotation = { axis = [0, 1, 0], degrees = 90 }
   scale = 1
 
-  [[portal]]                       # a teleport: `to` says where one comes out, and which way
+  [[portal]]                       # a teleport: `to` is the exit, and its direction
   name = \"gate\"
   from = { part = \"house\", center = [0, 1, 2], ahead = [0, 0, -1], size = [1, 2] }
   to = { part = \"barn\", center = [3, 1, 0], ahead = [1, 0, 0], size = [1, 2] }
-  two_way = true                   # then `to` is an opening too
-  [[portal]]                       # a door between parts that touch, both ways unless told
+  two_way = true                   # the exit is an opening too
+  [[portal]]                       # a door between parts that touch, two-way by default
   name = \"door\"
   from = { part = \"house\", node = \"Door-portal\" }
-  to = { part = \"barn\" }           # and room = \"NAME\" where it has several
+  to = { part = \"barn\" }           # add room = \"NAME\" if it has several
   [[portal]]
   name = \"pier-glass\"
   from = { part = \"house\", outline = [[0, 0, 0], [1, 0, 0], [1, 2, 0], [0, 2, 0]] }
   mirror = true
 
-Numbers are in the space of the part. Teleports lead one way, doors both, unless two_way says otherwise; a door without \
-`to` leads to what stands behind it. An opening is a rectangle that one goes into along `ahead` (with `up` if need be), \
-an outline, counter-clockwise seen by one who is about to go in, or a node with a flat mesh: into a teleport one goes \
-along its -Z. An exit is a rectangle or a node that one comes out of along its -Z; out of an outline, or of a node with \
-two_way, one comes as out of an opening. A part in which no room is marked is one room, PART-room. Parts should not \
-stand in each other, unless a door joins them.
+Coordinates are in the space of the part. Teleports are one-way and doors two-way, unless two_way says otherwise; a door \
+without `to` leads to the room behind it. An opening is a rectangle that is entered along `ahead` (with `up` if needed), an \
+outline, counter-clockwise seen from the side of entry, or a node with a flat mesh; the node of a teleport is entered along \
+its -Z. An exit is a rectangle, which is left along `ahead`, or a node, which is left along its -Z; an outline, or a node \
+with two_way, is left against its direction of entry. A part without marked rooms becomes one room, PART-room. Parts should \
+not overlap unless a door joins them.
 
 Examples:
   enfilade link world.toml -o world.glb
   enfilade link world.toml -o world.glb --json world.json")]
 pub(crate) struct LinkArgs {
-    /// What is to be joined, and where
+    /// World description: the parts and their portals
     #[arg(value_name = "WORLD.toml")]
     pub(crate) world: PathBuf,
-    /// Where the world goes; it is written whole or not at all
+    /// Write the world to this file, as a whole or not at all
     #[arg(short, long, value_name = "FILE.glb")]
     pub(crate) output: PathBuf,
     #[command(flatten)]
@@ -227,76 +226,76 @@ pub(crate) struct InfoArgs {
     pub(crate) limits: LimitArgs,
 }
 
-/// Which scene.
+/// Selects the scene.
 #[derive(Debug, clap::Args)]
 pub(crate) struct SceneArg {
-    /// A .glb, .gltf, .obj or .bsp file, a .json that describes terrain, or a built-in scene by its @NAME
+    /// A .glb, .gltf, .obj or .bsp file, a .json that describes a heightmap, or @NAME for a built-in scene
     #[arg(value_name = "SCENE", default_value = "@enfilade")]
     pub(crate) scene: OsString,
 }
 
-/// Where the report goes.
+/// Selects the destination of the report.
 #[derive(Debug, clap::Args)]
 pub(crate) struct JsonArg {
-    /// Write the report as JSON; `-` is standard output, on which nothing else is printed then
+    /// Write the report as JSON; `-` writes to standard output instead of the text
     #[arg(long = "json", value_name = "FILE")]
     pub(crate) file: Option<PathBuf>,
 }
 
 impl JsonArg {
-    /// Is standard output taken by the report?
+    /// Whether the report goes to standard output, so that nothing else may be printed there.
     pub(crate) fn takes_stdout(&self) -> bool {
         self.file.as_ref().is_some_and(|file| file.as_os_str() == "-")
     }
 }
 
-/// What most verbs say of [`CameraArgs`].
+/// Heading of [`CameraArgs`] in the help of most verbs.
 const CAMERAS: &str =
-    "Cameras (left out: the file's first camera, else the view of the survey that shows most)";
+    "Cameras (default: the file's first camera, else the most telling survey view)";
 
-/// Which views.
+/// Selects the views.
 #[derive(Debug, clap::Args)]
 pub(crate) struct CameraArgs {
-    /// Where the eye stands
+    /// Place the camera here, in scene units
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true, requires = "toward",
           conflicts_with_all = ["camera", "path", "survey", "survey_hard"])]
     pub(crate) eye: Option<[f32; 3]>,
-    /// A point in the middle of the picture
+    /// Point the camera at this position
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true, requires = "eye")]
     pub(crate) toward: Option<[f32; 3]>,
-    /// A camera of the scene
+    /// Use this camera of the scene
     #[arg(long, value_name = "NAME", conflicts_with_all = ["path", "survey", "survey_hard"])]
     pub(crate) camera: Option<String>,
-    /// JSON lines of {"eye":[..],"toward":[..],"up":[..],"fov":60}, the last two optional
+    /// Read views from JSON lines of {"eye":[..],"toward":[..],"up":[..],"fov":60}; up and fov are optional
     #[arg(long, value_name = "FILE", conflicts_with_all = ["survey", "survey_hard"])]
     pub(crate) path: Option<PathBuf>,
-    /// N views from where people may stand, spread over rooms and streets, always the same ones
+    /// Generate N views where people can stand, spread over rooms and streets; always the same ones
     #[arg(long, value_name = "N", conflicts_with = "survey_hard", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) survey: Option<u32>,
-    /// N views that are hard to decide: in doorways, at corners and edges, in planes of faces
+    /// Generate N views that are hard to decide: in doorways, at corners and edges, in planes of faces
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) survey_hard: Option<u32>,
-    /// Columns and rows of the screen
+    /// Set the screen size, in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = values::size)]
     pub(crate) size: [u32; 2],
-    /// Vertical angle of the lens [default: the camera's own, else 60]
+    /// Set the vertical field of view, in degrees [default: the camera's, else 60]
     #[arg(long, value_name = "DEGREES", value_parser = values::degrees)]
     pub(crate) fov: Option<f32>,
-    /// The direction that is upright [default: the camera's own, else 0,1,0]
+    /// Set the up vector [default: the camera's, else 0,1,0]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
     pub(crate) up: Option<[f32; 3]>,
 }
 
 impl CameraArgs {
-    /// Takes so many views of the survey where no camera is told.
-    pub(crate) fn survey_unless_told(&mut self, count: u32) {
+    /// Selects `count` survey views if no camera option is given.
+    pub(crate) fn survey_by_default(&mut self, count: u32) {
         if self.eye.is_none() && self.camera.is_none() && self.path.is_none() && self.survey_hard.is_none() {
             self.survey.get_or_insert(count);
         }
     }
 }
 
-/// Which methods look, and how.
+/// Selects the methods, and their options.
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Methods")]
 pub(crate) struct MethodArgs {
@@ -306,71 +305,71 @@ pub(crate) struct MethodArgs {
     pub(crate) how: HowArgs,
 }
 
-/// What a method may remember, follow and use up.
+/// Options of all methods.
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Methods")]
 pub(crate) struct HowArgs {
-    /// Forget what the last view saw before each look
+    /// Disable temporal coherence: forget the previous view before each look
     #[arg(long)]
     pub(crate) no_coherence: bool,
-    /// Occluders that masked, svbsp and mobsp choose for each passage; 0: none [default: what suits each]
+    /// Select at most N occluders per passage for masked, svbsp and mobsp; 0 selects none [default: depends on the method]
     #[arg(long, value_name = "N")]
     pub(crate) occluders: Option<u32>,
-    /// Columns and rows of the covers of hierarchical-z, hierarchical-s and masked, no more than the screen's; fewer
-    /// cost less and hide less [default: as many as the screen has]
+    /// Set the resolution of the covers of hierarchical-z, hierarchical-s and masked, up to the screen size; lower is
+    /// faster and culls less [default: the screen size]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     pub(crate) cover_size: Option<[u32; 2]>,
     #[command(flatten)]
     pub(crate) portals: PortalArgs,
-    /// Let auto take also methods that may call more visible than is; without it, what is seen does not hang on its choice
+    /// Also consider conservative methods, whose sets may contain hidden items (with --method auto)
     #[arg(long)]
     pub(crate) conservative: bool,
-    /// Use no better SIMD instructions than these, which changes the times and nothing else [default: the machine's best]
+    /// Use this SIMD level; changes the times only [default: the machine's best]
     #[arg(long, value_name = "LEVEL", value_parser = values::simd)]
     pub(crate) simd: Option<String>,
     #[command(flatten)]
     pub(crate) limits: LimitArgs,
 }
 
-/// What becomes of portals.
+/// Controls how portals are followed.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub(crate) struct PortalArgs {
-    /// Openings are plain holes: no portal is followed
+    /// Treat openings as plain holes: follow no portals
     #[arg(long)]
     pub(crate) flat: bool,
     #[command(flatten)]
     pub(crate) bad: BadPortalArgs,
 }
 
-/// What becomes of portals that make no sense.
+/// Controls how invalid portals are handled.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub(crate) struct BadPortalArgs {
-    /// Open a file without the portals and mirrors that are wrong in it, which become plain holes, each with a warning
+    /// Turn invalid portals and mirrors of a file into plain holes, with a warning each, instead of refusing the file
     #[arg(long = "skip-bad-portals")]
     pub(crate) skip: bool,
 }
 
 impl MethodArgs {
-    /// Which methods look.
+    /// Returns the selected methods.
     pub(crate) fn choice(&self) -> Choice {
         self.method.unwrap_or(Choice::Own)
     }
 }
 
-/// What may be used up.
+/// Limits of threads and memory.
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Limits")]
 pub(crate) struct LimitArgs {
-    /// Threads that may be used [default: all cores]
+    /// Use N threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
-    /// What reading the file may take, and what each method may: 2GB, 500MB or plain bytes [default: about 1 GB]
+    /// Limit the memory for reading the file, and that of each method: 2GB, 500MB or plain bytes [default: about 1 GB]
     #[arg(long, value_name = "BYTES", value_parser = values::bytes)]
     pub(crate) memory: Option<u64>,
 }
 
 impl LimitArgs {
-    /// What may be used up of memory by one thing.
+    /// Returns the memory limit of each method, in bytes.
     pub(crate) fn memory(&self) -> u64 {
         self.memory.unwrap_or(Method::DEFAULT_LIMIT)
     }
@@ -390,7 +389,7 @@ mod tests {
     fn every_help_ends_with_examples() {
         let mut root = Args::command();
         let mut helps = vec![root.render_help().to_string()];
-        // clap's own `help` stands among the verbs.
+        // clap adds its `help` to the verbs.
         let verbs = root
             .get_subcommands_mut()
             .filter(|verb| verb.get_name() != "help");

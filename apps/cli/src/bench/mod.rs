@@ -40,7 +40,7 @@ pub(crate) fn run(mut args: BenchArgs) -> Result<Outcome> {
         &args.how.limits,
         &mut files,
     )?;
-    args.cameras.survey_unless_told(VIEWS);
+    args.cameras.survey_by_default(VIEWS);
     let views = cameras::views(&args.cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, args.method, ChoiceGoal::Look, &args.how, views.first())?;
     let mut viewers: Vec<Viewer> = prepared.iter().map(Prepared::viewer).collect();

@@ -1,14 +1,14 @@
-//! How far a segment and a triangle are apart, and where.
+//! Closest points between a segment and a triangle.
 //!
-//! The least distance is at an end of the segment above the inside of the triangle, or between the segment and an edge; it
-//! is nothing where the segment goes through.
+//! The minimum distance is either between an end of the segment and the interior of the triangle, or between the
+//! segment and an edge. It is zero if the segment pierces the triangle.
 //! Source: Ericson, Real-Time Collision Detection, 2005, sections 5.1.9 and 5.1.10.
 //! Cost: O(1): three pairs of segments, two points.
-//! Exact up to f64; segments that are points and triangles without area are sound.
+//! Exact up to f64 rounding. Zero-length segments and triangles without area are valid input.
 
 use glam::DVec3;
 
-/// The nearest points of a segment and a triangle, in this order.
+/// Returns the closest points: one on the segment, one on the triangle.
 pub(crate) fn nearest_points(segment: [DVec3; 2], triangle: [DVec3; 3]) -> [DVec3; 2] {
     let [a, b, c] = triangle;
     let mut best = of_segments(segment, [a, b]);
@@ -46,7 +46,7 @@ pub(crate) fn nearest_points(segment: [DVec3; 2], triangle: [DVec3; 3]) -> [DVec
     best
 }
 
-/// The nearest points of two segments.
+/// Returns the closest points of two segments.
 fn of_segments([p, p_end]: [DVec3; 2], [q, q_end]: [DVec3; 2]) -> [DVec3; 2] {
     let [d, e, r] = [p_end - p, q_end - q, p - q];
     let [dd, ee, de] = [d.length_squared(), e.length_squared(), d.dot(e)];
@@ -58,7 +58,7 @@ fn of_segments([p, p_end]: [DVec3; 2], [q, q_end]: [DVec3; 2]) -> [DVec3; 2] {
             0.0
         }
     };
-    // Of lines that hardly turn from each other any pair will do: the ends decide.
+    // For nearly parallel lines the determinant is unreliable and any `s` will do: clamping to the ends decides.
     let determinant = dd * ee - de * de;
     let s = if determinant > 1e-14 * dd * ee {
         ((de * er - dr * ee) / determinant).clamp(0.0, 1.0)
@@ -66,7 +66,7 @@ fn of_segments([p, p_end]: [DVec3; 2], [q, q_end]: [DVec3; 2]) -> [DVec3; 2] {
         0.0
     };
     let t = part(de * s + er, ee);
-    // And back, for the other end may have been cut off.
+    // `t` may have been clamped to the other segment's end, so `s` is computed again.
     let s = part(de * t - dr, dd);
     [p + d * s, q + e * t]
 }
@@ -87,7 +87,7 @@ mod tests {
         assert_eq!(apart([[0.2, 0.2, -1.0], [0.2, 0.2, 5.0]], TRIANGLE), 0.0);
         assert_eq!(apart([[-3.0, 0.5, -1.0], [-3.0, 0.5, 5.0]], TRIANGLE), 3.0);
         assert_eq!(apart([[-3.0, -4.0, 0.0]; 2], TRIANGLE), 5.0);
-        // Of no area, and of no length.
+        // Without area, and without length.
         assert_eq!(
             apart([[0.5, 3.0, 0.0]; 2], [DVec3::ZERO, DVec3::X, DVec3::X * 0.3]),
             3.0

@@ -1,12 +1,12 @@
-//! Random worlds of boxes that change, and what holds of every tree over them however it was changed.
+//! Test support: random worlds of AABBs that change, and the invariants of every dynamic tree over them.
 //!
-//! A tree is held against brute force, and against one that is built anew over the same boxes.
+//! Each tree is checked against brute force and against a tree rebuilt from scratch over the same boxes.
 
 use crate::geom::Aabb;
 
-/// A tree over numbered boxes that can be changed.
-pub(super) trait Changes: Sized {
-    /// May a thing stand in several nodes?
+/// A tree over indexed AABBs that supports incremental changes.
+pub(super) trait DynamicTree: Sized {
+    /// Whether a primitive may be listed in several nodes.
     const COPIES: bool;
 
     fn over(bounds: &[Aabb]) -> Self;
@@ -18,11 +18,11 @@ pub(super) trait Changes: Sized {
     fn things(&self, node: u32) -> &[u32];
     fn node_count(&self) -> usize;
     fn bytes(&self) -> u64;
-    /// What else holds of its structure.
+    /// Checks the structural invariants specific to this tree.
     fn check(&self, bounds: &[Aabb]);
 }
 
-/// Boxes that are hard to separate, named by what they are.
+/// Boxes that are hard to separate, each set with a name for assertion messages.
 pub(super) fn hard_boxes(count: u32) -> Vec<(&'static str, Vec<Aabb>)> {
     let around = |side: f32| placed([-0.5 * side; 3], [side; 3]);
     let all = |side: fn(f32) -> f32| (0..count).map(|i| around(side(i as f32))).collect();
@@ -45,23 +45,23 @@ pub(super) fn hard_boxes(count: u32) -> Vec<(&'static str, Vec<Aabb>)> {
     ]
 }
 
-/// Boxes, the tree over them, and what changed last.
+/// AABBs, the tree over them, and the nodes touched by the last change.
 pub(super) struct World<T> {
     pub(super) bounds: Vec<Aabb>,
     pub(super) tree: T,
-    /// Nodes that the last change touched.
+    /// Nodes that the last change reported as touched.
     pub(super) touched: Vec<u32>,
-    /// For each node how many things are in it and below it, brought up to date by what was touched.
+    /// Number of primitives in each node's subtree, updated only for touched nodes.
     held: Vec<usize>,
-    chance: Chance,
+    random: Random,
 }
 
-/// Pseudo-random numbers, the same every time.
+/// Deterministic pseudo-random numbers.
 #[derive(Clone)]
-pub(super) struct Chance(pub(super) u64);
+pub(super) struct Random(pub(super) u64);
 
-impl Chance {
-    /// From 0 to 1.
+impl Random {
+    /// Returns a number from 0 to 1.
     pub(super) fn part(&mut self) -> f32 {
         self.0 = self
             .0
@@ -78,13 +78,13 @@ impl Chance {
         [0; 3].map(|_| side * self.part())
     }
 
-    /// A box of a town: most are small.
+    /// Returns a box of a town, usually a small one.
     fn thing(&mut self) -> Aabb {
         let size = if self.below(50) == 0 { 12.0 } else { 1.0 };
         placed(self.point(100.0), self.point(size))
     }
 
-    /// A box of any kind.
+    /// Returns a box of any kind: empty, flat, huge, far away, or from the town.
     fn anything(&mut self) -> Aabb {
         match self.below(20) {
             0 => Aabb::EMPTY,
@@ -99,7 +99,7 @@ impl Chance {
         }
     }
 
-    /// A box a short way off.
+    /// Returns `was` moved by up to 0.2 units per axis.
     fn step_from(&mut self, was: &Aabb) -> Aabb {
         let by = self.point(0.4).map(|x| x - 0.2);
         let moved = |at: [f32; 3]| [0, 1, 2].map(|axis| at[axis] + by[axis]);
@@ -117,26 +117,26 @@ fn placed(at: [f32; 3], size: [f32; 3]) -> Aabb {
     }
 }
 
-impl<T: Changes> World<T> {
+impl<T: DynamicTree> World<T> {
     pub(super) fn new(bounds: Vec<Aabb>) -> World<T> {
         let mut world = World {
             tree: T::over(&bounds),
             bounds,
             touched: Vec::new(),
             held: Vec::new(),
-            chance: Chance(11),
+            random: Random(11),
         };
         world.count_held();
         world
     }
 
-    /// Things all over a town.
+    /// Creates a world of primitives spread over a town.
     pub(super) fn town(count: usize) -> World<T> {
-        let mut chance = Chance(5);
-        World::new((0..count).map(|_| chance.thing()).collect())
+        let mut random = Random(5);
+        World::new((0..count).map(|_| random.thing()).collect())
     }
 
-    /// Changes boxes, all at once as far as `boxes` can tell.
+    /// Changes boxes all at once: `boxes` already returns every new box when the tree is updated one by one.
     pub(super) fn change(&mut self, changes: &[(u32, Aabb)]) {
         let was: Vec<Aabb> = changes
             .iter()
@@ -180,7 +180,7 @@ impl<T: Changes> World<T> {
         anew
     }
 
-    /// All nodes that hold something, parents before children.
+    /// Returns all nonempty nodes, parents before children.
     fn nodes(&self) -> Vec<u32> {
         let mut nodes: Vec<u32> = self.tree.root().into_iter().collect();
         let mut next = 0;
@@ -191,15 +191,15 @@ impl<T: Changes> World<T> {
         nodes
     }
 
-    /// What meets a box, by going into the nodes that do; and how many boxes were asked.
+    /// Returns the primitives that overlap the query box, found by traversal, and the number of boxes tested.
     fn met(tree: &T, bounds: &[Aabb], query: &Aabb) -> (Vec<u32>, usize) {
         let mut met = Vec::new();
         let mut asked = 0;
-        let mut waiting: Vec<u32> = tree.root().into_iter().collect();
-        while let Some(node) = waiting.pop() {
+        let mut pending: Vec<u32> = tree.root().into_iter().collect();
+        while let Some(node) = pending.pop() {
             asked += 1;
             if tree.bounds(node).meets(query) {
-                waiting.extend(tree.children(node));
+                pending.extend(tree.children(node));
                 asked += tree.things(node).len();
                 let things = tree.things(node).iter().copied();
                 met.extend(things.filter(|&thing| bounds[thing as usize].meets(query)));
@@ -212,7 +212,8 @@ impl<T: Changes> World<T> {
         (met, asked)
     }
 
-    /// Everything is in the tree, once, in boxes that are no larger than what is in them, and is found again.
+    /// Checks that every primitive is in the tree (once, unless copies are allowed), that node boxes are tight, and
+    /// that queries find what brute force finds.
     pub(super) fn check(&mut self) {
         self.tree.check(&self.bounds);
         let mut times = vec![0; self.bounds.len()];
@@ -221,7 +222,7 @@ impl<T: Changes> World<T> {
             assert_eq!(
                 self.held[node as usize],
                 self.held_in(node),
-                "node {node} was touched"
+                "node {node} changed but was not reported as touched"
             );
             assert!(self.held[node as usize] > 0, "node {node} is empty");
             let mut inner = Aabb::EMPTY;
@@ -239,7 +240,7 @@ impl<T: Changes> World<T> {
             assert!(T::COPIES || times <= 1);
         }
         for _ in 0..10 {
-            let query = self.chance.anything();
+            let query = self.random.anything();
             let (met, _) = World::met(&self.tree, &self.bounds, &query);
             let all = 0..self.bounds.len() as u32;
             let meets = |&thing: &u32| {
@@ -250,44 +251,44 @@ impl<T: Changes> World<T> {
         }
     }
 
-    /// How much dearer the tree is than one built now: by the boxes asked for random questions, and by the areas of
-    /// boxes, each as often as something is asked when it is entered: its children and its things.
-    pub(super) fn dearer(&self) -> [f64; 2] {
+    /// Cost of this tree relative to a rebuilt one, by two measures: boxes tested for random queries; and the SAH cost,
+    /// the sum of box areas weighted by the number of children and primitives tested on entering each node.
+    pub(super) fn cost_ratio(&self) -> [f64; 2] {
         let fresh = T::over(&self.bounds);
-        let mut chance = Chance(3);
+        let mut random = Random(3);
         let mut asked = [0, 0];
         for i in 0..400 {
             let size = [2.0, 10.0, 30.0][i % 3];
-            let query = placed(chance.point(100.0), chance.point(size));
+            let query = placed(random.point(100.0), random.point(size));
             for (asked, tree) in asked.iter_mut().zip([&self.tree, &fresh]) {
                 *asked += World::met(tree, &self.bounds, &query).1;
             }
         }
         let areas = [&self.tree, &fresh].map(|tree| {
-            let mut waiting: Vec<u32> = tree.root().into_iter().collect();
+            let mut pending: Vec<u32> = tree.root().into_iter().collect();
             let mut sum = 0.0;
-            while let Some(node) = waiting.pop() {
+            while let Some(node) = pending.pop() {
                 let [x, y, z] = tree.bounds(node).size().map(f64::from);
                 let children = tree.children(node);
                 sum += (x * y + y * z + z * x) * (children.len() + tree.things(node).len()) as f64;
-                waiting.extend(children);
+                pending.extend(children);
             }
             sum
         });
         [asked[0] as f64 / asked[1] as f64, areas[0] / areas[1]]
     }
 
-    /// Many changes one after the other, of all kinds: steps, leaps, coming and going.
+    /// Applies many changes of all kinds one by one: small moves, jumps, removals and insertions.
     pub(super) fn live(&mut self, changes: usize) {
-        let mut chance = Chance(changes as u64);
+        let mut random = Random(changes as u64);
         for _ in 0..changes {
-            let thing = chance.below(self.bounds.len());
+            let thing = random.below(self.bounds.len());
             let was = self.bounds[thing];
-            let now = match chance.below(10) {
+            let now = match random.below(10) {
                 0 => Aabb::EMPTY,
-                1 => chance.thing(),
-                _ if was.is_empty() => chance.thing(),
-                _ => chance.step_from(&was),
+                1 => random.thing(),
+                _ if was.is_empty() => random.thing(),
+                _ => random.step_from(&was),
             };
             self.change(&[(thing as u32, now)]);
             self.tidy();
@@ -295,24 +296,24 @@ impl<T: Changes> World<T> {
     }
 }
 
-/// Through thousands of changes, one by one and many at once, everything is found as if the tree were built anew.
-pub(super) fn whatever_changes_is_found<T: Changes>() {
+/// After thousands of changes, one by one and many at once, queries find the same as in a rebuilt tree.
+pub(super) fn whatever_changes_is_found<T: DynamicTree>() {
     for count in [1, 3, 40, 700] {
-        let mut chance = Chance(count as u64);
-        let first = (0..count).map(|_| chance.anything()).collect();
+        let mut random = Random(count as u64);
+        let first = (0..count).map(|_| random.anything()).collect();
         let mut world = World::<T>::new(first);
         world.check();
         for round in 0..60 {
             let many = if round % 2 == 0 { 1 } else { 1 + count / 3 };
             for _ in 0..1 + 20 / many {
                 let mut changes: Vec<(u32, Aabb)> = (0..many)
-                    .map(|_| (chance.below(count) as u32, chance.anything()))
+                    .map(|_| (random.below(count) as u32, random.anything()))
                     .collect();
                 changes.sort_by_key(|&(thing, _)| thing);
                 changes.dedup_by_key(|&mut (thing, _)| thing);
                 for (thing, now) in &mut changes {
                     if round % 3 == 0 {
-                        *now = chance.step_from(&world.bounds[*thing as usize]);
+                        *now = random.step_from(&world.bounds[*thing as usize]);
                     }
                 }
                 world.change(&changes);
@@ -326,8 +327,8 @@ pub(super) fn whatever_changes_is_found<T: Changes>() {
     }
 }
 
-/// A tree whose things are all taken out is empty, and can be filled again.
-pub(super) fn what_was_emptied_can_be_filled_again<T: Changes>() {
+/// A tree from which everything is removed is empty and can be filled again.
+pub(super) fn what_was_emptied_can_be_filled_again<T: DynamicTree>() {
     let mut world = World::<T>::town(300);
     let full = world.bounds.clone();
     for _ in 0..3 {
@@ -348,16 +349,16 @@ pub(super) fn what_was_emptied_can_be_filled_again<T: Changes>() {
         new.tidy();
     }
     new.check();
-    assert!(new.dearer().into_iter().all(|by| by < 1.3), "{:?}", new.dearer());
+    assert!(new.cost_ratio().into_iter().all(|by| by < 1.3), "{:?}", new.cost_ratio());
 }
 
-/// After a hundred thousand changes a tree is about as good, and as small, as one built anew.
-pub(super) fn a_long_life_leaves_it_as_good_as_new<T: Changes>() {
+/// After a hundred thousand changes a tree is about as fast and as small as a rebuilt one.
+pub(super) fn a_long_life_leaves_it_as_good_as_new<T: DynamicTree>() {
     let mut world = World::<T>::town(10_000);
     world.live(100_000);
     world.check();
-    let dearer = world.dearer();
-    assert!(dearer.into_iter().all(|by| by < 1.3), "{dearer:?}");
+    let cost_ratio = world.cost_ratio();
+    assert!(cost_ratio.into_iter().all(|by| by < 1.3), "{cost_ratio:?}");
     let [old, new] = [&world.tree, &T::over(&world.bounds)].map(|tree| tree.bytes());
     assert!(2 * old < 5 * new, "{old} bytes, not {new}");
 }

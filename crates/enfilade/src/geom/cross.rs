@@ -1,23 +1,24 @@
-//! Cross products of edges, good to the last bits also where the edges are nearly parallel.
+//! Cross products of edges, accurate to the last bits even if the edges are nearly parallel.
 //!
-//! Differences and products keep what rounding takes from them, so that a needle has the normal it really has.
+//! Differences and products carry their rounding errors along (double-double arithmetic), so that a needle triangle
+//! gets its true normal.
 //! Source: Dekker. A Floating-Point Technique for Extending the Available Precision. 1971; Knuth's two-sum.
-//! Cost: some 150 operations.
+//! Cost: about 150 floating-point operations.
 //! Error: a few 2⁻⁵³ of the result, plus 2⁻¹⁰⁴ of the product of the lengths.
 
 use glam::DVec3;
 
-/// An edge: what is in f64, and what was rounded away.
+/// An edge vector: its f64 value and the rounding error of that value.
 pub(crate) type Edge = (DVec3, DVec3);
 
-/// From `from` to `to`, exactly.
+/// Returns the exact edge vector from `from` to `to`.
 pub(crate) fn edge(from: DVec3, to: DVec3) -> Edge {
     let rounded = to - from;
     let back = rounded - to;
     (rounded, (to - (rounded - back)) - (from + back))
 }
 
-/// The cross product of two edges.
+/// Returns the cross product of two edges.
 pub(crate) fn cross(a: Edge, b: Edge) -> DVec3 {
     let ((a, a_rest), (b, b_rest)) = (a, b);
     let main = DVec3::new(
@@ -28,13 +29,14 @@ pub(crate) fn cross(a: Edge, b: Edge) -> DVec3 {
     main + (a.cross(b_rest) + a_rest.cross(b))
 }
 
-/// a·b − c·d.
+/// Returns a·b − c·d.
 fn minor(a: f64, b: f64, c: f64, d: f64) -> f64 {
     let ((ab, ab_rest), (cd, cd_rest)) = (product(a, b), product(c, d));
     (ab - cd) + (ab_rest - cd_rest)
 }
 
-/// The product, and what was rounded away. (A fused multiply-add would do it in two steps, but not everywhere.)
+/// Returns the product and its rounding error. (A fused multiply-add would take two steps, but is not available
+/// everywhere.)
 fn product(a: f64, b: f64) -> (f64, f64) {
     let rounded = a * b;
     let ((a, a_low), (b, b_low)) = (halves(a), halves(b));
@@ -44,7 +46,7 @@ fn product(a: f64, b: f64) -> (f64, f64) {
     )
 }
 
-/// The upper 26 bits, and the rest.
+/// Splits a value into its upper 26 bits and the rest.
 fn halves(value: f64) -> (f64, f64) {
     let shifted = ((1_u64 << 27) + 1) as f64 * value;
     let upper = shifted - (shifted - value);
@@ -57,7 +59,7 @@ mod tests {
 
     #[test]
     fn a_needle_has_the_normal_it_really_has() {
-        // Far from the origin, a metre long, 2⁻³⁰ wide; plain arithmetic would be off by degrees.
+        // Far from the origin, one metre long, 2⁻³⁰ wide; plain arithmetic would be off by degrees.
         let first = DVec3::new(1e6, -2e6, 3e6);
         let along = DVec3::new(0.5, 0.25, 0.75);
         let aside = along + DVec3::new(0.0, 2_f64.powi(-30), 0.0);

@@ -1,4 +1,7 @@
-//! Boxes, transforms, convex polygons, and trees over them: plain geometry that knows nothing else of Enfilade.
+//! Geometry and spatial data structures: AABBs, affine transforms, convex polygons, and trees over them (BVH, kd-tree,
+//! octree, BSP tree).
+//!
+//! This module depends on no other part of Enfilade.
 
 mod aabb;
 mod apart;

@@ -1,34 +1,34 @@
-//! Where a line goes through a flat outline, told so that nothing slips between neighbours.
+//! Watertight line/polygon intersection.
 //!
-//! Sides are those of the fan of triangles from the first corner, by exact predicates: a line through a common edge or
-//! corner goes through at least one of those that share it.
+//! The polygon is tested as a fan of triangles from its first corner, with exact predicates: a line through a shared
+//! edge or corner intersects at least one of the polygons that share it.
 //! Source: Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates, 1997.
 
 use super::ConvexPolygon;
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
 
-/// Where a point lies with respect to an outline's plane, and where a line through it meets that.
+/// Intersection of the line through two points with a polygon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pierced {
-    /// Is the first point before the front, or in the plane?
+    /// Whether the first point is in front of the plane or in it.
     pub(crate) from_front: bool,
-    /// Is the second point behind?
+    /// Whether the second point is behind the plane.
     pub(crate) to_behind: bool,
-    /// Where the plane is met: 0 at the first point, 1 at the second.
+    /// Line parameter of the intersection with the plane: 0 at the first point, 1 at the second.
     pub(crate) at: f64,
-    /// How far the first point lies before the plane; negative behind.
+    /// Signed distance of the first point to the plane; positive in front.
     pub(crate) distance: f64,
 }
 
-/// What is told of the line through two points, if it goes through an outline, edges included.
+/// Intersects the line through two points with a polygon, edges included; `None` if it misses.
 pub(crate) fn pierced(outline: &ConvexPolygon, [from, to]: [DVec3; 2]) -> Option<Pierced> {
     let corner = |i: usize| DVec3::from(outline.corners()[i].map(f64::from));
     (2..outline.corners().len()).find_map(|last| {
         let [a, b, c] = [corner(0), corner(last - 1), corner(last)];
         let turns = [(a, b), (b, c), (c, a)].map(|(start, end)| orient(from, to, start, end));
         let passes = turns.iter().all(|&turn| turn >= 0.0) || turns.iter().all(|&turn| turn <= 0.0);
-        // In the plane of the triangle all are zero, wherever the line goes.
+        // All three are zero if the line is in the plane of the triangle, whether or not it meets the triangle.
         let sides = [from, to].map(|point| orient(a, b, c, point));
         if !passes || sides == [0.0; 2] {
             return None;
@@ -36,7 +36,7 @@ pub(crate) fn pierced(outline: &ConvexPolygon, [from, to]: [DVec3; 2]) -> Option
         let normal = (b - a).cross(c - a).normalize_or_zero();
         let [near, far] = [from, to].map(|point| normal.dot(point - a));
         Some(Pierced {
-            // The predicate is positive below a plane, where its corners run clockwise.
+            // The predicate is positive below a plane; "below" is the side from which the corners run clockwise.
             from_front: sides[0] <= 0.0,
             to_behind: sides[1] > 0.0,
             at: near / (near - far),
@@ -45,13 +45,13 @@ pub(crate) fn pierced(outline: &ConvexPolygon, [from, to]: [DVec3; 2]) -> Option
     })
 }
 
-/// Twice thrice the volume of a tetrahedron, its sign exact.
+/// Returns six times the signed volume of a tetrahedron, with an exact sign.
 fn orient(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
     let [a, b, c, d] = [a, b, c, d].map(|DVec3 { x, y, z }| Coord3D { x, y, z });
     orient3d(a, b, c, d)
 }
 
-/// The point of a convex outline that is nearest to another.
+/// Returns the point of a convex polygon that is closest to `point`.
 pub(crate) fn nearest_in(corners: &[DVec3], point: DVec3) -> DVec3 {
     let normal: DVec3 = (corners[1..].windows(2))
         .map(|pair| (pair[0] - corners[0]).cross(pair[1] - corners[0]))

@@ -1,56 +1,58 @@
-//! Flat convex polygons.
+//! Planar convex polygons, used for openings and portals.
 
 use crate::geom::{Aabb, MAX_COORDINATE, is_in_range};
 use glam::DVec3;
 use thiserror::Error;
 
-/// Flat, convex, at least three corners, counter-clockwise seen from the front.
+/// Planar convex polygon of at least three corners, counter-clockwise seen from the front.
+#[doc(alias = "portal polygon")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConvexPolygon {
     corners: Vec<[f32; 3]>,
     normal: [f64; 3],
 }
 
-/// Why corners do not make a convex polygon.
+/// Reasons why corners do not form a convex polygon.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PolygonError {
-    /// Two corners bound nothing.
+    /// Fewer than three corners.
     #[error("a polygon needs at least 3 corners, but has {0}")]
     TooFewCorners(usize),
-    /// A corner is NaN or infinite.
+    /// A coordinate of a corner is NaN or infinite.
     #[error("corner {0} is not finite")]
     NotFinite(usize),
-    /// A corner is beyond [`MAX_COORDINATE`].
+    /// A coordinate of a corner exceeds [`MAX_COORDINATE`].
     #[error(
         "corner {0} is farther out than {MAX_COORDINATE:e} units; scale the scene down or move it to the origin"
     )]
     TooFar(usize),
-    /// All corners lie on one line or in one point.
-    #[error("the corners bound no area")]
+    /// All corners are collinear or coincide.
+    #[error("the polygon has no area: its corners are collinear or coincide")]
     NoArea,
-    /// A corner stands off the plane of the others.
-    #[error("corner {corner} lies {off} units off the plane of the others")]
+    /// A corner is off the plane of the others.
+    #[error("corner {corner} is {off:.3e} units off the plane of the others")]
     NotFlat {
-        /// Which corner, counted from 0.
+        /// Index of the corner, from 0.
         corner: usize,
-        /// How far off, in scene units.
+        /// Distance to the plane, in scene units.
         off: f64,
     },
-    /// The outline turns the wrong way at a corner.
-    #[error("the outline turns inwards at corner {0}")]
+    /// The outline is concave at a corner.
+    #[error("the polygon is concave at corner {0}")]
     NotConvex(usize),
 }
 
-/// How far off its plane a corner may stand, relative to the polygon's size: what f32 positions of a large flat
-/// polygon lose to rounding, with a margin of a hundred. What positions far out lose comes on top.
+/// Maximum distance of a corner from the plane, relative to the polygon's size: a hundred times what the f32 positions
+/// of a large planar polygon lose to rounding. The rounding of positions far from the origin is added separately.
 const FLATNESS: f64 = 1e-5;
 
 impl ConvexPolygon {
-    /// Checks flatness and convexity, up to the rounding of f32 positions.
+    /// Creates a polygon after checking flatness and convexity, up to the rounding of f32 positions. Takes O(corners).
     ///
     /// # Errors
-    /// One [`PolygonError`] for each broken rule, the first in order of corners.
+    /// The [`PolygonError`] of the first broken rule; each variant names one rule and, if possible, the first corner
+    /// that breaks it.
     pub fn new(corners: &[[f32; 3]]) -> Result<ConvexPolygon, PolygonError> {
         if corners.len() < 3 {
             return Err(PolygonError::TooFewCorners(corners.len()));
@@ -68,7 +70,8 @@ impl ConvexPolygon {
             return Err(PolygonError::TooFar(corner));
         }
         let points: Vec<DVec3> = corners.iter().map(|&c| DVec3::from(c.map(f64::from))).collect();
-        // Newell's sum: twice the area times the normal, also where three corners in a row lie on a line.
+        // Newell's method: the sum is twice the area times the normal, and stays valid if three consecutive corners are
+        // collinear.
         let origin = points[0];
         let sum: DVec3 = (0..points.len())
             .map(|i| (points[i] - origin).cross(points[(i + 1) % points.len()] - origin))
@@ -99,8 +102,8 @@ impl ConvexPolygon {
         })
     }
 
-    /// A rectangle: `corner`, then `corner + along`, `corner + along + up`, `corner + up`. Its front is the side
-    /// from which these run counter-clockwise.
+    /// Creates a rectangle with the corners `corner`, `corner + along`, `corner + along + up`, `corner + up`. Its front
+    /// is the side from which these run counter-clockwise.
     ///
     /// # Errors
     /// [`PolygonError::NoArea`], [`PolygonError::NotFinite`] or [`PolygonError::TooFar`].
@@ -114,12 +117,12 @@ impl ConvexPolygon {
         ])
     }
 
-    /// At least three corners, counter-clockwise seen from the front.
+    /// Returns the corners (at least three), counter-clockwise seen from the front.
     pub fn corners(&self) -> &[[f32; 3]] {
         &self.corners
     }
 
-    /// Unit normal; it points to the front.
+    /// Returns the unit normal, which points to the front.
     pub fn normal(&self) -> [f32; 3] {
         self.normal.map(|value| value as f32)
     }
@@ -128,18 +131,18 @@ impl ConvexPolygon {
         DVec3::from(self.normal)
     }
 
-    /// The greatest distance of a corner from the plane that is accepted, for an outline of this size and greatest
-    /// coordinate.
+    /// Returns the maximum accepted distance of a corner from the plane, for a polygon of this size and maximum
+    /// absolute coordinate.
     pub(crate) fn most_bend(size: f64, greatest_coordinate: f64) -> f64 {
         FLATNESS * size + f64::from(f32::EPSILON) * greatest_coordinate
     }
 
-    /// The smallest box around the corners.
+    /// Returns the AABB of the corners.
     pub fn bounds(&self) -> Aabb {
         Aabb::of(self.corners.iter().copied())
     }
 
-    /// The same outline with front and back exchanged.
+    /// Returns the same polygon with reversed winding: front and back exchanged.
     #[must_use]
     pub fn flipped(&self) -> ConvexPolygon {
         ConvexPolygon {

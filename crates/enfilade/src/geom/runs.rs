@@ -1,15 +1,15 @@
-//! Many short lists of numbers in one array, each with room to grow; what a list leaves behind others take up.
+//! Many short lists of `u32` in one shared array, each with spare capacity; freed memory is reused.
 //!
-//! Cost: O(1) to add, O(length) to take out; a list moves when its room is full.
+//! Cost: O(1) to append, O(length) to remove; a list is reallocated when its capacity is exhausted.
 
-/// Lists of numbers, in stretches of one array.
+/// Storage for many lists of `u32` in one array.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Runs {
     all: Vec<u32>,
-    spare: Spare,
+    spare: FreeList,
 }
 
-/// One list of [`Runs`].
+/// Handle of one list in [`Runs`]: its start, length and capacity.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Run {
     start: u32,
@@ -30,12 +30,12 @@ impl Run {
 }
 
 impl Runs {
-    /// The numbers of a list.
+    /// Returns the elements of a list.
     pub(crate) fn get(&self, run: Run) -> &[u32] {
         &self.all[run.start as usize..(run.start + run.len) as usize]
     }
 
-    /// A new list. It has no more room than it needs where it goes to the end: most lists never grow.
+    /// Creates a list. If it is appended to the array it gets no spare capacity, because most lists never grow.
     pub(crate) fn put(&mut self, numbers: &[u32]) -> Run {
         let len = numbers.len() as u32;
         if len == 0 {
@@ -51,7 +51,7 @@ impl Runs {
         Run { start, len, room }
     }
 
-    /// Adds a number at the end of a list.
+    /// Appends a number to a list.
     pub(crate) fn push(&mut self, run: &mut Run, number: u32) {
         if run.len == run.room {
             let room = (run.len + 1).next_power_of_two();
@@ -68,20 +68,20 @@ impl Runs {
         run.len += 1;
     }
 
-    /// Takes a number out of a list, whose last then stands in its place; says whether it was there.
+    /// Removes a number from a list by moving the last element into its slot. Returns `true` if the list contained it.
     pub(crate) fn remove(&mut self, run: &mut Run, number: u32) -> bool {
-        let Some(place) = self.get(*run).iter().position(|&other| other == number) else {
+        let Some(index) = self.get(*run).iter().position(|&other| other == number) else {
             return false;
         };
         run.len -= 1;
-        self.all[run.start as usize + place] = self.all[(run.start + run.len) as usize];
+        self.all[run.start as usize + index] = self.all[(run.start + run.len) as usize];
         if run.len == 0 {
             self.clear(run);
         }
         true
     }
 
-    /// Empties a list, and gives its room to others.
+    /// Empties a list and frees its memory for other lists.
     pub(crate) fn clear(&mut self, run: &mut Run) {
         self.spare.give(run.start, run.room);
         *run = Run::EMPTY;
@@ -93,15 +93,16 @@ impl Runs {
     }
 }
 
-/// Stretches of an array that nothing stands in, by their sizes, which are powers of two.
+/// Free blocks of an array, in size classes that are powers of two.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Spare {
+pub(super) struct FreeList {
     starts: Vec<Vec<u32>>,
     len: usize,
 }
 
-impl Spare {
-    /// Where a stretch of so much `room`, a power of two, is to be had.
+impl FreeList {
+    /// Allocates a block of `room` elements (a power of two) and returns its start; `None` if no free block is large
+    /// enough.
     pub(super) fn take(&mut self, room: u32) -> Option<u32> {
         let least = room.ilog2() as usize;
         let size = (least..self.starts.len()).find(|&size| !self.starts[size].is_empty())?;
@@ -111,7 +112,7 @@ impl Spare {
         Some(start)
     }
 
-    /// Nothing stands there any more.
+    /// Frees a block.
     pub(super) fn give(&mut self, mut start: u32, mut room: u32) {
         self.len += room as usize;
         while room > 0 {
@@ -125,7 +126,7 @@ impl Spare {
         }
     }
 
-    /// How much of the array it is.
+    /// Returns the number of free elements.
     pub(super) fn len(&self) -> usize {
         self.len
     }
@@ -149,7 +150,7 @@ mod tests {
         for step in 7..100_000_u32 {
             let which = (step.wrapping_mul(2_654_435_761) >> 16) as usize % lists.len();
             let (list, run) = (&mut lists[which], &mut kept[which]);
-            // Every list goes through times of growing and of shrinking.
+            // Every list goes through phases of growing and of shrinking.
             if (step >> 12 ^ which as u32) & 1 == 0 && list.len() < 100 {
                 list.push(step);
                 runs.push(run, step);

@@ -1,14 +1,15 @@
-//! Where a line enters and leaves boxes.
+//! Ray/AABB intersection by the slab method.
 //!
-//! A box is what three pairs of planes have between them; a line is in it where it is between all three.
+//! A box is the intersection of three slabs; the ray is inside the box while it is inside all three.
 //! Source: Kay, Kajiya, Ray Tracing Complex Scenes, SIGGRAPH 1986.
-//! Cost: three products and six comparisons for a pair of planes; no division.
-//! Monotone: a box within another is entered no earlier and left no later, to the last bit, so whole trees may be skipped.
+//! Cost: three products and six comparisons for each slab; no division.
+//! Monotone: a box contained in another is entered no earlier and left no later, to the last bit, so that whole
+//! subtrees may be skipped.
 
 use super::Aabb;
 use glam::{DAffine3, DVec3};
 
-/// A half-line in f64: all that lies at `origin + t · direction` with t ≥ 0.
+/// A ray in f64: the points `origin + t · direction` with t ≥ 0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Line {
     pub(crate) origin: DVec3,
@@ -17,7 +18,7 @@ pub(crate) struct Line {
 }
 
 impl Line {
-    /// `None` where a number is not finite, or the direction is none.
+    /// Creates a ray; `None` if a number is not finite or the direction is zero.
     pub(crate) fn new(origin: DVec3, direction: DVec3) -> Option<Line> {
         let sound = origin.is_finite() && direction.is_finite() && direction != DVec3::ZERO;
         sound.then(|| Line {
@@ -27,7 +28,7 @@ impl Line {
         })
     }
 
-    /// The same line in another space: places on it keep their t.
+    /// Returns the same ray in another space. Points on it keep their parameter t.
     pub(crate) fn moved(&self, there_from_here: &DAffine3) -> Line {
         let direction = there_from_here.transform_vector3(self.direction);
         Line {
@@ -37,8 +38,8 @@ impl Line {
         }
     }
 
-    /// Where the line enters a box that reaches `margin` further, 0 from within, and where it leaves; `None` where it
-    /// does not meet it, or only beyond `limit`. Some where unsure.
+    /// Intersects the ray with a box enlarged by `margin`. Returns the parameters of entry (0 if the origin is inside)
+    /// and exit; `None` if the ray misses the box or enters it beyond `limit`. Returns `Some` when unsure.
     #[inline]
     pub(crate) fn meets(&self, bounds: &Aabb, margin: f64, limit: f64) -> Option<[f64; 2]> {
         let [mut enter, mut leave] = [0.0_f64, f64::INFINITY];
@@ -55,11 +56,12 @@ impl Line {
                 leave = leave.min(a.max(b));
             }
         }
-        // A flat box is entered and left at once; a rounding must not make it missed.
+        // Entry and exit of a flat box coincide; rounding must not turn a hit into a miss.
         (enter <= limit && enter <= leave + 1e-9 * leave.abs()).then_some([enter, leave])
     }
 
-    /// By how much boxes in the space of this line must grow to hold what was computed in another.
+    /// Returns the margin by which boxes in the space of this ray must grow to contain points computed in another
+    /// space.
     #[inline]
     pub(crate) fn margin(&self, bounds: &Aabb) -> f64 {
         let farthest = bounds
@@ -86,7 +88,7 @@ mod tests {
             min: [0.25, 0.0, 0.0],
             max: [0.25, 1.0, 1.0],
         };
-        let [whole, part] = [unit, flat].map(|bounds| line.meets(&bounds, 0.0, 9.0).expect("it is met"));
+        let [whole, part] = [unit, flat].map(|bounds| line.meets(&bounds, 0.0, 9.0).expect("the ray hits the box"));
         assert_eq!(whole, [1.5, 2.0]);
         assert_eq!(part, [1.625; 2]);
         assert_eq!(line.meets(&unit, 0.0, 1.4), None);

@@ -1,21 +1,23 @@
-//! Affine maps between spaces.
+//! Affine transforms between spaces.
 
 use crate::geom::Aabb;
 use glam::{DAffine3, DMat3, DVec3};
 use std::ops::Mul;
 
-/// An affine map from one space to another, f64 inside.
+/// An affine transform from one space to another, stored in f64.
 ///
-/// Name a variable by both ends, target first: `sector_from_item`, `there_from_here`. Then a product reads as
-/// a chain, `eye_from_item = eye_from_sector * sector_from_item`.
+/// Name a variable by both spaces, target first: `sector_from_item`, `there_from_here`. A product then reads as a
+/// chain: `eye_from_item = eye_from_sector * sector_from_item`.
+#[doc(alias = "matrix")]
+#[doc(alias = "affine")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform(pub(crate) DAffine3);
 
 impl Transform {
-    /// The map that changes nothing.
+    /// The identity transform.
     pub const IDENTITY: Transform = Transform(DAffine3::IDENTITY);
 
-    /// Three columns of the linear part, then the translation.
+    /// Creates a transform from the three columns of the linear part and the translation.
     pub fn from_columns(columns: [[f32; 3]; 4]) -> Transform {
         let [x, y, z, translation] = columns.map(|column| DVec3::from(column.map(f64::from)));
         Transform(DAffine3 {
@@ -24,30 +26,31 @@ impl Transform {
         })
     }
 
-    /// Three columns of the linear part, then the translation, rounded to f32.
+    /// Returns the three columns of the linear part and the translation, rounded to f32.
     pub fn columns(&self) -> [[f32; 3]; 4] {
         self.0
             .to_cols_array_2d()
             .map(|column| column.map(|value| value as f32))
     }
 
-    /// A shift by `offset`, in scene units.
+    /// Creates a translation by `offset`, in scene units.
     pub fn translation(offset: [f32; 3]) -> Transform {
         Transform(DAffine3::from_translation(DVec3::from(offset.map(f64::from))))
     }
 
-    /// A turn about `axis` (any length but zero) by `radians`, counter-clockwise seen against the axis.
+    /// Creates a rotation about `axis` (any nonzero length) by `radians`, counter-clockwise when looking against the
+    /// axis.
     pub fn rotation(axis: [f32; 3], radians: f64) -> Transform {
         let axis = DVec3::from(axis.map(f64::from)).normalize_or(DVec3::Y);
         Transform(DAffine3::from_axis_angle(axis, radians))
     }
 
-    /// A scaling along each axis.
+    /// Creates a scaling by a factor along each axis.
     pub fn scaling(factors: [f32; 3]) -> Transform {
         Transform(DAffine3::from_scale(DVec3::from(factors.map(f64::from))))
     }
 
-    /// A reflection in the plane through `point` with the unit normal `normal`.
+    /// Creates a reflection in the plane through `point` with the normal `normal`, which is normalized.
     pub fn reflection(point: [f32; 3], normal: [f32; 3]) -> Transform {
         let point = DVec3::from(point.map(f64::from));
         let n = DVec3::from(normal.map(f64::from)).normalize_or(DVec3::Y);
@@ -58,14 +61,15 @@ impl Transform {
         })
     }
 
-    /// The map back, or `None` where this one flattens space or is not finite.
+    /// Returns the inverse, or `None` if this transform is singular or not finite.
     pub fn inverse(&self) -> Option<Transform> {
         let inverse = self.0.inverse();
-        // The determinant of a tiny but sound scale is tiny too: only a map that cannot be undone is refused.
+        // The determinant of a tiny but valid scale is tiny too, so only exactly singular transforms are rejected.
         (self.0.matrix3.determinant() != 0.0 && inverse.is_finite()).then_some(Transform(inverse))
     }
 
-    /// Is the linear part a rotation or reflection times a factor, up to what f32 columns lose?
+    /// Returns `true` if the linear part is a rotation or reflection times a uniform scale, up to the rounding of f32
+    /// columns.
     pub fn is_similarity(&self) -> bool {
         let matrix = self.0.matrix3;
         let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
@@ -77,17 +81,17 @@ impl Transform {
             && (0..3).all(|i| close(columns[i].dot(columns[(i + 1) % 3]), 0.0))
     }
 
-    /// The factor by which lengths grow; of a map that stretches, the mean one.
+    /// Returns the factor by which lengths grow; for a nonuniform scale, the geometric mean.
     pub fn scale(&self) -> f64 {
         self.0.matrix3.determinant().abs().cbrt()
     }
 
-    /// Does the map turn left hands into right ones?
+    /// Returns `true` if the transform is mirrored (negative determinant), which flips the winding of faces.
     pub fn mirrors(&self) -> bool {
         self.0.matrix3.determinant() < 0.0
     }
 
-    /// Where a point goes.
+    /// Transforms a point.
     pub fn point(&self, point: [f32; 3]) -> [f32; 3] {
         self.0
             .transform_point3(DVec3::from(point.map(f64::from)))
@@ -95,12 +99,13 @@ impl Transform {
             .into()
     }
 
-    /// Where a point goes, unrounded.
+    /// Transforms a point without rounding to f32.
     pub(crate) fn point_f64(&self, point: [f32; 3]) -> [f64; 3] {
         self.0.transform_point3(DVec3::from(point.map(f64::from))).into()
     }
 
-    /// The least box of f32 that holds the place a point goes to: boxes must not lose to rounding what they hold.
+    /// Returns the smallest f32 box that contains the transformed point, so that bounding boxes lose nothing to
+    /// rounding.
     pub(crate) fn point_box(&self, point: [f32; 3]) -> Aabb {
         let exact: [f64; 3] = self.0.transform_point3(DVec3::from(point.map(f64::from))).into();
         let below = |value: f64| {
@@ -116,7 +121,7 @@ impl Transform {
         }
     }
 
-    /// Where a direction goes; its length may change.
+    /// Transforms a direction; its length may change.
     pub fn direction(&self, direction: [f32; 3]) -> [f32; 3] {
         self.0
             .transform_vector3(DVec3::from(direction.map(f64::from)))
@@ -124,7 +129,7 @@ impl Transform {
             .into()
     }
 
-    /// Are all its numbers finite?
+    /// Returns `true` if all elements are finite.
     pub fn is_finite(&self) -> bool {
         self.0.is_finite()
     }

@@ -2,7 +2,7 @@
 
 use super::Method;
 use crate::geometry::{Geometry, Owner};
-use crate::order::{Dent, Refusal};
+use crate::order::{NonConvexity, Refusal};
 use std::fmt;
 use thiserror::Error;
 
@@ -148,7 +148,7 @@ impl fmt::Display for FaceName {
 }
 
 impl NotConvex {
-    fn new(method: Method, geometry: &Geometry, dent: &Dent, instead: Method) -> NotConvex {
+    fn new(method: Method, geometry: &Geometry, dent: &NonConvexity, instead: Method) -> NotConvex {
         NotConvex {
             method,
             wall: FaceName::new(geometry, dent.wall),

@@ -1,14 +1,15 @@
-//! BSP tree: faces in an order that is right from every place, without sorting.
+//! BSP tree over the faces of a sector: exact front-to-back or back-to-front order for any eye position, without
+//! sorting.
 //!
-//! Every node's plane parts what is left of its space; whatever is on the eye's side of it can hide what is on the
-//! other, never the reverse. Faces that a plane cuts are handed out in pieces: the born face, and the planes that cut
-//! it, so that the pieces together own just the samples that the face does.
+//! Each node's splitting plane divides the remaining space. Faces on the eye's side can occlude faces on the other
+//! side, never the reverse. A face that a plane cuts is emitted in pieces: the uncut face plus the planes that cut it,
+//! so that the pieces together cover exactly the samples of the face.
 //! Source: Fuchs, Kedem, Naylor, On Visible Surface Generation by A Priori Tree Structures, SIGGRAPH 1980; the thesis
 //!     Painter's Algorithm and Binary Space Partitioning, sections 1.2 and 2.3.
-//! Cost: building O(n log n) and more where much is cut; a walk O(pieces in view).
-//! Gives an exact order, far to near or near to far; geometry must not move.
+//! Cost: building O(n log n), more if many faces are cut; a traversal O(pieces in view).
+//! Guarantees an exact order, back to front or front to back; geometry must be static.
 
-use super::items::{hand_out_openings_at_eye, hand_out_see_through};
+use super::items::{emit_openings_at_eye, emit_non_opaque};
 use super::{FarToNear, NearToFar, Order, Refusal, Visit};
 use crate::faces::{Cut, Faces};
 use crate::geom::{Aabb, BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
@@ -20,25 +21,25 @@ use glam::{DAffine3, DMat3, DVec3};
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-/// A tree of planes over the opaque faces and the openings of a geometry; walked in the direction `D`, [`FarToNear`] or
-/// [`NearToFar`].
+/// BSP tree over the opaque faces and the openings of a geometry, traversed in the direction `D`: [`FarToNear`] (back
+/// to front) or [`NearToFar`] (front to back).
 pub struct Bsp<D> {
-    sorted: Arc<Sorted>,
+    shared: Arc<SharedTree>,
     direction: PhantomData<fn() -> D>,
 }
 
-/// What both directions share.
-struct Sorted {
+/// The tree, shared by both directions.
+struct SharedTree {
     tree: BspTree,
-    /// The face or opening that each polygon of the tree is, by its number in the geometry.
+    /// For each polygon of the tree, the number of its face or opening in the geometry.
     numbers: Vec<u32>,
-    /// Items with faces that do not hide.
-    see_through: Vec<ItemId>,
+    /// Items with faces that are not opaque.
+    non_opaque: Vec<ItemId>,
 }
 
-/// Which way a tree is walked.
+/// Direction in which a BSP tree is traversed.
 pub trait Direction: Send + Sync + 'static {
-    /// Does the nearest come first?
+    /// `true` for front to back, `false` for back to front.
     const NEAR_FIRST: bool;
 }
 
@@ -50,7 +51,7 @@ impl Direction for NearToFar {
     const NEAR_FIRST: bool = true;
 }
 
-/// What a walk needs.
+/// Scratch memory of a traversal.
 #[derive(Default)]
 pub struct BspScratch {
     stack: Vec<BspLink>,
@@ -58,24 +59,27 @@ pub struct BspScratch {
     cuts: Vec<Cut>,
 }
 
-/// Memory while building, for each face: its corners twice, and the tree.
+/// Estimated bytes per face while building: its corners twice, and the tree.
 const BYTES_PER_FACE: u64 = 400;
 
 impl<D: Direction> Bsp<D> {
-    /// Builds the tree with weights and numbers of candidates of one's own.
+    /// Builds the tree with custom weights, candidate count and memory limit. Takes O(n log n) for typical input.
+    ///
+    /// If [`BspOptions::limit_bytes`] is reached the tree stays incomplete ([`BspTree::is_complete`]) and the order is
+    /// not exact; [`Order::build`] returns an error instead.
     pub fn with_options(geometry: &Geometry, options: &BspOptions) -> Bsp<D> {
-        Bsp::over(Arc::new(Sorted::build(geometry, options)))
+        Bsp::over(Arc::new(SharedTree::build(geometry, options)))
     }
 
-    fn over(sorted: Arc<Sorted>) -> Bsp<D> {
+    fn over(shared: Arc<SharedTree>) -> Bsp<D> {
         Bsp {
-            sorted,
+            shared,
             direction: PhantomData,
         }
     }
 
-    /// Hands out what its cuts leave of a face or an opening.
-    fn hand_out(
+    /// Emits the piece of a face or an opening that its cuts leave.
+    fn emit(
         &self,
         piece: &Piece,
         walk: &Walk,
@@ -87,8 +91,8 @@ impl<D: Direction> Bsp<D> {
             geometry, passage, ..
         } = *walk;
         cuts.clear();
-        cuts.extend(self.sorted.tree.cuts(piece).map(|plane| walk.on_screen(plane)));
-        let owner = geometry.owner(self.sorted.numbers[piece.polygon as usize], *last);
+        cuts.extend(self.shared.tree.cuts(piece).map(|plane| walk.on_screen(plane)));
+        let owner = geometry.owner(self.shared.numbers[piece.polygon as usize], *last);
         *last = Some(owner);
         match owner {
             Owner::Face(item, face) => {
@@ -97,7 +101,8 @@ impl<D: Direction> Bsp<D> {
             }
             Owner::Opening(_) if passage.flat => {}
             Owner::Opening(opening) => {
-                // One that touches the eye comes before, or over, everything: the tree may have the eye on its back.
+                // An opening that touches the eye is emitted separately, first or last: the tree may have the eye on
+                // its back side.
                 if let Some(view) = passage
                     .view_of(geometry, opening)
                     .filter(|view| !view.touches_eye)
@@ -109,17 +114,17 @@ impl<D: Direction> Bsp<D> {
     }
 }
 
-impl Sorted {
-    fn build(geometry: &Geometry, options: &BspOptions) -> Sorted {
+impl SharedTree {
+    fn build(geometry: &Geometry, options: &BspOptions) -> SharedTree {
         let mut polygons = Polygons::default();
-        let (mut numbers, mut see_through) = (Vec::new(), Vec::new());
+        let (mut numbers, mut non_opaque) = (Vec::new(), Vec::new());
         for item in (0..geometry.items().len() as u32).map(ItemId) {
             let mesh = geometry.mesh_of(item);
             let sector_from_item = geometry.item(item).transform();
             for cluster in mesh.clusters() {
                 if geometry.material_of(item, cluster).alpha != Alpha::Opaque {
-                    if see_through.last() != Some(&item) {
-                        see_through.push(item);
+                    if non_opaque.last() != Some(&item) {
+                        non_opaque.push(item);
                     }
                     continue;
                 }
@@ -144,10 +149,10 @@ impl Sorted {
             numbers.push(geometry.opening_number(OpeningId(opening as u16)));
         }
         polygons.starts.push(polygons.corners.len() as u32);
-        Sorted {
+        SharedTree {
             tree: BspTree::build(&polygons, options),
             numbers,
-            see_through,
+            non_opaque,
         }
     }
 }
@@ -157,18 +162,18 @@ fn add(polygons: &mut Polygons, corners: impl Iterator<Item = [f64; 3]>) {
     polygons.corners.extend(corners);
 }
 
-/// What holds for all of a walk.
+/// State of one traversal.
 #[derive(Clone, Copy)]
 struct Walk<'a> {
     geometry: &'a Geometry,
     passage: &'a Passage,
     screen_from_items: &'a [DAffine3],
-    /// Takes the normals of planes from the space of the sector to that of (X, Y, W).
+    /// Transforms plane normals from sector space to the (X, Y, W) space of the screen.
     normals: DMat3,
 }
 
 impl Walk<'_> {
-    /// A plane n · p ≥ d of the sector as one of (X, Y, W).
+    /// Transforms a plane n · p ≥ d from sector space to (X, Y, W) space.
     fn on_screen(&self, [x, y, z, distance]: [f64; 4]) -> Cut {
         let normal = self.normals * DVec3::new(x, y, z);
         Cut {
@@ -187,9 +192,9 @@ impl<D: Direction> Order for Bsp<D> {
             limit_bytes,
             ..BspOptions::default()
         };
-        let sorted = geometry.share(|| Sorted::build(geometry, &options));
-        let complete = sorted.tree.is_complete();
-        complete.then(|| Bsp::over(sorted)).ok_or(Refusal::TooLarge)
+        let shared = geometry.share(|| SharedTree::build(geometry, &options));
+        let complete = shared.tree.is_complete();
+        complete.then(|| Bsp::over(shared)).ok_or(Refusal::TooLarge)
     }
 
     fn needs_bytes(geometry: &Geometry) -> u64 {
@@ -197,17 +202,17 @@ impl<D: Direction> Order for Bsp<D> {
     }
 
     fn bytes(&self) -> u64 {
-        self.sorted.tree.bytes()
-            + (size_of_val(&*self.sorted.numbers) + size_of_val(&*self.sorted.see_through)) as u64
+        self.shared.tree.bytes()
+            + (size_of_val(&*self.shared.numbers) + size_of_val(&*self.shared.non_opaque)) as u64
     }
 
     fn build_stats(&self, geometry: &Geometry) -> BuildStats {
         let whole =
-            geometry.face_count() + geometry.openings().len() as u64 - self.sorted.numbers.len() as u64;
+            geometry.face_count() + geometry.openings().len() as u64 - self.shared.numbers.len() as u64;
         BuildStats {
-            faces: self.sorted.tree.pieces() + whole,
-            splits: self.sorted.tree.splits(),
-            depth: self.sorted.tree.depth(),
+            faces: self.shared.tree.pieces() + whole,
+            splits: self.shared.tree.splits(),
+            depth: self.shared.tree.depth(),
         }
     }
 
@@ -230,8 +235,8 @@ impl<D: Direction> Order for Bsp<D> {
                 .iter()
                 .map(|item| passage.screen_from(&item.transform())),
         );
-        for &item in &self.sorted.see_through {
-            hand_out_see_through(geometry, passage, item, visit);
+        for &item in &self.shared.non_opaque {
+            emit_non_opaque(geometry, passage, item, visit);
         }
         let walk = Walk {
             geometry,
@@ -240,9 +245,9 @@ impl<D: Direction> Order for Bsp<D> {
             normals: passage.screen_from_sector.matrix3.inverse().transpose(),
         };
         if D::NEAR_FIRST {
-            hand_out_openings_at_eye(geometry, passage, visit);
+            emit_openings_at_eye(geometry, passage, visit);
         }
-        // Openings have no near limit, and any node may hold one.
+        // The near plane does not clip openings, and any node may contain one.
         let has_openings = !passage.flat && !geometry.openings().is_empty();
         let region = |bounds: &Aabb| {
             if has_openings {
@@ -252,29 +257,30 @@ impl<D: Direction> Order for Bsp<D> {
             }
         };
         let mut last = None;
-        self.sorted
+        self.shared
             .tree
             .walk(passage.eye(), D::NEAR_FIRST, stack, &mut |step| match step {
                 BspStep::Node(bounds) => {
                     region(bounds).is_some_and(|region| visit.enter(&region) != Visibility::Hidden)
                 }
                 BspStep::Coplanar(pieces) => {
-                    // Of faces in one plane the lowest is seen: it comes first near to far, and last far to near.
+                    // Among coplanar faces the one with the lowest number is visible: it comes first front to back, and
+                    // last back to front.
                     if D::NEAR_FIRST {
                         pieces
                             .iter()
-                            .for_each(|piece| self.hand_out(piece, &walk, cuts, &mut last, visit));
+                            .for_each(|piece| self.emit(piece, &walk, cuts, &mut last, visit));
                     } else {
                         pieces
                             .iter()
                             .rev()
-                            .for_each(|piece| self.hand_out(piece, &walk, cuts, &mut last, visit));
+                            .for_each(|piece| self.emit(piece, &walk, cuts, &mut last, visit));
                     }
                     true
                 }
             });
         if !D::NEAR_FIRST {
-            hand_out_openings_at_eye(geometry, passage, visit);
+            emit_openings_at_eye(geometry, passage, visit);
         }
     }
 }

@@ -1,10 +1,10 @@
-//! Bounding volume hierarchy over items: near to far, box by box, and whole nodes dropped.
+//! BVH over items, traversed front to back; hidden nodes are culled with their subtrees.
 //!
-//! Each item stands in one leaf, however large or small it is, so the tree is as small as the scene and boxes may
-//! overlap; clusters of large items are met by the trees of their meshes, which copies share.
-//! Source: [`crate::geom::Bvh`], walked by the queue of [`super::queue`].
-//! Cost: building O(n log n); a walk O(boxes met · log waiting), and what nothing of can be seen ends its subtree.
-//! Gives nodes near to far; single faces may come in any order.
+//! Each item is in one leaf, whatever its size, so the tree is linear in the number of items; sibling boxes may
+//! overlap. Clusters of large items come from the BVHs of their meshes, which instances share.
+//! Source: [`crate::geom::Bvh`], traversed with the priority queue of [`super::queue`].
+//! Cost: building O(n log n); a traversal O(boxes tested · log(queue length)). Culling a hidden box ends its subtree.
+//! Guarantees nodes front to back; single faces may come in any order.
 
 use super::queue::{Queue, Tree, walk};
 use super::{NodesNearToFar, Order, Refusal, Visit};
@@ -13,12 +13,12 @@ use crate::geometry::{Geometry, MovedItem};
 use crate::passage::Passage;
 use std::ops::Range;
 
-/// Items in nested boxes, two nodes in each.
+/// Front-to-back traversal of a bounding volume hierarchy over items.
 pub struct BvhOrder {
     tree: Bvh,
 }
 
-/// Items in a leaf, at most. A test costs about as much as a small item's faces.
+/// Maximum number of items in a leaf. A box test costs about as much as the faces of a small item.
 const FEW_ITEMS: u32 = 6;
 
 impl Order for BvhOrder {

@@ -1,13 +1,13 @@
-//! Faces sorted far to near by one number each, as seen from where the eye is.
+//! Depth sort (painter's algorithm): faces sorted back to front by one distance each.
 //!
-//! Nothing is built, so geometry may change at will; each look sorts anew.
-//! Source: the painter's algorithm; its two keys, the nearest corner's and the mean distance, from the thesis Painter's
-//!     Algorithm and Binary Space Partitioning, section 1.1.
-//! Cost: O(faces in view) by a radix sort of flat arrays.
-//! Approximate: one number cannot order long faces beside small ones, cycles, or faces that cross: `@overlap`, `@cycle`
-//!     and `@crossing-triangles` show it. Right for things apart from each other, and faces of like size.
+//! Nothing is built, so geometry may change freely; each look sorts from scratch.
+//! Source: the painter's algorithm; its two keys, nearest corner and mean distance, from the thesis Painter's Algorithm
+//!     and Binary Space Partitioning, section 1.1.
+//! Cost: O(faces in view), by a radix sort of flat arrays.
+//! Approximate: one distance cannot order long faces beside small ones, cycles, or intersecting faces; the scenes
+//! `@overlap`, `@cycle` and `@crossing-triangles` show it. Correct for separate objects and faces of similar size.
 
-use super::items::{hand_out_opening, hand_out_see_through, may_be_seen};
+use super::items::{emit_opening, emit_non_opaque, may_be_visible};
 use super::{FarToNear, Order, Refusal, Visit};
 use crate::faces::Faces;
 use crate::geometry::{Alpha, Geometry, ItemId, MovedItem, OpeningId};
@@ -15,18 +15,18 @@ use crate::passage::Passage;
 use glam::DAffine3;
 use std::marker::PhantomData;
 
-/// Faces sorted far to near.
+/// Faces sorted back to front by the key `K`: [`Min`] or [`Mean`]. Needs no build; a traversal takes O(faces in view).
 pub struct DepthSort<K>(PhantomData<fn() -> K>);
 
-/// What faces are sorted by, from the distances of their corners along the line of sight.
+/// Sort key of a face, from the distances of its corners along the viewing direction.
 pub trait SortKey: Send + Sync + 'static {
-    /// The one number of a face.
+    /// Returns the key of a face; a larger key is drawn earlier.
     fn key(distances: impl ExactSizeIterator<Item = f32>) -> f32;
 }
 
-/// The distance of the nearest corner.
+/// Sorts by the distance of the nearest corner.
 pub struct Min;
-/// The mean distance of all corners.
+/// Sorts by the mean distance of all corners.
 pub struct Mean;
 
 impl SortKey for Min {
@@ -44,34 +44,34 @@ impl SortKey for Mean {
     }
 }
 
-/// The faces of a walk, and room to sort them.
+/// Scratch memory: the faces of a traversal and the buffers that sort them.
 #[derive(Default)]
-pub struct Sorting {
+pub struct SortBuffers {
     items: Vec<(ItemId, DAffine3)>,
-    faces: Vec<Sorted>,
-    spare: Vec<Sorted>,
+    faces: Vec<FaceKey>,
+    spare: Vec<FaceKey>,
     distances: Vec<f32>,
 }
 
-/// A face by its key.
+/// A face and its sort key.
 #[derive(Clone, Copy, Default)]
-struct Sorted {
+struct FaceKey {
     key: u32,
-    /// The item by its place in [`Sorting::items`]; past the last, an opening.
+    /// Index of the item in [`SortBuffers::items`]; an index past the end marks an opening.
     item: u32,
     face: u32,
 }
 
 impl<K: SortKey> Order for DepthSort<K> {
     type Gives = FarToNear;
-    type Scratch = Sorting;
+    type Scratch = SortBuffers;
 
     fn build(_geometry: &Geometry, _limit_bytes: u64) -> Result<DepthSort<K>, Refusal> {
         Ok(DepthSort(PhantomData))
     }
 
     fn needs_bytes(geometry: &Geometry) -> u64 {
-        2 * geometry.triangle_count() * size_of::<Sorted>() as u64
+        2 * geometry.triangle_count() * size_of::<FaceKey>() as u64
     }
 
     fn bytes(&self) -> u64 {
@@ -79,15 +79,15 @@ impl<K: SortKey> Order for DepthSort<K> {
     }
 
     fn follow(&mut self, _geometry: &Geometry, _moved: &[MovedItem], _touched: &mut Vec<u32>) -> bool {
-        // Each look sorts anew.
+        // Each look sorts from scratch.
         true
     }
 
-    fn visit(&self, geometry: &Geometry, passage: &Passage, sorting: &mut Sorting, visit: &mut impl Visit) {
+    fn visit(&self, geometry: &Geometry, passage: &Passage, sorting: &mut SortBuffers, visit: &mut impl Visit) {
         sorting.items.clear();
         sorting.faces.clear();
         for item in 0..geometry.items().len() as u32 {
-            hand_out_see_through(geometry, passage, ItemId(item), visit);
+            emit_non_opaque(geometry, passage, ItemId(item), visit);
             sorting.add::<K>(geometry, passage, ItemId(item), visit);
         }
         let openings = if passage.flat {
@@ -99,19 +99,19 @@ impl<K: SortKey> Order for DepthSort<K> {
             sorting.add_opening::<K>(geometry, passage, OpeningId(opening));
         }
         sorting.sort();
-        for &Sorted { item, face, .. } in &sorting.faces {
+        for &FaceKey { item, face, .. } in &sorting.faces {
             match sorting.items.get(item as usize) {
                 Some((item, screen_from_item)) => {
                     visit.faces(&Faces::of_face(geometry, *item, face, screen_from_item, &[]));
                 }
-                None => hand_out_opening(geometry, passage, OpeningId(face as u16), visit),
+                None => emit_opening(geometry, passage, OpeningId(face as u16), visit),
             }
         }
     }
 }
 
-impl Sorting {
-    /// Adds the opaque faces of an item that may be in view.
+impl SortBuffers {
+    /// Adds the opaque faces of an item that may be visible.
     fn add<K: SortKey>(
         &mut self,
         geometry: &Geometry,
@@ -120,16 +120,16 @@ impl Sorting {
         visit: &mut impl Visit,
     ) {
         let screen_from_item = passage.screen_from(&geometry.item(item).transform());
-        let place = self.items.len() as u32;
+        let index = self.items.len() as u32;
         let mesh = geometry.mesh_of(item);
         let mut added = false;
         for cluster in mesh.clusters() {
-            let hides = geometry.material_of(item, cluster).alpha == Alpha::Opaque;
-            if !hides || !may_be_seen(passage, &screen_from_item, &cluster.bounds, visit) {
+            let is_opaque = geometry.material_of(item, cluster).alpha == Alpha::Opaque;
+            if !is_opaque || !may_be_visible(passage, &screen_from_item, &cluster.bounds, visit) {
                 continue;
             }
             added = true;
-            let [x, y, z, w] = along_sight(&screen_from_item);
+            let [x, y, z, w] = view_depth_row(&screen_from_item);
             let distance = |p: &[f32; 3]| x * p[0] + y * p[1] + z * p[2] + w;
             let used = cluster.positions.start as usize..cluster.positions.end as usize;
             self.distances.clear();
@@ -137,9 +137,9 @@ impl Sorting {
             for face in cluster.faces.clone() {
                 let corners = mesh.face(face).iter();
                 let key = K::key(corners.map(|&at| self.distances[(at - cluster.positions.start) as usize]));
-                self.faces.push(Sorted {
+                self.faces.push(FaceKey {
                     key: far_first(key),
-                    item: place,
+                    item: index,
                     face,
                 });
             }
@@ -153,21 +153,22 @@ impl Sorting {
         let Some(view) = passage.view_of(geometry, opening) else {
             return;
         };
-        let [x, y, z, w] = along_sight(&view.screen_from_local);
+        let [x, y, z, w] = view_depth_row(&view.screen_from_local);
         let key = K::key(view.positions.iter().map(|p| x * p[0] + y * p[1] + z * p[2] + w));
-        self.faces.push(Sorted {
+        self.faces.push(FaceKey {
             key: far_first(key),
             item: u32::MAX,
             face: u32::from(opening.0),
         });
     }
 
-    /// Sorts by key, a byte at a time from the last; of equal keys the lowest face comes last, to be in front.
+    /// Radix sort by key, from the least significant byte. Among equal keys the face with the lowest number comes last,
+    /// so that it is in front.
     fn sort(&mut self) {
         self.faces.reverse();
-        self.spare.resize(self.faces.len(), Sorted::default());
+        self.spare.resize(self.faces.len(), FaceKey::default());
         for shift in [0, 8, 16, 24] {
-            let digit = |sorted: &Sorted| (sorted.key >> shift) as usize & 0xFF;
+            let digit = |sorted: &FaceKey| (sorted.key >> shift) as usize & 0xFF;
             let mut starts = [0_u32; 256];
             for sorted in &self.faces {
                 starts[digit(sorted)] += 1;
@@ -180,17 +181,17 @@ impl Sorting {
                 sum += std::mem::replace(start, sum);
             }
             for sorted in &self.faces {
-                let place = &mut starts[digit(sorted)];
-                self.spare[*place as usize] = *sorted;
-                *place += 1;
+                let index = &mut starts[digit(sorted)];
+                self.spare[*index as usize] = *sorted;
+                *index += 1;
             }
             std::mem::swap(&mut self.faces, &mut self.spare);
         }
     }
 }
 
-/// The row of a map that gives the distance along the line of sight.
-fn along_sight(screen_from_local: &DAffine3) -> [f32; 4] {
+/// Returns the row of the transform that gives the distance along the viewing direction.
+fn view_depth_row(screen_from_local: &DAffine3) -> [f32; 4] {
     let DAffine3 { matrix3, translation } = screen_from_local;
     [
         matrix3.x_axis.z,
@@ -201,10 +202,10 @@ fn along_sight(screen_from_local: &DAffine3) -> [f32; 4] {
     .map(|value| value as f32)
 }
 
-/// A number that is the smaller the farther a face is.
+/// Returns an integer key that decreases with distance.
 fn far_first(distance: f32) -> u32 {
     let bits = distance.to_bits();
-    // The bits of positive numbers sort as they do, those of negative ones the other way round.
+    // Positive floats sort like their bits, negative ones in reverse.
     let ascending = if bits >> 31 == 0 { bits | 1 << 31 } else { !bits };
     !ascending
 }
@@ -216,9 +217,9 @@ mod tests {
     #[test]
     fn the_farthest_comes_first_and_of_equally_far_faces_the_last() {
         let distances = [3.0, 1e9, -2.0, 0.0, 3.0, 1e-9, -0.5, 1e9, 3.0];
-        let mut sorting = Sorting::default();
+        let mut sorting = SortBuffers::default();
         for (face, &distance) in distances.iter().enumerate() {
-            sorting.faces.push(Sorted {
+            sorting.faces.push(FaceKey {
                 key: far_first(distance),
                 item: 0,
                 face: face as u32,

@@ -1,4 +1,4 @@
-//! The lower of two levels: the clusters of one item, near to far.
+//! Emits the clusters of one item, front to back by the BVH of its mesh: the lower of the two levels of a traversal.
 
 use super::Visit;
 use crate::faces::Faces;
@@ -8,28 +8,28 @@ use crate::opening_view::may_touch_eye;
 use crate::passage::{Passage, eye_in};
 use crate::region::Visibility;
 
-/// Hands out what may be seen of one item, unless that was done already.
-pub(super) fn hand_out(geometry: &Geometry, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
+/// Emits the clusters of one item that may be visible, unless the item was emitted before.
+pub(super) fn emit_item(geometry: &Geometry, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
     let mesh = geometry.mesh_of(item);
     let clusters = mesh.clusters();
     if clusters.is_empty() || !visit.first_time(item) {
         return;
     }
     let screen_from_item = passage.screen_from(&geometry.item(item).transform());
-    match sight(passage, &screen_from_item, &mesh.bounds(), visit) {
+    match box_visibility(passage, &screen_from_item, &mesh.bounds(), visit) {
         Visibility::Hidden => return,
         Visibility::Partial if clusters.len() > 1 => {}
         _ => return visit.whole(geometry, item, &screen_from_item),
     }
     visit.go_within();
     let mut is_root = true;
-    // A leaf's only cluster has the leaf's box: what was said of that need not be asked again.
+    // Last box found partially visible. The only cluster of a leaf has the leaf's box, which need not be tested again.
     let mut partly = mesh.bounds();
     mesh.tree()
         .walk_by(eye_in(&screen_from_item).into(), |step, all| match step {
-            // It has the box of the whole mesh.
+            // The root has the box of the whole mesh, which was just tested.
             Step::Node(_) if std::mem::take(&mut is_root) => Enter::Ask,
-            Step::Node(bounds) => match sight(passage, &screen_from_item, bounds, visit) {
+            Step::Node(bounds) => match box_visibility(passage, &screen_from_item, bounds, visit) {
                 Visibility::Hidden => Enter::Skip,
                 Visibility::Partial => {
                     partly = *bounds;
@@ -39,7 +39,7 @@ pub(super) fn hand_out(geometry: &Geometry, passage: &Passage, item: ItemId, vis
             },
             Step::Thing(cluster) => {
                 let bounds = &clusters[cluster as usize].bounds;
-                if all || *bounds == partly || may_be_seen(passage, &screen_from_item, bounds, visit) {
+                if all || *bounds == partly || may_be_visible(passage, &screen_from_item, bounds, visit) {
                     visit.cluster(geometry, item, cluster, &screen_from_item);
                 }
                 Enter::Skip
@@ -48,16 +48,16 @@ pub(super) fn hand_out(geometry: &Geometry, passage: &Passage, item: ItemId, vis
     visit.go_back();
 }
 
-/// Hands out all of an item, unless that was done already: for one in a box that is seen fully.
-pub(super) fn hand_out_whole(geometry: &Geometry, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
+/// Emits a whole item without tests, unless it was emitted before; for an item within a fully visible box.
+pub(super) fn emit_whole(geometry: &Geometry, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
     if visit.first_time(item) {
         let screen_from_item = passage.screen_from(&geometry.item(item).transform());
         visit.whole(geometry, item, &screen_from_item);
     }
 }
 
-/// Hands out what may be seen of an item's faces that do not hide: for orders that sort only those that do.
-pub(super) fn hand_out_see_through(
+/// Emits the clusters of an item that are not opaque and may be visible, for orders that sort opaque faces only.
+pub(super) fn emit_non_opaque(
     geometry: &Geometry,
     passage: &Passage,
     item: ItemId,
@@ -66,20 +66,20 @@ pub(super) fn hand_out_see_through(
     let screen_from_item = passage.screen_from(&geometry.item(item).transform());
     for (number, cluster) in geometry.mesh_of(item).clusters().iter().enumerate() {
         if geometry.material_of(item, cluster).alpha != Alpha::Opaque
-            && may_be_seen(passage, &screen_from_item, &cluster.bounds, visit)
+            && may_be_visible(passage, &screen_from_item, &cluster.bounds, visit)
         {
             visit.cluster(geometry, item, number as u32, &screen_from_item);
         }
     }
 }
 
-/// Hands out the openings that may be in view, unless they are plain holes.
-pub(super) fn hand_out_openings(geometry: &Geometry, passage: &Passage, visit: &mut impl Visit) {
+/// Emits the openings that may be in view, unless the passage treats openings as plain holes.
+pub(super) fn emit_openings(geometry: &Geometry, passage: &Passage, visit: &mut impl Visit) {
     Faces::of_openings(geometry, passage, |faces| visit.faces(faces));
 }
 
-/// Hands out an opening, if its front is seen.
-pub(super) fn hand_out_opening(
+/// Emits an opening if its front faces the eye.
+pub(super) fn emit_opening(
     geometry: &Geometry,
     passage: &Passage,
     opening: OpeningId,
@@ -90,8 +90,8 @@ pub(super) fn hand_out_opening(
     }
 }
 
-/// Hands out the openings that touch the eye ([`OpeningView`](crate::opening_view::OpeningView)).
-pub(super) fn hand_out_openings_at_eye(geometry: &Geometry, passage: &Passage, visit: &mut impl Visit) {
+/// Emits the openings that touch the eye ([`OpeningView`](crate::opening_view::OpeningView)).
+pub(super) fn emit_openings_at_eye(geometry: &Geometry, passage: &Passage, visit: &mut impl Visit) {
     if passage.flat {
         return;
     }
@@ -108,17 +108,17 @@ pub(super) fn hand_out_openings_at_eye(geometry: &Geometry, passage: &Passage, v
     });
 }
 
-pub(super) fn may_be_seen(
+pub(super) fn may_be_visible(
     passage: &Passage,
     screen_from_local: &glam::DAffine3,
     bounds: &Aabb,
     visit: &mut impl Visit,
 ) -> bool {
-    sight(passage, screen_from_local, bounds, visit) != Visibility::Hidden
+    box_visibility(passage, screen_from_local, bounds, visit) != Visibility::Hidden
 }
 
-/// How much of a box can be seen; nothing where it is out of view.
-pub(super) fn sight(
+/// Returns the visibility of a box; hidden if it is out of view.
+pub(super) fn box_visibility(
     passage: &Passage,
     screen_from_local: &glam::DAffine3,
     bounds: &Aabb,

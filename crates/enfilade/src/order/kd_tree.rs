@@ -1,37 +1,37 @@
-//! kd-tree over items: near to far by the planes that part them, and whole nodes dropped.
+//! kd-tree over items, traversed front to back by its splitting planes; hidden nodes are culled with their subtrees.
 //!
-//! Of two halves the one that the eye is in comes first: nothing in the other can hide it. The clusters of an item
-//! stand in the tree of its mesh, which all its copies share.
+//! Of two children, the one on the eye's side comes first: nothing in the other can occlude it. Clusters of an item
+//! come from the BVH of its mesh, which instances share.
 //! Source: Bittner, Havran, Slavík, Hierarchical Visibility Culling with Occlusion Trees, CGI 1998, section 4.
-//! Cost: building O(n log² n); a walk O(boxes met), without a queue, and what nothing of can be seen ends its subtree.
-//! Gives nodes near to far; an item that a plane cuts comes with the first leaf of its that is met.
+//! Cost: building O(n log² n); a traversal O(boxes tested), without a queue. Culling a hidden box ends its subtree.
+//! Guarantees nodes front to back; an item that a plane cuts is emitted with the first of its leaves.
 
-use super::items::{hand_out, hand_out_openings, hand_out_whole, sight};
+use super::items::{emit_item, emit_openings, emit_whole, box_visibility};
 use super::{NodesNearToFar, Order, Refusal, Visit};
 use crate::geom::{Aabb, KdTree};
 use crate::geometry::{Geometry, ItemId, MovedItem};
 use crate::passage::Passage;
 use crate::region::Visibility;
 
-/// Items parted by planes across the axes.
+/// Front-to-back traversal of a kd-tree over items.
 pub struct KdTreeOrder {
     tree: KdTree,
 }
 
-/// A node that waits to be entered.
+/// A node on the traversal stack.
 #[derive(Clone, Copy)]
-pub struct Waiting {
+pub struct PendingNode {
     node: u32,
-    /// Is it in one that is seen fully? Then nothing in it is asked after.
+    /// Whether an ancestor is fully visible; then its subtree is not tested.
     fully: bool,
 }
 
-/// Items in a leaf, at most. A test costs about as much as a small item's faces.
+/// Maximum number of items in a leaf. A box test costs about as much as the faces of a small item.
 const FEW_ITEMS: usize = 6;
 
 impl Order for KdTreeOrder {
     type Gives = NodesNearToFar;
-    type Scratch = Vec<Waiting>;
+    type Scratch = Vec<PendingNode>;
 
     fn build(geometry: &Geometry, _limit_bytes: u64) -> Result<KdTreeOrder, Refusal> {
         let bounds: Vec<Aabb> = geometry.items().iter().map(|item| item.bounds).collect();
@@ -61,13 +61,13 @@ impl Order for KdTreeOrder {
         &self,
         geometry: &Geometry,
         passage: &Passage,
-        waiting: &mut Vec<Waiting>,
+        pending: &mut Vec<PendingNode>,
         visit: &mut impl Visit,
     ) {
-        hand_out_openings(geometry, passage, visit);
-        waiting.clear();
-        waiting.extend(self.root());
-        self.go_on(geometry, passage, waiting, visit);
+        emit_openings(geometry, passage, visit);
+        pending.clear();
+        pending.extend(self.root());
+        self.go_on(geometry, passage, pending, visit);
     }
 
     fn begin(
@@ -75,35 +75,35 @@ impl Order for KdTreeOrder {
         geometry: &Geometry,
         passage: &Passage,
         least: usize,
-        waiting: &mut Vec<Waiting>,
+        pending: &mut Vec<PendingNode>,
         visit: &mut impl Visit,
     ) -> usize {
-        hand_out_openings(geometry, passage, visit);
-        waiting.clear();
-        waiting.extend(self.root());
+        emit_openings(geometry, passage, visit);
+        pending.clear();
+        pending.extend(self.root());
         let eye = passage.eye();
-        // Level by level, so that shares are about as large as each other; what comes first stands last.
+        // Level by level, so that the parts become about equally large. The node to be visited first is the last one.
         let mut splits = true;
-        while splits && waiting.len() < least {
+        while splits && pending.len() < least {
             splits = false;
-            let count = waiting.len();
-            for place in 0..count {
-                let above = waiting[place];
+            let count = pending.len();
+            for index in 0..count {
+                let above = pending[index];
                 let Some(halves) = self.tree.near_and_far(above.node, eye) else {
-                    waiting.push(above);
+                    pending.push(above);
                     continue;
                 };
                 if let Some(fully) = self.enter(above, passage, visit) {
                     splits = true;
-                    waiting.extend(halves.into_iter().rev().map(|node| Waiting { node, fully }));
+                    pending.extend(halves.into_iter().rev().map(|node| PendingNode { node, fully }));
                 }
             }
-            waiting.drain(..count);
+            pending.drain(..count);
         }
-        waiting.len()
+        pending.len()
     }
 
-    fn deal(&self, begun: &Vec<Waiting>, [number, of]: [usize; 2], share: &mut Vec<Waiting>) {
+    fn deal(&self, begun: &Vec<PendingNode>, [number, of]: [usize; 2], share: &mut Vec<PendingNode>) {
         let [end, first] = [number, number + 1].map(|number| begun.len() - begun.len() * number / of);
         share.clear();
         share.extend_from_slice(&begun[first..end]);
@@ -113,24 +113,25 @@ impl Order for KdTreeOrder {
         &self,
         geometry: &Geometry,
         passage: &Passage,
-        waiting: &mut Vec<Waiting>,
+        pending: &mut Vec<PendingNode>,
         visit: &mut impl Visit,
     ) {
         let eye = passage.eye();
-        while let Some(next) = waiting.pop() {
+        while let Some(next) = pending.pop() {
             let Some(fully) = self.enter(next, passage, visit) else {
                 continue;
             };
             let bounds = self.tree.bounds(next.node);
             if let Some(halves) = self.tree.near_and_far(next.node, eye) {
-                waiting.extend(halves.into_iter().rev().map(|node| Waiting { node, fully }));
+                pending.extend(halves.into_iter().rev().map(|node| PendingNode { node, fully }));
             }
             for &item in self.tree.things(next.node) {
-                // What reaches out of the box may be seen elsewhere only.
+                // An item that extends beyond the leaf's box may be visible only elsewhere, so the leaf's result does
+                // not cover it.
                 if fully && bounds.union(&geometry.item(ItemId(item)).bounds) == *bounds {
-                    hand_out_whole(geometry, passage, ItemId(item), visit);
+                    emit_whole(geometry, passage, ItemId(item), visit);
                 } else {
-                    hand_out(geometry, passage, ItemId(item), visit);
+                    emit_item(geometry, passage, ItemId(item), visit);
                 }
             }
         }
@@ -138,17 +139,17 @@ impl Order for KdTreeOrder {
 }
 
 impl KdTreeOrder {
-    fn root(&self) -> Option<Waiting> {
-        self.tree.root().map(|node| Waiting { node, fully: false })
+    fn root(&self) -> Option<PendingNode> {
+        self.tree.root().map(|node| PendingNode { node, fully: false })
     }
 
-    /// Is a node seen fully? `None` where nothing of it is seen.
-    fn enter(&self, of: Waiting, passage: &Passage, visit: &mut impl Visit) -> Option<bool> {
+    /// Tests a node: `Some(true)` if it is fully visible, `Some(false)` if partially, `None` if it is hidden.
+    fn enter(&self, of: PendingNode, passage: &Passage, visit: &mut impl Visit) -> Option<bool> {
         if of.fully {
             return Some(true);
         }
         let bounds = self.tree.bounds(of.node);
-        match sight(passage, &passage.screen_from_sector, bounds, visit) {
+        match box_visibility(passage, &passage.screen_from_sector, bounds, visit) {
             Visibility::Hidden => None,
             Visibility::Partial => Some(false),
             Visibility::Full => Some(true),

@@ -1,11 +1,11 @@
-//! Ground that is no geometry, near to far: squares of blocks dropped by the least and the greatest of their heights, and
-//! triangles made of what is left.
+//! Large terrain, front to back: culls a quadtree of height-field blocks by minimum and maximum height, and
+//! triangulates the visible rest on the fly.
 //!
-//! As [`TerrainRows`](super::TerrainRows), down to squares of 8×8 cells: these are asked about one by one, for what they take to
-//! make is more than what they take to ask about.
-//! Source: as there.
-//! Cost: O(squares met), and reading the heights of the blocks that are not hidden.
-//! Gives nodes near to far; single faces may come in any order.
+//! Like [`TerrainRows`](super::TerrainRows), but down to squares of 8×8 cells, which are tested one by one, because
+//! making their triangles costs more than a test.
+//! Source: as for [`TerrainRows`](super::TerrainRows).
+//! Cost: O(squares tested), plus reading the heights of the blocks that are not hidden.
+//! Guarantees nodes front to back; single faces may come in any order.
 
 use super::Visit;
 use super::terrain_rows::near_to_far;
@@ -15,15 +15,15 @@ use crate::passage::Passage;
 use crate::region::Visibility;
 use crate::terrain::{LargeTerrain, Workplace};
 
-/// What a walk goes by.
-struct Way<'a> {
+/// State of one traversal.
+struct Traversal<'a> {
     terrain: &'a LargeTerrain,
     passage: &'a Passage,
     eye: [f64; 3],
 }
 
 impl LargeTerrain {
-    /// Hands out all openings and clusters that may be seen through `passage`.
+    /// Emits all openings and clusters that may be visible through `passage`.
     pub(crate) fn visit(&self, passage: &Passage, workplace: &mut Workplace, visit: &mut impl Visit) {
         let first = self.first_opening();
         Faces::of_openings(self.holes(), passage, |faces| {
@@ -33,19 +33,19 @@ impl LargeTerrain {
                 ..*faces
             });
         });
-        let way = Way {
+        let traversal = Traversal {
             terrain: self,
             passage,
             eye: passage.eye(),
         };
-        way.walk(self.level_count() - 1, [0, 0], workplace, visit);
+        traversal.walk(self.level_count() - 1, [0, 0], workplace, visit);
     }
 }
 
-impl Way<'_> {
-    /// Goes through a square, and those in it that may be seen, near to far.
+impl Traversal<'_> {
+    /// Visits a quadtree square and its visible children, front to back.
     fn walk(&self, level: usize, square: [u32; 2], workplace: &mut Workplace, visit: &mut impl Visit) {
-        let Way {
+        let Traversal {
             terrain,
             passage,
             eye,
@@ -55,7 +55,7 @@ impl Way<'_> {
             return;
         }
         let Some(below) = level.checked_sub(1) else {
-            return self.hand_out(square, workplace, visit);
+            return self.emit_block(square, workplace, visit);
         };
         let size = terrain.level_size(below);
         let [columns, rows] = [0, 1].map(|axis| {
@@ -71,9 +71,9 @@ impl Way<'_> {
         }
     }
 
-    /// Reads a block, and hands out what may be seen of it, near to far.
-    fn hand_out(&self, block: [u32; 2], workplace: &mut Workplace, visit: &mut impl Visit) {
-        let Way {
+    /// Reads a block and emits its squares that may be visible, front to back.
+    fn emit_block(&self, block: [u32; 2], workplace: &mut Workplace, visit: &mut impl Visit) {
+        let Traversal {
             terrain,
             passage,
             eye,

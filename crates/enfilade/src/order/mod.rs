@@ -1,4 +1,6 @@
-//! Orders: what comes next. An order knows nothing of covers; `method` joins the two.
+//! Traversal orders: the sequence in which nodes and faces are visited.
+//!
+//! An [`Order`] does not know any cover; `method` combines one of each.
 
 mod baked_cells;
 mod bsp;
@@ -31,19 +33,19 @@ use crate::region::{Region, Visibility};
 use crate::sector::BuildStats;
 use glam::DAffine3;
 
-/// What an order promises: nothing.
+/// Guarantee of an [`Order`]: none.
 pub struct Unsorted;
-/// What an order promises: nodes come near to far, as far as boxes can be ordered.
+/// Guarantee of an [`Order`]: nodes come front to back, as far as boxes can be ordered.
 pub struct NodesNearToFar;
-/// What an order promises: no face comes before one that hides it.
+/// Guarantee of an [`Order`]: front to back; no face comes before one that occludes it.
 pub struct NearToFar;
-/// What an order promises: no face comes after one that it hides.
+/// Guarantee of an [`Order`]: back to front; no face comes after one that it occludes.
 pub struct FarToNear;
 
-/// `A: Gives<B>`: an order that promises A may be used where B is needed.
+/// `A: Gives<B>`: an order that guarantees A satisfies a cover that requires B.
 #[diagnostic::on_unimplemented(
-    message = "an order that gives `{Self}` does not suit a cover that needs `{Needed}`",
-    label = "this order and this cover do not go together"
+    message = "an order that guarantees `{Self}` cannot be combined with a cover that requires `{Needed}`",
+    label = "incompatible order and cover"
 )]
 pub trait Gives<Needed> {}
 impl<T> Gives<Unsorted> for T {}
@@ -52,57 +54,59 @@ impl Gives<NodesNearToFar> for NearToFar {}
 impl Gives<NearToFar> for NearToFar {}
 impl Gives<FarToNear> for FarToNear {}
 
-/// Why an order cannot be built over a geometry.
+/// Reasons why an order cannot be built over a geometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Refusal {
-    /// It turns out that more bytes are needed than are allowed.
+    /// Building needs more than the allowed number of bytes.
     TooLarge,
-    /// There are no cells to go by.
+    /// The geometry has no baked cells.
     NotBaked,
-    /// A face has others on both of its sides.
-    NotConvex(Dent),
-    /// There is no ground to go by.
+    /// The geometry is not convex: a face has other geometry on both of its sides.
+    NotConvex(NonConvexity),
+    /// The geometry has no terrain.
     NoTerrain,
-    /// A block of the ground is not where it was, or not as it was.
+    /// A block of the terrain was moved or edited.
     TerrainChanged,
 }
 
-/// A face, and what is farthest behind it although something else is before it.
+/// A face whose plane has geometry on both sides, and the corner farthest behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Dent {
-    /// The face, or the opening.
+pub struct NonConvexity {
+    /// The face or opening.
     pub wall: Owner,
-    /// What has a corner behind it.
+    /// Face or opening with a corner behind `wall`.
     pub behind: Owner,
-    /// That corner, in the space of the sector.
+    /// That corner, in sector space.
     pub point: [f64; 3],
-    /// How far behind the plane of `wall` it is, in scene units.
+    /// Distance of the corner behind the plane of `wall`, in scene units.
     pub by: f64,
 }
 
-/// Hands out faces, in batches, in the order it promises; asks before it enters a node.
+/// Traversal order: emits faces in batches in a guaranteed order, and tests each node's visibility before entering it.
+#[doc(alias = "traversal order")]
 pub trait Order: Send + Sync + Sized + 'static {
-    /// One of [`Unsorted`], [`NodesNearToFar`], [`NearToFar`], [`FarToNear`].
+    /// Guaranteed order: one of [`Unsorted`], [`NodesNearToFar`], [`NearToFar`], [`FarToNear`].
     type Gives;
 
-    /// What a walk needs; kept from one to the next.
+    /// Scratch memory of a traversal, reused by the next one.
     type Scratch: Default + Send + 'static;
 
-    /// Prepares the order of a geometry.
+    /// Builds the order over a geometry.
     ///
     /// # Errors
-    /// [`Refusal`], which is [`Refusal::TooLarge`] where it turns out that more than `limit_bytes` are needed.
+    /// A [`Refusal`] if the geometry lacks what the order requires; [`Refusal::TooLarge`] if building turns out to need
+    /// more than `limit_bytes`.
     fn build(geometry: &Geometry, limit_bytes: u64) -> Result<Self, Refusal>;
 
-    /// At most how many bytes [`Order::build`] will take, by an estimate made without building.
+    /// Returns an upper estimate of the bytes that [`Order::build`] needs, without building.
     fn needs_bytes(geometry: &Geometry) -> u64;
 
-    /// Memory in bytes.
+    /// Returns the memory in use, in bytes, without what the geometry itself holds.
     fn bytes(&self) -> u64;
 
-    /// What was built.
+    /// Returns the number of faces and splits and the depth of what was built.
     fn build_stats(&self, geometry: &Geometry) -> BuildStats {
         BuildStats {
             faces: geometry.face_count(),
@@ -110,13 +114,13 @@ pub trait Order: Send + Sync + Sized + 'static {
         }
     }
 
-    /// Follows items of `geometry` that have moved, come or gone since, touching only what is concerned, and writes down the
-    /// nodes touched. `false` where it cannot, and must be built anew.
+    /// Updates the order after items of `geometry` have moved, been added or removed. Changes only affected nodes and
+    /// appends them to `touched`. Returns `false` if the order cannot be updated and must be rebuilt.
     fn follow(&mut self, _geometry: &Geometry, _moved: &[MovedItem], _touched: &mut Vec<u32>) -> bool {
         false
     }
 
-    /// Hands out all faces of the items and openings that may be seen through `passage`.
+    /// Emits all faces of the items and openings that may be visible through `passage`.
     fn visit(
         &self,
         geometry: &Geometry,
@@ -125,8 +129,9 @@ pub trait Order: Send + Sync + Sized + 'static {
         visit: &mut impl Visit,
     );
 
-    /// Begins a visit that several visitors can go on with, each in a share of what waits then, side by side. Gives how much
-    /// that is: about `least` and more, or all that there is; 0 where all was handed out, as by orders that cannot do this.
+    /// Begins a traversal that can be split into parts for several threads ([`Order::deal`], [`Order::go_on`]). Returns
+    /// the number of pending entries: at least `least`, or fewer if there are no more. Returns 0 if everything was
+    /// emitted already, as by orders that cannot be split.
     fn begin(
         &self,
         geometry: &Geometry,
@@ -139,11 +144,11 @@ pub trait Order: Send + Sync + Sized + 'static {
         0
     }
 
-    /// Deals one of so many shares of what waits in a visit begun, by number; what comes first is in the first. All together are
-    /// what one visitor would be handed out, what stands in two of them twice.
+    /// Splits the pending traversal queue into `of` parts and returns part `number` in `share`; part 0 comes first in
+    /// the order. All parts together emit what one traversal would; an item listed in two of them is emitted twice.
     fn deal(&self, _begun: &Self::Scratch, [_number, _of]: [usize; 2], _share: &mut Self::Scratch) {}
 
-    /// Goes on with a visit begun, or a share of it.
+    /// Continues a traversal begun by [`Order::begin`], or one part of it.
     fn go_on(
         &self,
         _geometry: &Geometry,
@@ -154,40 +159,40 @@ pub trait Order: Send + Sync + Sized + 'static {
     }
 }
 
-/// What walks along with an order.
+/// Receiver of a traversal: culls nodes and takes faces.
 pub trait Visit {
-    /// How much of this box can still be seen? Of what is in a box that is fully seen, an order need not ask again.
+    /// Returns the visibility of a box. An order need not test what is inside a fully visible box.
     fn enter(&mut self, region: &Region) -> Visibility;
 
-    /// As [`Visit::enter`], of a box given in another space; nothing of it where it is out of view.
+    /// Like [`Visit::enter`], for a box in another space; hidden if it is out of view.
     fn enter_box(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Visibility {
         Region::of(passage, screen_from_local, bounds)
             .map_or(Visibility::Hidden, |region| self.enter(&region))
     }
 
-    /// From now on all boxes lie in the one that was entered last.
+    /// Declares that all following boxes are inside the one entered last, until [`Visit::go_back`].
     fn go_within(&mut self) {}
 
-    /// From now on boxes lie anywhere again.
+    /// Ends the scope of [`Visit::go_within`]: following boxes may be anywhere.
     fn go_back(&mut self) {}
 
-    /// Is it enough that a node of an item's mesh, within `region`, was met? Then its clusters are not handed out.
+    /// Returns `true` to accept this mesh node as a whole and skip its clusters. `region` is the node's screen region.
     fn are_enough(&mut self, _item: ItemId, _node: u32, _region: &Region) -> bool {
         false
     }
 
-    /// Is it the first time that this item is met in this walk? An item may stand in several nodes.
+    /// Returns `true` if this item is visited for the first time in this traversal. An item may be in several nodes.
     fn first_time(&mut self, item: ItemId) -> bool;
 
-    /// The next batch.
+    /// Takes the next batch of faces.
     fn faces(&mut self, faces: &Faces);
 
-    /// The next batch is a cluster of an item. Who does not need its faces saves looking them up.
+    /// Takes one cluster of an item as the next batch. A receiver that does not need the faces saves looking them up.
     fn cluster(&mut self, geometry: &Geometry, item: ItemId, cluster: u32, screen_from_item: &DAffine3) {
         self.faces(&Faces::of_cluster(geometry, item, cluster, screen_from_item));
     }
 
-    /// The next batches are all clusters of an item.
+    /// Takes all clusters of an item as the next batches.
     fn whole(&mut self, geometry: &Geometry, item: ItemId, screen_from_item: &DAffine3) {
         for cluster in 0..geometry.mesh_of(item).clusters().len() as u32 {
             self.cluster(geometry, item, cluster, screen_from_item);

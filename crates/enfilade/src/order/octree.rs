@@ -1,10 +1,10 @@
-//! Octree over items: near to far, box by box, and whole nodes dropped.
+//! Octree over items, traversed front to back; hidden nodes are culled with their subtrees.
 //!
-//! Walks the tree of the geometry's own that other questions go through too, by a queue of boxes by reversed depth.
+//! Uses the octree of the geometry, which also serves other queries, with a priority queue by reversed depth.
 //! Source: Greene, Kass, Miller, Hierarchical Z-Buffer Visibility, SIGGRAPH 1993, section 3.1; the tree is that of
-//!     Boreskov, Hierarchical s-buffer for scenes of high complexity, its order of children made finer.
-//! Cost: building O(n log n); a walk O(boxes met · log waiting), and what nothing of can be seen ends its subtree.
-//! Gives nodes near to far; single faces may come in any order.
+//!     Boreskov, Hierarchical s-buffer for scenes of high complexity, with a finer order of children.
+//! Cost: building O(n log n); a traversal O(boxes tested · log(queue length)). Culling a hidden box ends its subtree.
+//! Guarantees nodes front to back; single faces may come in any order.
 
 use super::queue::{Queue, Tree, walk};
 use super::{NodesNearToFar, Order, Refusal, Visit};
@@ -13,7 +13,7 @@ use crate::geometry::{Geometry, MovedItem};
 use crate::passage::Passage;
 use std::ops::Range;
 
-/// Items in nested eighths of space.
+/// Front-to-back traversal of the geometry's octree over items.
 pub struct OctreeOrder;
 
 impl Order for OctreeOrder {
@@ -26,17 +26,18 @@ impl Order for OctreeOrder {
     }
 
     fn needs_bytes(geometry: &Geometry) -> u64 {
-        // An item stands in one node, and a node that holds nothing has two children at least, or a deep only one: seldom.
+        // An item is in one node. A node without items usually has at least two children, or, rarely, a single deep
+        // one.
         geometry.items().len() as u64 * 2 * 64
     }
 
     fn bytes(&self) -> u64 {
-        // The geometry's.
+        // The geometry owns the tree.
         0
     }
 
     fn follow(&mut self, _geometry: &Geometry, _moved: &[MovedItem], _touched: &mut Vec<u32>) -> bool {
-        // The tree is the geometry's, and has followed them already.
+        // The geometry owns the tree and has updated it already.
         true
     }
 

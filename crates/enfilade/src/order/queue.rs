@@ -1,13 +1,13 @@
-//! A queue of boxes by reversed depth, over any tree of items.
+//! Priority queue of boxes by reversed depth, over any tree of items.
 //!
-//! What waits to be entered (nodes of the scene, items, nodes of their meshes, clusters) stands in one queue by how
-//! near its box comes, so that a near wall is met before a far one also where their nodes are entered at once.
+//! Pending nodes of the scene, items, nodes of their meshes and clusters share one queue, sorted by the nearest point
+//! of their boxes. So a near wall is visited before a far one even if their nodes were entered together.
 //! Source: Greene, Kass, Miller, Hierarchical Z-Buffer Visibility, SIGGRAPH 1993, section 3.1; the queue is ours.
-//! Cost: a walk O(boxes met · log waiting), and what nothing of can be seen ends its subtree.
-//! Gives nodes near to far; single faces may come in any order.
+//! Cost: a traversal O(boxes tested · log(queue length)). Culling a hidden box ends its subtree.
+//! Guarantees nodes front to back; single faces may come in any order.
 
 use super::Visit;
-use super::items::hand_out_openings;
+use super::items::emit_openings;
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::{Geometry, ItemId};
@@ -18,46 +18,47 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::ops::Range;
 
-/// A tree over the items of a geometry, numbered by node; its boxes are in the space of the sector.
+/// A tree over the items of a geometry, with numbered nodes and AABBs in sector space.
 pub(super) trait Tree {
-    /// The number of the root; `None` where the tree holds nothing.
+    /// Returns the root node; `None` if the tree is empty.
     fn root(&self) -> Option<u32>;
 
-    /// The box of a node: the boxes of all nodes that hold an item cover all of it.
+    /// Returns the AABB of a node. The AABBs of all nodes that list an item together contain the whole item.
     fn bounds(&self, node: u32) -> &Aabb;
 
-    /// The numbers of a node's children.
+    /// Returns the children of a node.
     fn children(&self, node: u32) -> Range<u32>;
 
-    /// The items that stand in a node itself.
+    /// Returns the items of a node itself, without those of its children.
     fn items(&self, node: u32) -> &[u32];
 }
 
-/// What waits to be entered, and the items that were.
+/// Pending boxes, and the items entered so far.
 #[derive(Default)]
 pub struct Queue {
-    waiting: BinaryHeap<Waiting>,
-    /// What waits is moved about often, and a region is large: it stays in its place here.
+    pending: BinaryHeap<QueueEntry>,
+    /// Regions of the pending boxes. The heap moves its entries often, and a region is large, so entries refer to it by
+    /// index.
     regions: Vec<Region>,
-    /// Places in `regions` to be filled anew.
+    /// Free slots of `regions`.
     free: Vec<u32>,
     entered: Vec<(ItemId, DAffine3)>,
 }
 
-/// A box that waits; the greatest is the nearest.
-struct Waiting {
+/// A pending box; the greatest entry is the nearest.
+struct QueueEntry {
     nearest: f32,
-    what: What,
-    /// The place of its box in [`Queue::regions`].
+    target: Target,
+    /// Index of its region in [`Queue::regions`].
     region: u32,
 }
 
-/// Boxes as near as each other come in this order, so that a walk is the same every time.
+/// Object of a pending box. Boxes of equal depth come in this order, so that every traversal is deterministic.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum What {
+enum Target {
     Node(u32),
     Item(u32),
-    /// A node of a mesh; the item by its place in [`Queue::entered`].
+    /// A node of a mesh's BVH; `entered` is an index into [`Queue::entered`].
     MeshNode {
         entered: u32,
         node: u32,
@@ -68,29 +69,29 @@ enum What {
     },
 }
 
-impl Ord for Waiting {
-    fn cmp(&self, other: &Waiting) -> Ordering {
+impl Ord for QueueEntry {
+    fn cmp(&self, other: &QueueEntry) -> Ordering {
         self.nearest
             .total_cmp(&other.nearest)
-            .then(other.what.cmp(&self.what))
+            .then(other.target.cmp(&self.target))
     }
 }
 
-impl PartialOrd for Waiting {
-    fn partial_cmp(&self, other: &Waiting) -> Option<Ordering> {
+impl PartialOrd for QueueEntry {
+    fn partial_cmp(&self, other: &QueueEntry) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Waiting {
-    fn eq(&self, other: &Waiting) -> bool {
+impl PartialEq for QueueEntry {
+    fn eq(&self, other: &QueueEntry) -> bool {
         self.cmp(other).is_eq()
     }
 }
 
-impl Eq for Waiting {}
+impl Eq for QueueEntry {}
 
-/// Hands out all faces of the items of `tree`, and the openings, that may be seen through `passage`.
+/// Emits the openings, and all faces of the items of `tree` that may be visible through `passage`.
 pub(super) fn walk(
     tree: &impl Tree,
     geometry: &Geometry,
@@ -102,7 +103,7 @@ pub(super) fn walk(
     go_on(tree, geometry, passage, queue, visit, f32::NEG_INFINITY, |_| true);
 }
 
-/// Hands out the openings, and lets the root of `tree` wait.
+/// Emits the openings and pushes the root of `tree`.
 pub(super) fn begin(
     tree: &impl Tree,
     geometry: &Geometry,
@@ -110,8 +111,8 @@ pub(super) fn begin(
     queue: &mut Queue,
     visit: &mut impl Visit,
 ) {
-    hand_out_openings(geometry, passage, visit);
-    queue.waiting.clear();
+    emit_openings(geometry, passage, visit);
+    queue.pending.clear();
     queue.regions.clear();
     queue.free.clear();
     queue.entered.clear();
@@ -120,7 +121,7 @@ pub(super) fn begin(
     }
 }
 
-/// Hands out what waits and is at least so near, of the items that are wanted.
+/// Pops queued nodes with reversed depth ≥ `rev_depth` and emits their faces, filtered by `wanted` items.
 pub(super) fn go_on(
     tree: &impl Tree,
     geometry: &Geometry,
@@ -130,33 +131,33 @@ pub(super) fn go_on(
     rev_depth: f32,
     wanted: impl Fn(u32) -> bool,
 ) {
-    while let Some(&Waiting {
+    while let Some(&QueueEntry {
         nearest,
         region,
-        what,
-    }) = queue.waiting.peek()
+        target,
+    }) = queue.pending.peek()
     {
         if nearest < rev_depth {
             break;
         }
-        queue.waiting.pop();
+        queue.pending.pop();
         queue.free.push(region);
         if visit.enter(&queue.regions[region as usize]) == Visibility::Hidden {
             continue;
         }
-        match what {
-            What::Node(node) => enter_node(tree, node, geometry, passage, queue, &wanted),
-            What::Item(item) => {
+        match target {
+            Target::Node(node) => enter_node(tree, node, geometry, passage, queue, &wanted),
+            Target::Item(item) => {
                 let region = queue.regions[region as usize];
                 enter_item(ItemId(item), &region, geometry, passage, queue, visit);
             }
-            What::MeshNode { entered, node } => {
+            Target::MeshNode { entered, node } => {
                 let (item, _) = queue.entered[entered as usize];
                 if !visit.are_enough(item, node, &queue.regions[region as usize]) {
                     enter_mesh_node(entered, node, geometry, passage, queue);
                 }
             }
-            What::Cluster { entered, cluster } => {
+            Target::Cluster { entered, cluster } => {
                 let (item, screen_from_item) = &queue.entered[entered as usize];
                 visit.faces(&Faces::of_cluster(geometry, *item, cluster, screen_from_item));
             }
@@ -174,7 +175,7 @@ fn enter_node(
 ) {
     let children = tree
         .children(node)
-        .map(|child| (*tree.bounds(child), What::Node(child)));
+        .map(|child| (*tree.bounds(child), Target::Node(child)));
     queue.push_all(passage, &passage.screen_from_sector, children);
     for &item in tree.items(node).iter().filter(|&&item| wanted(item)) {
         let placed = geometry.item(ItemId(item));
@@ -183,7 +184,7 @@ fn enter_node(
             passage,
             &screen_from_item,
             &geometry.mesh_of(ItemId(item)).bounds(),
-            What::Item(item),
+            Target::Item(item),
         );
     }
 }
@@ -219,10 +220,10 @@ fn enter_mesh_node(entered: u32, node: u32, geometry: &Geometry, passage: &Passa
     let nodes = mesh
         .tree()
         .children(node)
-        .map(|node| (*mesh.tree().bounds(node), What::MeshNode { entered, node }));
+        .map(|node| (*mesh.tree().bounds(node), Target::MeshNode { entered, node }));
     let clusters = mesh.tree().things(node).iter().map(|&cluster| {
         let bounds = mesh.clusters()[cluster as usize].bounds;
-        (bounds, What::Cluster { entered, cluster })
+        (bounds, Target::Cluster { entered, cluster })
     });
     queue.push_all(passage, &screen_from_item, nodes.chain(clusters));
 }
@@ -233,39 +234,39 @@ impl Queue {
             passage,
             &passage.screen_from_sector,
             tree.bounds(node),
-            What::Node(node),
+            Target::Node(node),
         );
     }
 
-    fn push(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb, what: What) {
+    fn push(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb, target: Target) {
         if let Some(region) = Region::of(passage, screen_from_local, bounds) {
-            self.push_region(region, what);
+            self.push_region(region, target);
         }
     }
 
-    /// Lets all wait that are in view.
+    /// Pushes all boxes that are in view.
     fn push_all(
         &mut self,
         passage: &Passage,
         screen_from_local: &DAffine3,
-        mut all: impl Iterator<Item = (Aabb, What)>,
+        mut all: impl Iterator<Item = (Aabb, Target)>,
     ) {
         let mut boxes = [Aabb::EMPTY; BOXES];
-        let mut whats = [What::Node(0); BOXES];
+        let mut targets = [Target::Node(0); BOXES];
         loop {
             let mut count = 0;
-            for (bounds, what) in all.by_ref().take(BOXES) {
-                (boxes[count], whats[count]) = (bounds, what);
+            for (bounds, target) in all.by_ref().take(BOXES) {
+                (boxes[count], targets[count]) = (bounds, target);
                 count += 1;
             }
             match count {
                 0 => return,
-                1 => self.push(passage, screen_from_local, &boxes[0], whats[0]),
+                1 => self.push(passage, screen_from_local, &boxes[0], targets[0]),
                 _ => {
                     let eight = EightBoxes::of(passage, screen_from_local, &boxes[..count]);
-                    for (lane, what) in whats[..count].iter().enumerate() {
+                    for (lane, target) in targets[..count].iter().enumerate() {
                         if let Some(region) = eight.region(lane) {
-                            self.push_region(region, *what);
+                            self.push_region(region, *target);
                         }
                     }
                 }
@@ -273,18 +274,18 @@ impl Queue {
         }
     }
 
-    fn push_region(&mut self, region: Region, what: What) {
-        let place = if let Some(place) = self.free.pop() {
-            self.regions[place as usize] = region;
-            place
+    fn push_region(&mut self, region: Region, target: Target) {
+        let slot = if let Some(slot) = self.free.pop() {
+            self.regions[slot as usize] = region;
+            slot
         } else {
             self.regions.push(region);
             self.regions.len() as u32 - 1
         };
-        self.waiting.push(Waiting {
+        self.pending.push(QueueEntry {
             nearest: region.nearest,
-            what,
-            region: place,
+            target,
+            region: slot,
         });
     }
 }
@@ -301,7 +302,7 @@ mod tests {
     use crate::view::View;
     use std::collections::BTreeSet;
 
-    /// A mesh of several clusters, and copies of it and of single triangles all about.
+    /// Builds a mesh of several clusters, and scattered instances of it and of single triangles.
     fn geometry() -> Geometry {
         let mut builder = GeometryBuilder::new([Material::opaque([1.0; 3])]);
         let side = 40_u32;
@@ -312,7 +313,7 @@ mod tests {
             .filter(|i| i % side != side - 1)
             .flat_map(|i| [i, i + 1, i + side])
             .collect();
-        let ground = Mesh::triangles(&positions, &corners, MaterialId(0)).expect("a sound sheet");
+        let ground = Mesh::triangles(&positions, &corners, MaterialId(0)).expect("a valid mesh");
         assert!(ground.clusters().len() > 4);
         let leaf = Mesh::triangles(
             &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.5]],
@@ -325,19 +326,19 @@ mod tests {
             let place = Transform::translation(at) * Transform::rotation([1.0, 2.0, 3.0], f64::from(i));
             builder.item("thing", meshes[usize::from(i % 10 != 0)], place);
         }
-        builder.build().expect("sound things")
+        builder.build().expect("valid geometry")
     }
 
-    /// What an order hands out, but for what is farther than this, and how many boxes it asked about.
+    /// Records what an order emits, apart from boxes with reversed depth below `farthest`, and counts the boxes tested.
     #[derive(Default)]
-    struct Met {
+    struct VisitLog {
         items: BTreeSet<u32>,
         batches: BTreeSet<(u32, u32)>,
         boxes: usize,
         farthest: f32,
     }
 
-    impl Visit for Met {
+    impl Visit for VisitLog {
         fn enter(&mut self, region: &Region) -> Visibility {
             self.boxes += 1;
             if region.nearest < self.farthest {
@@ -353,17 +354,17 @@ mod tests {
 
         fn faces(&mut self, faces: &Faces) {
             if let FaceSource::Item(item, cluster) = faces.source {
-                assert!(self.batches.insert((item.0, cluster)), "{item:?} comes twice");
+                assert!(self.batches.insert((item.0, cluster)), "a cluster of {item:?} was emitted twice");
             }
         }
     }
 
-    fn met<O: Order>(geometry: &Geometry, passage: &Passage, farthest: f32) -> Met {
+    fn met<O: Order>(geometry: &Geometry, passage: &Passage, farthest: f32) -> VisitLog {
         let order = O::build(geometry, u64::MAX).expect("no limit");
         assert!(order.bytes() <= O::needs_bytes(geometry));
-        let mut met = Met {
+        let mut met = VisitLog {
             farthest,
-            ..Met::default()
+            ..VisitLog::default()
         };
         order.visit(geometry, passage, &mut O::Scratch::default(), &mut met);
         met
@@ -381,8 +382,8 @@ mod tests {
             for farthest in [0.0, 0.05] {
                 let octree = met::<OctreeOrder>(&geometry, &passage, farthest);
                 let bvh = met::<BvhOrder>(&geometry, &passage, farthest);
-                // The box of a mesh at its place reaches beyond the item's box, so an item whose own box is out may still
-                // be handed out where a node holds others too.
+                // The transformed box of a mesh extends beyond the item's AABB, so an item whose AABB is beyond the
+                // limit may still be emitted if a node contains other items too.
                 let own = |item: u32| {
                     let bounds = geometry.item(ItemId(item)).bounds;
                     Region::of(&passage, &passage.screen_from_sector, &bounds)

@@ -1,16 +1,17 @@
-//! Terrain near to far, and between its blocks what stands on it: whole squares of blocks dropped by the least and the greatest
-//! of their heights.
+//! Terrain front to back, interleaved with other items: a quadtree of height-field blocks, culled by minimum and
+//! maximum height.
 //!
-//! Squares of a height field are parted by upright planes, so that the one that the eye stands over comes before its
-//! neighbours, and these before the one beyond both: no ground comes after ground that it hides, wherever the eye is and
-//! however it is turned.
+//! Vertical planes separate the squares of a height field. The square below or above the eye comes before its
+//! neighbours, and these before the square beyond both. So no ground comes after ground that it occludes, for any
+//! position and orientation of the eye.
 //! Source: Boreskov, Using portals to create aggregate scenes (floating horizon); Anderson, Hidden Line Elimination in
 //!     Projected Grid Surfaces, ACM Transactions on Graphics 1982; the quadtree as in Samet, The Quadtree and Related
 //!     Hierarchical Data Structures, ACM Computing Surveys 1984.
-//! Cost: building O(samples); a walk O(squares met), then as [`OctreeOrder`](super::OctreeOrder) for all else.
-//! Gives nodes near to far; single faces may come in any order.
+//! Cost: building O(samples); a traversal O(squares tested), plus that of [`OctreeOrder`](super::OctreeOrder) for all
+//!     other items.
+//! Guarantees nodes front to back; single faces may come in any order.
 
-use super::items::{hand_out, hand_out_openings};
+use super::items::{emit_item, emit_openings};
 use super::queue::{Queue, begin, go_on};
 use super::{NodesNearToFar, Order, Refusal, Visit};
 use crate::geom::Aabb;
@@ -20,15 +21,16 @@ use crate::region::{Region, Visibility};
 use crate::terrain::Terrain;
 use glam::DAffine3;
 
-/// Squares of height fields in squares, and before each block what is nearer, by the geometry's own tree.
+/// Front-to-back traversal of terrain blocks by a quadtree, interleaved with the geometry's octree over the other
+/// items.
 pub struct TerrainRows {
     grounds: Vec<Ground>,
 }
 
-/// One height field.
+/// Quadtree over the blocks of one height field.
 struct Ground {
     terrain: Terrain,
-    /// The blocks first, then squares of 2×2 of the level before.
+    /// Blocks first, then squares of 2×2 of the level before.
     levels: Vec<Level>,
 }
 
@@ -72,7 +74,7 @@ impl Order for TerrainRows {
     }
 
     fn follow(&mut self, _geometry: &Geometry, moved: &[MovedItem], _touched: &mut Vec<u32>) -> bool {
-        // The tree over all else is the geometry's, and has followed them already.
+        // The geometry owns the tree over all other items and has updated it already.
         let is_ground = |item: u32| {
             let mut grounds = self.grounds.iter();
             grounds.any(|ground| ground.terrain.blocks.contains(&item))
@@ -81,49 +83,49 @@ impl Order for TerrainRows {
     }
 
     fn visit(&self, geometry: &Geometry, passage: &Passage, queue: &mut Queue, visit: &mut impl Visit) {
-        let things = Things {
+        let others = OtherItems {
             grounds: &self.grounds,
             geometry,
             passage,
         };
-        if things.are_none() {
-            hand_out_openings(geometry, passage, visit);
+        if others.is_empty() {
+            emit_openings(geometry, passage, visit);
         } else {
             begin(geometry.item_tree(), geometry, passage, queue, visit);
         }
         for ground in &self.grounds {
             let screen_from_field = passage.screen_from(&ground.terrain.sector_from_field);
-            let way = Way {
-                things: &things,
+            let traversal = Traversal {
+                others: &others,
                 screen_from_field,
                 eye: eye_in(&screen_from_field).into(),
             };
             let top = ground.levels.len() - 1;
-            ground.walk(&way, top, [0, 0], queue, visit);
+            ground.walk(&traversal, top, [0, 0], queue, visit);
         }
-        things.hand_out(f32::NEG_INFINITY, queue, visit);
+        others.emit(f32::NEG_INFINITY, queue, visit);
     }
 }
 
-/// What is not ground, on its way out of the geometry's own tree.
-struct Things<'a> {
+/// All items that are not terrain, from the traversal of the geometry's octree.
+struct OtherItems<'a> {
     grounds: &'a [Ground],
     geometry: &'a Geometry,
     passage: &'a Passage,
 }
 
-impl Things<'_> {
-    fn are_none(&self) -> bool {
+impl OtherItems<'_> {
+    fn is_empty(&self) -> bool {
         let blocks = self.grounds.iter().map(|ground| ground.terrain.blocks.len());
         blocks.sum::<usize>() == self.geometry.items().len()
     }
 
-    /// Hands out those that are at least so near, and were not yet.
-    fn hand_out(&self, rev_depth: f32, queue: &mut Queue, visit: &mut impl Visit) {
-        if self.are_none() {
+    /// Emits the items with reversed depth ≥ `rev_depth` that have not been emitted yet.
+    fn emit(&self, rev_depth: f32, queue: &mut Queue, visit: &mut impl Visit) {
+        if self.is_empty() {
             return;
         }
-        let is_thing = |item: u32| {
+        let is_other = |item: u32| {
             let mut grounds = self.grounds.iter();
             grounds.all(|ground| !ground.terrain.blocks.contains(&item))
         };
@@ -135,14 +137,14 @@ impl Things<'_> {
             queue,
             visit,
             rev_depth,
-            is_thing,
+            is_other,
         );
     }
 }
 
-/// What a walk over one height field goes by.
-struct Way<'a> {
-    things: &'a Things<'a>,
+/// State of the traversal of one height field.
+struct Traversal<'a> {
+    others: &'a OtherItems<'a>,
     screen_from_field: DAffine3,
     eye: [f64; 3],
 }
@@ -166,27 +168,27 @@ impl Ground {
         }
     }
 
-    /// Goes through a square, and those in it that may be seen, near to far.
+    /// Visits a square and its visible children, front to back.
     fn walk(
         &self,
-        way: &Way,
+        traversal: &Traversal,
         level: usize,
         [column, row]: [u32; 2],
         queue: &mut Queue,
         visit: &mut impl Visit,
     ) {
         let Level { size, bounds } = &self.levels[level];
-        let place = (row * size[0] + column) as usize;
-        let Things {
+        let index = (row * size[0] + column) as usize;
+        let OtherItems {
             geometry, passage, ..
-        } = *way.things;
-        let Some(region) = Region::of(passage, &way.screen_from_field, &bounds[place]) else {
+        } = *traversal.others;
+        let Some(region) = Region::of(passage, &traversal.screen_from_field, &bounds[index]) else {
             return;
         };
         if level == 0 {
-            way.things.hand_out(region.nearest, queue, visit);
-            let item = ItemId(self.terrain.blocks.start + place as u32);
-            hand_out(geometry, passage, item, visit);
+            traversal.others.emit(region.nearest, queue, visit);
+            let item = ItemId(self.terrain.blocks.start + index as u32);
+            emit_item(geometry, passage, item, visit);
             return;
         }
         if visit.enter(&region) == Visibility::Hidden {
@@ -197,18 +199,18 @@ impl Ground {
             let first = 2 * square;
             let squares = (below.size[axis] - first).min(2);
             let border = move |square| below.border(first + square, axis);
-            near_to_far(squares, border, way.eye[2 * axis]).map(move |square| first + square)
+            near_to_far(squares, border, traversal.eye[2 * axis]).map(move |square| first + square)
         });
         for row in rows {
             for column in columns.clone() {
-                self.walk(way, level - 1, [column, row], queue, visit);
+                self.walk(traversal, level - 1, [column, row], queue, visit);
             }
         }
     }
 }
 
-/// Squares in a row, each before those that are beyond it: the eye's own and what is before it, then what is after. `border` says
-/// where one begins, but for the first.
+/// Returns the indices of a row of squares, each before those beyond it: the eye's own square and those before it in
+/// descending order, then those after it. `border` returns where a square begins, for all but the first.
 pub(super) fn near_to_far(
     squares: u32,
     border: impl Fn(u32) -> f64,
@@ -219,18 +221,18 @@ pub(super) fn near_to_far(
 }
 
 impl Level {
-    /// Where a column of squares begins, or with axis 1 a row: x, or z.
+    /// Returns where a column of squares begins (axis 0: x), or a row (axis 1: z).
     fn border(&self, square: u32, axis: usize) -> f64 {
-        let place = if axis == 0 { square } else { square * self.size[0] };
-        f64::from(self.bounds[place as usize].min[2 * axis])
+        let index = if axis == 0 { square } else { square * self.size[0] };
+        f64::from(self.bounds[index as usize].min[2 * axis])
     }
 
-    /// Squares of 2×2 of these.
+    /// Returns the next level: squares of 2×2 of these.
     fn above(&self) -> Level {
         let size = self.size.map(|side| side.div_ceil(2));
         let mut bounds = vec![Aabb::EMPTY; (size[0] * size[1]) as usize];
-        for (place, below) in (0..).zip(&self.bounds) {
-            let [column, row] = [place % self.size[0] / 2, place / self.size[0] / 2];
+        for (index, below) in (0..).zip(&self.bounds) {
+            let [column, row] = [index % self.size[0] / 2, index / self.size[0] / 2];
             let square = &mut bounds[(row * size[0] + column) as usize];
             *square = square.union(below);
         }

@@ -1,16 +1,16 @@
-//! Unordered: items as they come, by their number.
+//! No order: items by their number.
 //!
-//! Nothing is built, so geometry may change at will; what is outside the aperture is still left out.
+//! Nothing is built, so geometry may change freely; items outside the aperture are still culled.
 //! Source: the z-buffer needs no order (Catmull 1974); Boreskov, Using portals to create aggregate scenes.
-//! Cost: building nothing; a walk O(items), and O(log faces) for each large one that is half outside.
-//! Gives nothing: only covers that need no order take it.
+//! Cost: no build; a traversal O(items), and O(log faces) for each large item that is partly outside.
+//! Guarantees nothing: only covers that require no order accept it.
 
-use super::items::{hand_out, hand_out_openings};
+use super::items::{emit_item, emit_openings};
 use super::{Order, Refusal, Unsorted, Visit};
 use crate::geometry::{Geometry, ItemId, MovedItem};
 use crate::passage::Passage;
 
-/// Items as they come, by their number.
+/// Items in order of their numbers, culled against the aperture. Needs no build; a traversal takes O(items).
 pub struct Unordered;
 
 impl Order for Unordered {
@@ -30,14 +30,14 @@ impl Order for Unordered {
     }
 
     fn follow(&mut self, _geometry: &Geometry, _moved: &[MovedItem], _touched: &mut Vec<u32>) -> bool {
-        // It goes by numbers alone.
+        // The order depends on item numbers only.
         true
     }
 
     fn visit(&self, geometry: &Geometry, passage: &Passage, _scratch: &mut (), visit: &mut impl Visit) {
-        hand_out_openings(geometry, passage, visit);
+        emit_openings(geometry, passage, visit);
         for item in 0..geometry.items().len() as u32 {
-            hand_out(geometry, passage, ItemId(item), visit);
+            emit_item(geometry, passage, ItemId(item), visit);
         }
     }
 }

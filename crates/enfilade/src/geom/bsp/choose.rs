@@ -1,35 +1,37 @@
-//! Which plane splits a node: that of one of its polygons, or a free one, across an axis or upright on an edge.
+//! Chooses the splitting plane of a BSP node: the plane of one of its polygons (auto-partition), or a free plane,
+//! axis-aligned or perpendicular to a polygon along one of its edges.
 //!
-//! Small nodes score every polygon on every polygon; large ones score some, spread over all, on a sample. Planes on
-//! edges are asked where all others cut something.
+//! Small nodes score the plane of every polygon against every polygon; large nodes score a spread of candidates against
+//! a sample. Planes through edges are scored only if every other plane cuts something.
 //! Source: thesis "Painter's algorithm and binary space partitioning", 2.3.4 (the score); the rest is ours.
 //! Cost: O(candidates · sample) in large nodes, O(n²) in small ones.
-//! Sampling changes how good the tree is, never whether it is right.
+//! Sampling affects the quality of the tree, never its correctness.
 
 use super::BspOptions;
-use super::score::{Sample, Scored};
+use super::score::{Sample, ScoredSplitter};
 use super::side::Splitter;
-use super::split::{Arena, Working};
+use super::split::{Arena, ClipPolygon};
 use super::sweep::Sweep;
-use super::upright::on_edges;
+use super::upright::planes_through_edges;
 use crate::simd::level;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 
-/// Polygons that a plane is tried on; with four times as many, trees came out the same within a percent.
+/// Number of polygons that a plane is scored against; four times as many changed the trees by less than one percent.
 const SAMPLE: usize = 256;
-/// Smaller nodes are not split across axes: there, a polygon's plane that cuts nothing is found nearly always.
-const FEWEST_FOR_AXES: usize = 8;
+/// Minimum number of polygons for axis-aligned planes; smaller nodes nearly always have a polygon whose plane cuts
+/// nothing.
+const MIN_POLYGONS_FOR_AXES: usize = 8;
 
-/// The planes of polygons as they were born.
-pub(super) struct Born {
-    /// By polygon; `None` for those without area.
+/// Planes of the input polygons, before any cut.
+pub(super) struct InputPlanes {
+    /// By polygon; `None` for polygons without area.
     pub(super) splitters: Vec<Option<Splitter>>,
-    /// What no farther off counts as on a plane.
+    /// Points within this distance of a plane count as on it.
     pub(super) band: f64,
 }
 
-/// Buffers for one node after the other.
+/// Buffers, reused from node to node.
 pub(super) struct Chooser {
     level: Level,
     sample: Sample,
@@ -45,22 +47,22 @@ impl Chooser {
         }
     }
 
-    /// The best splitter for these polygons; `None` where none has an area.
+    /// Returns the splitter with the lowest score for these polygons; `None` if none of them has an area.
     pub(super) fn choose(
         &mut self,
-        members: &[Working],
+        members: &[ClipPolygon],
         arena: &Arena,
-        born: &Born,
+        input: &InputPlanes,
         options: &BspOptions,
     ) -> Option<Splitter> {
         let all = options.candidates == u32::MAX;
         let size = if all { members.len() } else { SAMPLE };
-        let axes = members.len() >= FEWEST_FOR_AXES && options.free_splits.is_finite();
+        let axes = members.len() >= MIN_POLYGONS_FOR_AXES && options.free_splits.is_finite();
         self.sample.clear();
         self.sweep.clear();
         for member in spread(members.len(), size).map(|place| &members[place]) {
-            // What has no area is never cut, so it has no say.
-            let Some(splitter) = &born.splitters[member.polygon as usize] else {
+            // A polygon without area is never cut, so it does not affect the score.
+            let Some(splitter) = &input.splitters[member.polygon as usize] else {
                 continue;
             };
             let corners = arena.corners(member);
@@ -75,49 +77,49 @@ impl Chooser {
         };
         let mut best = None;
         if axes {
-            best = self.sweep.best(&free, born.band);
+            best = self.sweep.best(&free, input.band);
         }
         let candidates = options.candidates.max(2);
         let some = |wanted: u32| {
             let places = spread(members.len(), wanted as usize);
             places.filter_map(|place| {
                 let member = &members[place];
-                Some((member, born.splitters[member.polygon as usize].as_ref()?))
+                Some((member, input.splitters[member.polygon as usize].as_ref()?))
             })
         };
         let sample = &self.sample;
         let planes = some(candidates).map(|(_, splitter)| *splitter);
-        best = dispatch!(self.level, simd => lowest(simd, planes, sample, options, best));
+        best = dispatch!(self.level, simd => best_candidate(simd, planes, sample, options, best));
         if options.free_splits.is_finite() && best.as_ref().is_some_and(|best| best.cut > 0) {
-            // Half as many polygons have more than half as many edges.
+            // Half as many polygons still give more than half as many edges.
             let planes = some(candidates / 2)
-                .flat_map(|(member, splitter)| on_edges(member, arena, splitter, born.band));
-            best = dispatch!(self.level, simd => lowest(simd, planes, sample, &free, best));
+                .flat_map(|(member, splitter)| planes_through_edges(member, arena, splitter, input.band));
+            best = dispatch!(self.level, simd => best_candidate(simd, planes, sample, &free, best));
         }
-        // Of a few candidates, none may have an area.
+        // None of a few sampled candidates may have an area; then any polygon's plane will do.
         let any = || {
             let mut all = members.iter();
-            all.find_map(|member| born.splitters[member.polygon as usize])
+            all.find_map(|member| input.splitters[member.polygon as usize])
         };
         best.map(|best| best.splitter).or_else(any)
     }
 }
 
-/// The candidate with the lowest score, or else the best so far.
+/// Returns the candidate with the lowest score if it beats `best`, else `best`.
 #[inline(always)]
-fn lowest<S: Simd>(
+fn best_candidate<S: Simd>(
     simd: S,
     candidates: impl Iterator<Item = Splitter>,
     sample: &Sample,
     options: &BspOptions,
-    mut best: Option<Scored>,
-) -> Option<Scored> {
+    mut best: Option<ScoredSplitter>,
+) -> Option<ScoredSplitter> {
     for splitter in candidates {
         let least = best.as_ref().map_or(f32::INFINITY, |best| best.score);
         if let Some(tally) = sample.tally(simd, &splitter, options, least) {
             let score = tally.score(options);
-            if score < least && (splitter.polygon.is_some() || tally.parts()) {
-                best = Some(Scored {
+            if score < least && (splitter.polygon.is_some() || tally.separates()) {
+                best = Some(ScoredSplitter {
                     score,
                     cut: tally.cut,
                     splitter,
@@ -128,8 +130,8 @@ fn lowest<S: Simd>(
     best
 }
 
-/// So many places among `count`, one in each of as many equal parts; not evenly, so that a pattern in the polygons'
-/// order is not met in step. All places where that is enough.
+/// Returns `wanted` indices below `count`, one from each of `wanted` equal ranges; all indices if there are no more.
+/// They are jittered, so that a regular pattern in the order of the polygons is not sampled in step.
 fn spread(count: usize, wanted: usize) -> impl Iterator<Item = usize> {
     let wanted = wanted.min(count);
     (0..wanted).map(move |part| {

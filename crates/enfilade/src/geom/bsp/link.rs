@@ -1,21 +1,21 @@
-//! What hangs below a node.
+//! Links from a BSP node to its subtrees.
 
-/// Nothing, a node, or a run of pieces: one word on the stack of a walk.
+/// Link to nothing, a node, or a run of pieces, packed into one word: the entry of the traversal stack.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BspLink(u32);
 
-/// What a link leads to.
-pub(super) enum Below {
+/// Decoded [`BspLink`].
+pub(super) enum LinkTarget {
     Nothing,
     Node(u32),
-    /// The first of a run.
+    /// First piece of a run.
     Pieces(u32),
 }
 
 impl BspLink {
     pub(super) const NOTHING: BspLink = BspLink(0);
 
-    /// Numbers of nodes and pieces stay below 2³⁰.
+    /// Packs a node number; numbers of nodes and pieces must be below 2³⁰.
     pub(super) fn node(number: u32) -> BspLink {
         BspLink(number << 2 | 1)
     }
@@ -25,11 +25,11 @@ impl BspLink {
     }
 
     #[inline(always)]
-    pub(super) fn below(self) -> Below {
+    pub(super) fn target(self) -> LinkTarget {
         match self.0 & 3 {
-            1 => Below::Node(self.0 >> 2),
-            2 => Below::Pieces(self.0 >> 2),
-            _ => Below::Nothing,
+            1 => LinkTarget::Node(self.0 >> 2),
+            2 => LinkTarget::Pieces(self.0 >> 2),
+            _ => LinkTarget::Nothing,
         }
     }
 }

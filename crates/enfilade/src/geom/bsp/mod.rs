@@ -1,11 +1,12 @@
-//! BSP tree: polygons sorted by the planes of some of them, so that from any eye one knows what cannot hide what.
+//! BSP tree over polygons: gives an exact front-to-back or back-to-front order for any eye position.
 //!
-//! A piece is a polygon as it was born and the planes that cut it, no polygon of its own: drawn from the born edges,
-//! neighbours share bits, and the two sides of a cut part the samples between them.
+//! A piece is an input polygon plus the planes that cut it, not a new polygon. It is rasterized from the uncut edges,
+//! so that neighbours share the same edges bit for bit, and the two sides of a cut split the samples between them
+//! without gap or overlap.
 //! Source: Fuchs, Kedem, Naylor. On Visible Surface Generation by A Priori Tree Structures. SIGGRAPH 1980; thesis
-//!     "Painter's algorithm and binary space partitioning", 2.3 (how splitters are chosen).
-//! Cost: building see `build.rs`; a walk O(pieces), less what `visit` leaves out.
-//! Every polygon is in the tree whole; what is nearer than rounding to a plane counts as in it.
+//!     "Painter's algorithm and binary space partitioning", 2.3 (choice of splitters).
+//! Cost: for building see `build.rs`; a traversal takes O(pieces), less the subtrees that `visit` skips.
+//! The pieces of a polygon cover it completely. Points within the rounding error of a plane count as on it.
 
 mod build;
 mod choose;
@@ -23,29 +24,30 @@ pub use link::BspLink;
 
 use crate::geom::Aabb;
 use glam::DVec3;
-use link::Below;
+use link::LinkTarget;
 use split::Cut;
 use std::num::NonZeroU32;
 
-/// How splitters are chosen: of all candidates, the lowest balance · |front − back| + splits · (polygons cut) +
-/// coplanar · (polygons in the plane) wins.
+/// Weights and limits for choosing splitting planes. The candidate with the lowest score wins: balance · |front − back|
+/// + splits · (polygons cut) + coplanar · (polygons in the plane).
 ///
-/// Source: thesis "Painter's algorithm and binary space partitioning", 2.3.4: 1, 8, −1, with every polygon a
-/// candidate.
+/// The source uses 1, 8 and −1, with the plane of every polygon as a candidate.
+/// Source: thesis "Painter's algorithm and binary space partitioning", 2.3.4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BspOptions {
-    /// What one polygon more on one side than on the other costs; 0 or more.
+    /// Weight of the difference in number between front and back; at least 0.
     pub balance: f32,
-    /// What a polygon that is cut costs; 0 or more.
+    /// Weight of each polygon that the plane cuts; at least 0.
     pub splits: f32,
-    /// What another polygon in the plane costs; below 0 it is welcome.
+    /// Weight of each further polygon in the plane; negative values favour planes with many coplanar polygons.
     pub coplanar: f32,
-    /// How much more a cut costs where the plane is no polygon's but free, across an axis or upright on an edge, for
-    /// it takes no polygon away; infinite: there are no free planes.
+    /// Factor on `splits` for free planes (axis-aligned, or perpendicular to a polygon along an edge), which remove no
+    /// polygon from the node. Infinite disables free planes.
     pub free_splits: f32,
-    /// Polygons of a node whose planes are scored. `u32::MAX`: every one, on every one.
+    /// Number of polygons per node whose planes are scored. `u32::MAX` scores the plane of every polygon against every
+    /// polygon.
     pub candidates: u32,
-    /// Memory of the tree at which nothing is split any more; see [`BspTree::is_complete`].
+    /// Size of the tree in bytes from which on nothing is split any more; see [`BspTree::is_complete`].
     pub limit_bytes: u64,
 }
 
@@ -62,21 +64,22 @@ impl Default for BspOptions {
     }
 }
 
-/// Flat convex polygons of three or more corners, finite, in either orientation. Some may have no area.
+/// Input polygons: planar, convex, finite, at least three corners each, in either orientation. Polygons without area
+/// are allowed.
 #[derive(Clone, Debug, Default)]
 pub struct Polygons {
-    /// The corners of one polygon after the other, in scene units.
+    /// Corners of all polygons one after the other, in scene units.
     pub corners: Vec<[f64; 3]>,
-    /// Where each polygon's corners begin, and the end of the last.
+    /// Index of each polygon's first corner, then the total number of corners.
     pub starts: Vec<u32>,
 }
 
-/// Nodes with a plane, what is in front of it and behind; leaves hold pieces of one plane.
+/// BSP tree: inner nodes with a splitting plane and a subtree on either side; leaves with pieces in one plane.
 #[derive(Clone, Debug, Default)]
 pub struct BspTree {
     root: BspLink,
     nodes: Vec<Node>,
-    /// Of each node: normal and offset.
+    /// Normal and offset, by node.
     planes: Vec<[f64; 4]>,
     bounds: Vec<Aabb>,
     pieces: Vec<Piece>,
@@ -88,46 +91,49 @@ pub struct BspTree {
 
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    /// What is behind, in the plane, in front.
+    /// Links to the subtree behind, the coplanar list, and the subtree in front.
     links: [BspLink; 3],
-    /// One more than the place in `bounds`.
+    /// Index in `bounds` plus one.
     bounds: Option<NonZeroU32>,
 }
 
-/// Part of a polygon: all of it that its cuts leave; see [`BspTree::cuts`].
+/// The part of a polygon that its cuts leave; see [`BspTree::cuts`].
 #[derive(Clone, Copy, Debug)]
 pub struct Piece {
-    /// Which polygon.
+    /// Index of the input polygon.
     pub polygon: u32,
     first_cut: u32,
-    /// Twice the number of cuts, and one more for the last of a run.
+    /// Twice the number of cuts, plus one for the last piece of a run.
     cuts_and_last: u32,
 }
 
-/// What a walk meets.
+/// One step of [`BspTree::walk`].
 #[derive(Clone, Copy, Debug)]
 pub enum BspStep<'a> {
-    /// A box around all that is met next, up to the end of a subtree. False: nothing of that is wanted. Small subtrees
-    /// have none.
+    /// AABB of a subtree that is about to be traversed; return `false` to skip the subtree. Small subtrees have no AABB
+    /// and are not announced.
     Node(&'a Aabb),
-    /// Pieces in one plane, by polygon number; the answer is ignored. Among them may be some that are too thin to be
-    /// seen, wherever they lie.
+    /// Coplanar pieces, sorted by polygon number; the returned value is ignored. Polygons too thin to be visible may be
+    /// among them although they are not in the plane.
     Coplanar(&'a [Piece]),
 }
 
 impl BspTree {
-    /// More would not fit into the links.
-    const GREATEST: u64 = (1 << 30) * size_of::<Piece>() as u64;
+    /// Maximum bytes of all pieces: higher piece numbers would not fit into a [`BspLink`].
+    const MAX_PIECE_BYTES: u64 = (1 << 30) * size_of::<Piece>() as u64;
 
-    /// Sorts polygons, numbered by their place, into a tree. The same input gives the same tree.
+    /// Builds a tree over polygons, which are numbered by their index. Deterministic: equal input gives an equal tree.
+    ///
+    /// Takes O(n log n) for typical input, more if many polygons are cut; for memory see [`BspOptions::limit_bytes`].
     pub fn build(polygons: &Polygons, options: &BspOptions) -> BspTree {
         build::build(polygons, options)
     }
 
-    /// Meets all pieces as seen from `eye`: near ones first, or else far ones first. Whatever is met later cannot
-    /// hide, or else cannot be hidden by, what was met before; pieces met at once are in one plane.
+    /// Visits all pieces, front to back from `eye` if `near_first`, else back to front. Front to back, no later piece
+    /// occludes an earlier one; back to front, no later piece is occluded by an earlier one. The pieces of one step are
+    /// coplanar.
     ///
-    /// `stack` is memory only; what is in it is dropped.
+    /// `stack` is scratch memory; its content is discarded.
     pub fn walk(
         &self,
         eye: [f64; 3],
@@ -139,19 +145,20 @@ impl BspTree {
         stack.clear();
         stack.push(self.root);
         while let Some(link) = stack.pop() {
-            match link.below() {
-                Below::Nothing => {}
-                Below::Pieces(first) => {
+            match link.target() {
+                LinkTarget::Nothing => {}
+                LinkTarget::Pieces(first) => {
                     visit(BspStep::Coplanar(self.run(first)));
                 }
-                Below::Node(number) => {
+                LinkTarget::Node(number) => {
                     let node = &self.nodes[number as usize];
                     if let Some(bounds) = node.bounds
                         && !visit(BspStep::Node(&self.bounds[bounds.get() as usize - 1]))
                     {
                         continue;
                     }
-                    // Where rounding may turn the sign, no ray from the eye crosses the plane: any order is right.
+                    // Where rounding may turn the sign, no ray from the eye crosses the plane, and either order is
+                    // right.
                     let [a, b, c, offset] = self.planes[number as usize];
                     let in_front = DVec3::new(a, b, c).dot(eye) > offset;
                     let [behind, own, before] = node.links;
@@ -165,8 +172,8 @@ impl BspTree {
         }
     }
 
-    /// The planes (a, b, c, d) that cut a piece out of its polygon: it is where a·x + b·y + c·z ≥ d for each of them.
-    /// The other part has the same plane with all signs turned.
+    /// Returns the planes (a, b, c, d) that bound a piece within its polygon: the piece is where a·x + b·y + c·z ≥ d
+    /// for each of them. The piece on the other side of a cut has the same plane with all signs reversed.
     pub fn cuts(&self, piece: &Piece) -> impl ExactSizeIterator<Item = [f64; 4]> {
         let first = piece.first_cut as usize;
         let cuts = &self.cuts[first..first + (piece.cuts_and_last / 2) as usize];
@@ -180,22 +187,23 @@ impl BspTree {
         })
     }
 
-    /// How many pieces there are.
+    /// Returns the number of pieces.
     pub fn pieces(&self) -> u64 {
         self.pieces.len() as u64
     }
 
-    /// How often a piece was cut in two.
+    /// Returns the number of times a polygon or piece was cut in two.
     pub fn splits(&self) -> u64 {
         self.splits
     }
 
-    /// Nodes and leaves on the longest way down.
+    /// Returns the depth: nodes and leaves on the longest path from the root.
     pub fn depth(&self) -> u32 {
         self.depth
     }
 
-    /// Was everything sorted? If not, memory ran out: some pieces that are met at once are not in one plane.
+    /// Returns `true` if every polygon was sorted. If `false`, the memory limit was reached and the pieces of some
+    /// steps are not coplanar.
     pub fn is_complete(&self) -> bool {
         !self.incomplete
     }
@@ -209,7 +217,7 @@ impl BspTree {
             + size_of_val(&*self.cuts)) as u64
     }
 
-    /// All pieces up to the last of a run.
+    /// Returns the run of pieces that starts at `first`.
     fn run(&self, first: u32) -> &[Piece] {
         let rest = &self.pieces[first as usize..];
         let last = rest.iter().position(|piece| piece.cuts_and_last % 2 == 1);

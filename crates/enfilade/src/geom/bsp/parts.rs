@@ -1,35 +1,37 @@
-//! A BSP tree built in parts, side by side.
+//! Parallel BSP tree construction in independent parts.
 //!
-//! The top is built as ever; what is left of few polygons below it is put aside, and each such part is built by itself, for
-//! no plane of one depends on what is in another. Then all is put where it would be had one thread built it in turn.
+//! One thread builds the top of the tree and defers every subtree with few polygons. The deferred parts are built in
+//! parallel, because no plane of one depends on the polygons of another. Then all parts are merged in the order in
+//! which a single thread would have built them.
 //! Source: ours.
-//! Cost: the top, O(n) for each of its levels, and putting together, O(tree), take one thread; all else is shared among all.
-//!     Memory while building: corners of the polygons at work twice, and the tree as well once it is put together.
-//! The same tree, bit for bit, whatever is put aside. Once memory runs out it says so, and nothing is put together.
+//! Cost: the top (O(n) for each of its levels) and the merge (O(tree)) run on one thread, all else on all threads.
+//! Memory while building: the corners of pending polygons twice, and the tree a second time during the merge.
+//! Deterministic: the same tree, bit for bit, however it is divided. If the memory limit is reached, nothing is merged
+//! and `build` returns `None`.
 
 use super::build::Builder;
-use super::choose::Born;
-use super::link::{Below, BspLink};
-use super::split::{Arena, Cut, Working};
+use super::choose::InputPlanes;
+use super::link::{LinkTarget, BspLink};
+use super::split::{Arena, Cut, ClipPolygon};
 use super::{BspOptions, BspTree, Node, Piece, Polygons};
 use crate::threads;
 use std::sync::atomic::AtomicU64;
 
-/// What is left of some polygons below a node, to be built by itself.
+/// A subtree with few polygons, to be built independently.
 pub(super) struct Part {
-    /// The node it hangs below, and which of the node's links leads to it.
+    /// Parent node in the top, and which of its links leads to this part.
     pub(super) parent: Option<(u32, usize)>,
     pub(super) depth: u32,
     pub(super) arena: Arena,
-    pub(super) members: Vec<Working>,
-    /// What there was of the top when it was put aside: there it belongs. Nodes of the top have lower numbers if they stand
-    /// above it, and its own are counted from here on.
+    pub(super) members: Vec<ClipPolygon>,
+    /// Sizes of the top when this part was deferred; the part is inserted there. Node numbers below `at.nodes` refer to
+    /// the top, higher ones to this part.
     pub(super) at: Sizes,
-    /// What was built of it.
+    /// The finished subtree.
     pub(super) tree: BspTree,
 }
 
-/// How much there is of a tree.
+/// Array lengths of a tree.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Sizes {
     pub(super) nodes: u32,
@@ -38,61 +40,62 @@ pub(super) struct Sizes {
     cuts: u32,
 }
 
-/// Fewer polygons are sorted sooner by one thread.
-const LEAST: usize = 1 << 14;
+/// Minimum number of polygons for a parallel build; one thread sorts fewer ones faster.
+const MIN_POLYGONS: usize = 1 << 14;
 
-/// Into how many parts as large as each other polygons would fall: many more than threads, for some are sorted sooner.
+/// Number of parts if all were equally large: many more than threads, because some take less time than others.
 const PARTS: usize = 64;
 
-/// The polygons of a part, at most; `None` where one thread does best to build all.
+/// Returns the maximum number of polygons of a part; `None` if one thread should build the whole tree.
 pub(super) fn largest(polygons: usize) -> Option<usize> {
-    (threads::count() > 1 && polygons >= LEAST).then_some(polygons / PARTS)
+    (threads::count() > 1 && polygons >= MIN_POLYGONS).then_some(polygons / PARTS)
 }
 
-/// Builds a tree whose parts have at most so many polygons; `None` where memory runs out.
+/// Builds a tree from parts of at most `largest_part` polygons; `None` if the memory limit is reached.
 pub(super) fn build(
     polygons: &Polygons,
-    born: &Born,
+    input: &InputPlanes,
     options: &BspOptions,
     largest_part: usize,
 ) -> Option<BspTree> {
     let all_bytes = AtomicU64::new(0);
-    let mut top = Builder::new(born, options, &all_bytes);
+    let mut top = Builder::new(input, options, &all_bytes);
     top.largest_part = largest_part;
-    top.take_in(polygons);
+    top.push_polygons(polygons);
     top.run();
     let Builder {
         tree: top, mut parts, ..
     } = top;
     threads::for_each(&mut parts, |_, part| {
-        let mut builder = Builder::new(born, options, &all_bytes);
-        builder.take_in_part(part);
+        let mut builder = Builder::new(input, options, &all_bytes);
+        builder.load_part(part);
         builder.run();
         part.tree = builder.tree;
     });
     let trees = || [&top].into_iter().chain(parts.iter().map(|part| &part.tree));
     let bytes: u64 = trees().map(BspTree::bytes).sum();
-    let fits = bytes <= options.limit_bytes.min(BspTree::GREATEST) && trees().all(BspTree::is_complete);
-    fits.then(|| Joining::new(&parts).join(top, parts))
+    let fits = bytes <= options.limit_bytes.min(BspTree::MAX_PIECE_BYTES) && trees().all(BspTree::is_complete);
+    fits.then(|| PartMerger::new(&parts).join(top, parts))
 }
 
-/// Puts a top and its parts together, in the order in which one builder would have made them.
-struct Joining {
-    /// By part, what there was of the top when it was put aside, and what of parts stands before it; of all parts last.
+/// Merges the top and the parts in the order in which a single builder would have made them.
+struct PartMerger {
+    /// By part: the sizes of the top when it was deferred, and the total sizes of the parts before it (one entry more,
+    /// for the total of all).
     at: Vec<Sizes>,
     before: Vec<Sizes>,
     tree: BspTree,
 }
 
-impl Joining {
-    fn new(parts: &[Part]) -> Joining {
+impl PartMerger {
+    fn new(parts: &[Part]) -> PartMerger {
         let mut sum = Sizes::default();
         let mut before = vec![sum];
         before.extend(parts.iter().map(|part| {
             sum = sum.and(&Sizes::of(&part.tree));
             sum
         }));
-        Joining {
+        PartMerger {
             at: parts.iter().map(|part| part.at).collect(),
             before,
             tree: BspTree::default(),
@@ -109,18 +112,18 @@ impl Joining {
         self.tree.root = self.link(top.root, None);
         (self.tree.splits, self.tree.depth) = (top.splits, top.depth);
         let mut from = Sizes::default();
-        let mut hung = Vec::new();
+        let mut pending_links = Vec::new();
         for (number, Part { parent, tree, .. }) in parts.into_iter().enumerate() {
             let at = self.at[number];
             self.append(&top, [from, at], number, None);
             self.append(&tree, [Sizes::default(), Sizes::of(&tree)], number, Some(number));
-            hung.push((parent, self.link(tree.root, Some(number))));
+            pending_links.push((parent, self.link(tree.root, Some(number))));
             self.tree.splits += tree.splits;
             self.tree.depth = self.tree.depth.max(tree.depth);
             from = at;
         }
         self.append(&top, [from, Sizes::of(&top)], self.at.len(), None);
-        for (parent, link) in hung {
+        for (parent, link) in pending_links {
             match parent {
                 None => self.tree.root = link,
                 Some((node, side)) => {
@@ -133,9 +136,9 @@ impl Joining {
     }
 }
 
-impl Joining {
-    /// Appends what was built from one moment to another, before which so many parts come. `of` is the part that it belongs to;
-    /// `None`: the top.
+impl PartMerger {
+    /// Appends the range of `tree` between two sizes, after the first `parts` parts. `of` is the part that the range
+    /// belongs to; `None` for the top.
     fn append(&mut self, tree: &BspTree, [from, to]: [Sizes; 2], parts: usize, of: Option<usize>) {
         let before = match of {
             Some(_) => self.at[parts].and(&self.before[parts]),
@@ -164,7 +167,7 @@ impl Joining {
         }
     }
 
-    /// The number of a node of a part, or of the top, in the tree that is put together.
+    /// Converts a node number of a part, or of the top, to the merged tree.
     fn node(&self, number: u32, of: Option<usize>) -> u32 {
         let parts = match of {
             Some(part) if number >= self.at[part].nodes => part,
@@ -174,10 +177,10 @@ impl Joining {
     }
 
     fn link(&self, link: BspLink, of: Option<usize>) -> BspLink {
-        match link.below() {
-            Below::Nothing => link,
-            Below::Node(number) => BspLink::node(self.node(number, of)),
-            Below::Pieces(first) => {
+        match link.target() {
+            LinkTarget::Nothing => link,
+            LinkTarget::Node(number) => BspLink::node(self.node(number, of)),
+            LinkTarget::Pieces(first) => {
                 let before = match of {
                     Some(part) => self.at[part].pieces + self.before[part].pieces,
                     None => self.before[self.at.partition_point(|at| at.pieces <= first)].pieces,
@@ -219,10 +222,10 @@ mod tests {
         for seed in 0..6 {
             let polygons = jumble(&mut Random(seed), 900);
             let options = BspOptions::default();
-            let born = Born::of(&polygons);
-            let in_turn = whole(&polygons, &born, &options);
+            let input = InputPlanes::of(&polygons);
+            let in_turn = whole(&polygons, &input, &options);
             for largest_part in [1, 7, 60, 500, 900] {
-                let parts = build(&polygons, &born, &options, largest_part).expect("no limit is reached");
+                let parts = build(&polygons, &input, &options, largest_part).expect("no limit is reached");
                 assert!(parts.splits > 100);
                 assert_eq!(format!("{parts:?}"), format!("{in_turn:?}"), "{largest_part}");
             }
@@ -232,7 +235,7 @@ mod tests {
                     limit_bytes,
                     ..options
                 };
-                assert_eq!(build(&polygons, &born, &options, 60).is_some(), fits);
+                assert_eq!(build(&polygons, &input, &options, 60).is_some(), fits);
             }
         }
     }

@@ -1,10 +1,10 @@
-//! How good a plane would be as a splitter: what it leaves in front, behind, in itself, and cut.
+//! Scores a splitting plane by the number of polygons in front, behind, in the plane, and cut.
 //!
-//! A sample of the node's polygons is laid out eight abreast and asked about one plane after another; a plane is given
-//! up once nothing that is left could make it the best.
-//! Source: thesis "Painter's algorithm and binary space partitioning", 2.3.4 (the sum that is least).
+//! The node's sample is stored in blocks of eight polygons, one per SIMD lane, and tested against one plane after
+//! another. A plane is abandoned once its score can no longer beat the best.
+//! Source: thesis "Painter's algorithm and binary space partitioning", 2.3.4 (the score).
 //! Cost: O(corners of the sample) for each plane.
-//! The same operations as `Splitter::side`, in the same order, so that both say the same.
+//! Performs the same operations as `Splitter::side` in the same order, so that both classify alike.
 
 use super::BspOptions;
 use super::side::Splitter;
@@ -12,7 +12,7 @@ use fearless_simd::f64x8;
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
-/// How many polygons lie where.
+/// Number of polygons on each side of a plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Tally {
     pub(super) front: u32,
@@ -21,20 +21,21 @@ pub(super) struct Tally {
     pub(super) cut: u32,
 }
 
-/// The best so far.
+/// A splitter and its score.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Scored {
+pub(super) struct ScoredSplitter {
     pub(super) score: f32,
     pub(super) cut: u32,
     pub(super) splitter: Splitter,
 }
 
-/// A free plane cuts at most one polygon of so many: then building ends soon even where cuts cost nothing.
+/// A free plane may cut at most one polygon in this many, so that building ends soon even if cuts cost nothing.
 const MAX_CUT: u32 = 4;
 
 impl Tally {
-    /// May a plane that takes no polygon away be a splitter? Both sides get fewer polygons than there are.
-    pub(super) fn parts(&self) -> bool {
+    /// Returns `true` if a free plane may be a splitter: both sides get fewer polygons than the node has, and it cuts
+    /// few.
+    pub(super) fn separates(&self) -> bool {
         self.back + self.on > 0 && self.front + self.on > 0 && self.cuts_few()
     }
 
@@ -42,13 +43,13 @@ impl Tally {
         MAX_CUT * self.cut <= self.front + self.back + self.on + self.cut
     }
 
-    /// The lower, the better.
+    /// Returns the score; lower is better.
     pub(super) fn score(&self, options: &BspOptions) -> f32 {
-        self.least(options, 0)
+        self.lower_bound(options, 0)
     }
 
-    /// The lowest score that is possible when so many more come.
-    fn least(&self, options: &BspOptions, more: u32) -> f32 {
+    /// Returns a lower bound of the score after `more` further polygons.
+    fn lower_bound(&self, options: &BspOptions, more: u32) -> f32 {
         let unbalanced = self.front.abs_diff(self.back).saturating_sub(more) as f32;
         options.balance * unbalanced
             + options.splits * self.cut as f32
@@ -57,21 +58,21 @@ impl Tally {
     }
 }
 
-/// Polygons that planes are tried on.
+/// Polygons that planes are scored against.
 #[derive(Default)]
 pub(super) struct Sample {
-    /// x, y and z of each block's first corners, then of its second corners, and so on.
+    /// Per block: x, y and z of the polygons' first corners, then of their second corners, and so on.
     corners: Vec<[f64; 8]>,
     blocks: Vec<Block>,
     len: usize,
 }
 
-/// Eight polygons. Those with fewer corners than another repeat their last.
+/// Eight polygons. Those with fewer corners than the largest repeat their last corner.
 struct Block {
-    /// Where its corners begin, and how many each polygon has.
+    /// Index of the block's first row, and the corner count of its largest polygon.
     first: usize,
     corners: usize,
-    /// How far off a plane each polygon counts as on it, at the least.
+    /// Minimum band by polygon: points within it count as on the plane.
     bands: [f64; 8],
 }
 
@@ -114,7 +115,7 @@ impl Sample {
         }
     }
 
-    /// Where the polygons lie; `None` if the score cannot be as low as `best`.
+    /// Classifies the polygons of the sample; `None` once the score cannot be as low as `best`.
     #[inline(always)]
     pub(super) fn tally<S: Simd>(
         &self,
@@ -144,7 +145,7 @@ impl Sample {
             tally.back += (below & !above).count_ones();
             tally.cut += (above & below).count_ones();
             tally.on += (there & !above & !below).count_ones();
-            if tally.least(options, more) > best {
+            if tally.lower_bound(options, more) > best {
                 return None;
             }
         }
@@ -208,7 +209,7 @@ mod tests {
             assert_eq!(
                 tally,
                 Some(expected),
-                "what is as good as the best is not given up"
+                "a plane that equals the best score must not be abandoned"
             );
             seen.front += expected.front;
             seen.on += expected.on;

@@ -1,48 +1,49 @@
-//! Planes of polygons, and on which side of one a polygon lies.
+//! Splitting planes, and classification of polygons by their side.
 //!
-//! The plane is the one that is stored, rounded as it is: building, cutting and walking ask the same numbers, so they
-//! cannot disagree far away, where the plane of a sliver has left the sliver's neighbours. What is within `ROUNDING`
-//! of it counts as on it: by then the sign of a height in f64 is certain, as its error is at most 8 · 2⁻⁵³ of the
-//! greatest coordinate (three products, three sums, a normal of length 1), corners that were made by a cut are as
-//! near to their plane, and the splitter's own corners too. So no exact arithmetic is needed.
+//! Building, cutting and traversal evaluate the same stored (rounded) plane, so that they cannot disagree far away,
+//! where the plane of a sliver has departed from the sliver's neighbours. Points within `ROUNDING` of the plane count
+//! as on it. Beyond that the sign of a height in f64 is certain: its error is at most 8 · 2⁻⁵³ of the maximum
+//! coordinate (three products, three sums, a normal of length 1), and corners made by a cut, like the splitter's own
+//! corners, are as near to their plane. So no exact arithmetic is needed.
 //! Cost: O(corners).
 
 use crate::geom::cross::{cross, edge};
 use glam::DVec3;
 
-/// What counts as on a plane, as a part of the greatest coordinate: 32 units in the last place, some four times what
-/// rounding can do.
+/// Thickness of a plane relative to the maximum coordinate: 32 units in the last place, about four times the maximum
+/// rounding error.
 pub(super) const ROUNDING: f64 = 32.0 / (1_u64 << 53) as f64;
 
-/// The points p with normal·p = offset. The normal has length 1, up to rounding.
+/// The points p with normal · p = offset. The normal has length 1, up to rounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Plane {
     pub(super) normal: DVec3,
     pub(super) offset: f64,
 }
 
-/// A plane that may become that of a node.
+/// A candidate for the splitting plane of a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Splitter {
     pub(super) plane: Plane,
-    /// What is no farther off counts as on it: rounding, or how far the polygon's own corners are off.
+    /// Points within this distance count as on the plane: the rounding error, or the deviation of the polygon's own
+    /// corners.
     pub(super) band: f64,
-    /// The polygon it is the plane of; none if it is across an axis.
+    /// The polygon whose plane this is; `None` for a free plane.
     pub(super) polygon: Option<u32>,
 }
 
-/// Where a polygon lies.
+/// Side of a plane that a polygon is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Side {
     Front,
     Back,
     On,
-    /// It has corners on both sides.
+    /// The polygon has corners on both sides.
     Both,
 }
 
 impl Plane {
-    /// Where `axis` (0 x, 1 y, 2 z) is `at`.
+    /// Returns the axis-aligned plane where coordinate `axis` (0 x, 1 y, 2 z) equals `at`.
     pub(super) fn across(axis: usize, at: f64) -> Plane {
         Plane {
             normal: DVec3::AXES[axis],
@@ -50,7 +51,7 @@ impl Plane {
         }
     }
 
-    /// How far a point is in front.
+    /// Returns the signed distance of a point; positive in front.
     #[inline(always)]
     pub(super) fn height(&self, point: DVec3) -> f64 {
         self.normal.dot(point) - self.offset
@@ -58,7 +59,8 @@ impl Plane {
 }
 
 impl Splitter {
-    /// The plane of a polygon; none if that is so thin that rounding (`band`) may have turned it anyhow.
+    /// Returns the plane of a polygon; `None` if the polygon is so thin that rounding (`band`) may have tilted the
+    /// plane arbitrarily.
     pub(super) fn of(polygon: u32, corners: &[DVec3], band: f64) -> Option<Splitter> {
         let first = corners[0];
         let [mut area, mut sum] = [DVec3::ZERO; 2];
@@ -79,7 +81,8 @@ impl Splitter {
                 normal,
                 offset: normal.dot(first + sum / corners.len() as f64),
             };
-            // Four corners in f32 are never quite in one plane: what is as near to it as they are is in it too.
+            // Four f32 corners are never exactly coplanar. Whatever is as near to the plane as they are counts as on
+            // it.
             let off = corners.iter().map(|&corner| plane.height(corner).abs());
             Splitter {
                 plane,
@@ -89,7 +92,7 @@ impl Splitter {
         })
     }
 
-    /// Where a polygon lies; `band` is what counts as on the plane, here and where the polygon is cut.
+    /// Classifies a polygon. Corners within `band` count as on the plane, as they do when the polygon is cut.
     #[inline(always)]
     pub(super) fn side(&self, corners: &[DVec3], band: f64) -> Side {
         let [mut low, mut high] = [0.0_f64; 2];
@@ -122,7 +125,7 @@ mod tests {
         assert_eq!(of([[1.0; 3]; 3]), None);
         assert_eq!(of([[0.0; 3], [1.0; 3], [3.0; 3]]), None);
         assert_eq!(of([[0.0; 3]; 3]), None);
-        // A needle of 1 : 10¹⁵ may point anywhere.
+        // A needle of 1 : 10¹⁵ may have any normal.
         assert_eq!(of([[0.0; 3], [1.0, 0.0, 0.0], [0.5, 1e-15, 0.0]]), None);
         assert!(of([[0.0; 3], [1.0, 0.0, 0.0], [0.5, 1e-9, 0.0]]).is_some());
     }
@@ -136,7 +139,7 @@ mod tests {
             assert_eq!(
                 splitter.band,
                 ROUNDING * 1.3 * scale,
-                "no corner is farther off than that"
+                "no corner deviates by more than rounding"
             );
         }
     }

@@ -1,18 +1,18 @@
-//! Polygons at work while a tree is built, and how a plane cuts one in two.
+//! Clipping of polygons during BSP construction.
 //!
-//! Each edge knows which node's plane made it. A cut that is no edge any more is no cut of the piece: dropping it can
-//! only make the piece larger, so that no gap opens between the halves.
-//! Source: Sutherland, Hodgman. Reentrant Polygon Clipping. 1974; done for both sides at once.
+//! Each edge records the node whose plane made it. A cut that no longer forms an edge is dropped from the piece, which
+//! can only make the piece larger, so that no gap opens between the halves.
+//! Source: Sutherland, Hodgman. Reentrant Polygon Clipping. 1974; for both sides at once.
 //! Cost: O(corners).
-//! No half is ever lost: each has a corner farther off the plane than what counts as on it.
+//! No half is lost: each has a corner farther from the plane than the band that counts as on it.
 
 use super::side::Plane;
 use glam::DVec3;
 use std::num::NonZeroU32;
 
-/// A polygon, or what is left of one: a run of the arena's corners.
+/// A polygon or what clipping has left of it: a run of corners in the arena.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Working {
+pub(super) struct ClipPolygon {
     pub(super) polygon: u32,
     first: u32,
     count: u32,
@@ -36,26 +36,26 @@ impl Cut {
     }
 }
 
-/// The corners of all polygons at work.
+/// Corners of all pending polygons.
 #[derive(Default)]
 pub(super) struct Arena {
     corners: Vec<DVec3>,
-    /// What made the edge that begins at each corner; `None`: the polygon was born with it.
+    /// The cut that made the edge beginning at each corner; `None` for an edge of the input polygon.
     made_by: Vec<Option<Cut>>,
     heights: Vec<f64>,
 }
 
 impl Arena {
-    /// Takes in a polygon as it was born.
-    pub(super) fn add(&mut self, polygon: u32, corners: impl IntoIterator<Item = DVec3>) -> Working {
+    /// Adds an input polygon.
+    pub(super) fn add(&mut self, polygon: u32, corners: impl IntoIterator<Item = DVec3>) -> ClipPolygon {
         let first = self.corners.len() as u32;
         self.corners.extend(corners);
         self.made_by.resize(self.corners.len(), None);
         self.since(polygon, first)
     }
 
-    /// Takes in a polygon of another arena as it is there.
-    pub(super) fn copy(&mut self, from: &Arena, of: &Working) -> Working {
+    /// Copies a polygon from another arena.
+    pub(super) fn copy(&mut self, from: &Arena, of: &ClipPolygon) -> ClipPolygon {
         let first = self.corners.len() as u32;
         self.corners.extend_from_slice(from.corners(of));
         let run = of.first as usize..(of.first + of.count) as usize;
@@ -63,32 +63,32 @@ impl Arena {
         self.since(of.polygon, first)
     }
 
-    pub(super) fn corners(&self, of: &Working) -> &[DVec3] {
+    pub(super) fn corners(&self, of: &ClipPolygon) -> &[DVec3] {
         &self.corners[of.first as usize..(of.first + of.count) as usize]
     }
 
-    /// The cuts that are edges.
-    pub(super) fn cuts(&self, of: &Working) -> impl Iterator<Item = Cut> {
+    /// Returns the cuts that form edges of the polygon.
+    pub(super) fn cuts(&self, of: &ClipPolygon) -> impl Iterator<Item = Cut> {
         self.made_by[of.first as usize..(of.first + of.count) as usize]
             .iter()
             .copied()
             .flatten()
     }
 
-    /// How many corners there are; see [`Arena::forget`].
+    /// Returns the number of corners; see [`Arena::forget`].
     pub(super) fn len(&self) -> usize {
         self.corners.len()
     }
 
-    /// Drops all corners that were made since there were `len`.
+    /// Drops all corners added since there were `len`.
     pub(super) fn forget(&mut self, len: usize) {
         self.corners.truncate(len);
         self.made_by.truncate(len);
     }
 
-    /// Cuts a polygon with corners on both sides of the plane of `node`: what is in front, what is behind. Corners
-    /// within `band` belong to both.
-    pub(super) fn split(&mut self, whole: Working, plane: &Plane, band: f64, node: u32) -> [Working; 2] {
+    /// Splits a polygon that straddles the plane of `node`; returns the front and the back half. Corners within `band`
+    /// belong to both.
+    pub(super) fn split(&mut self, whole: ClipPolygon, plane: &Plane, band: f64, node: u32) -> [ClipPolygon; 2] {
         let mut heights = std::mem::take(&mut self.heights);
         heights.clear();
         heights.extend(self.corners(&whole).iter().map(|&corner| {
@@ -125,9 +125,9 @@ impl Arena {
         self.made_by.push(made_by);
     }
 
-    fn since(&self, polygon: u32, first: u32) -> Working {
+    fn since(&self, polygon: u32, first: u32) -> ClipPolygon {
         let count = self.corners.len() as u32 - first;
-        Working {
+        ClipPolygon {
             polygon,
             first,
             count,
@@ -135,8 +135,8 @@ impl Arena {
     }
 }
 
-/// Where an edge meets a plane. Reckoned from the nearer end whichever way the edge runs, so that both halves, and
-/// neighbours that share the edge, get the same bits.
+/// Returns the intersection of an edge with a plane. It is interpolated from the nearer end whichever way the edge
+/// runs, so that both halves, and neighbours that share the edge, get the same bits.
 fn crossing([a, b]: [DVec3; 2], [a_above, b_above]: [f64; 2]) -> DVec3 {
     let all = a_above - b_above;
     if a_above < -b_above {
@@ -152,7 +152,7 @@ fn crossing([a, b]: [DVec3; 2], [a_above, b_above]: [f64; 2]) -> DVec3 {
 mod tests {
     use super::*;
 
-    fn halves(corners: &[[f64; 3]], at: f64) -> (Arena, [Working; 2]) {
+    fn halves(corners: &[[f64; 3]], at: f64) -> (Arena, [ClipPolygon; 2]) {
         let mut arena = Arena::default();
         let whole = arena.add(7, corners.iter().map(|&c| DVec3::from(c)));
         let halves = arena.split(whole, &Plane::across(0, at), 1e-12, 3);
@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn both_halves_have_the_same_corners_on_the_cut_and_one_new_edge() {
         let (arena, [front, back]) = halves(&SQUARE, 1.0);
-        let on_cut = |half: &Working| {
+        let on_cut = |half: &ClipPolygon| {
             let mut on: Vec<_> = arena
                 .corners(half)
                 .iter()

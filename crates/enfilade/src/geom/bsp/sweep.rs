@@ -1,23 +1,23 @@
-//! Planes across the axes that leave about as much on one side as on the other and cut little.
+//! Axis-aligned splitting planes that balance both sides and cut few polygons.
 //!
-//! Such a plane takes no polygon out of its node, but in a large node it parts rooms that no wall's plane parts. All
-//! that touch a corner of the sample are scored, in one pass over the sorted ends of the polygons.
-//! Source: the sweep over events is that of kd-trees (MacDonald, Booth 1990; Wald, Havran 2006), the score the BSP's.
+//! Such a plane removes no polygon from its node, but in a large node it separates rooms that no wall's plane
+//! separates. One pass over the sorted ends of the sample's polygons scores every plane through one of their corners.
+//! Source: the event sweep of kd-trees (MacDonald, Booth 1990; Wald, Havran 2006) with the score of the BSP tree.
 //! Cost: O(n log n) for each axis.
-//! Each side gets fewer polygons than there are, so building ends.
+//! Each side gets fewer polygons than the node has, so building ends.
 
 use super::BspOptions;
-use super::score::{Scored, Tally};
+use super::score::{ScoredSplitter, Tally};
 use super::side::{Plane, Splitter};
 use glam::DVec3;
 
-/// The ends of a sample's polygons along each axis; kept for the next node.
+/// Intervals of the sample's polygons along each axis; buffers are reused from node to node.
 #[derive(Default)]
 pub(super) struct Sweep {
     spans: Vec<[DVec3; 2]>,
     lows: Vec<f64>,
     highs: Vec<f64>,
-    /// Where those lie that are in a plane across the axis.
+    /// Coordinates of the polygons that are in a plane perpendicular to the axis.
     flat: Vec<f64>,
 }
 
@@ -35,9 +35,9 @@ impl Sweep {
         self.spans.push([low, high]);
     }
 
-    /// The best plane.
-    pub(super) fn best(&mut self, options: &BspOptions, band: f64) -> Option<Scored> {
-        let mut best: Option<Scored> = None;
+    /// Returns the axis-aligned plane with the lowest score; `None` if none cuts few and separates anything.
+    pub(super) fn best(&mut self, options: &BspOptions, band: f64) -> Option<ScoredSplitter> {
+        let mut best: Option<ScoredSplitter> = None;
         for axis in 0..3 {
             self.sort(axis, band);
             self.each_plane(band, |at, tally| {
@@ -48,7 +48,7 @@ impl Sweep {
                         band,
                         polygon: None,
                     };
-                    best = Some(Scored {
+                    best = Some(ScoredSplitter {
                         score,
                         cut: tally.cut,
                         splitter,
@@ -93,9 +93,10 @@ impl Sweep {
             let ended = count(&self.highs, &mut ended, &|high| high - at <= band);
             let on = count(&self.flat, &mut flat_ended, &|v| v - at <= band)
                 - count(&self.flat, &mut flat_begun, &|v| v - at < -band);
-            // Neither side gets all. Not asked of the tally: for what is as thin as the band, that is only about right.
+            // Neither side may get all polygons. This is tested on exact counts: the tally is only approximate for
+            // polygons as thin as the band.
             if begun < all && ended > 0 {
-                // Behind or cut: all that have begun before the plane; behind or in it: all that have ended.
+                // Behind or cut: all polygons that begin before the plane. Behind or on: all that end before it.
                 let cut = (begun + on).saturating_sub(ended).min(begun);
                 let tally = Tally {
                     front: (all - begun).saturating_sub(on) as u32,
@@ -136,7 +137,7 @@ mod tests {
 
     #[test]
     fn polygons_thinner_than_the_band_that_reach_beyond_it_are_tallied_without_going_below_nothing() {
-        // At 0 two begin within the band and end beyond it: more lie in the plane than have ended.
+        // At 0, two polygons begin within the band and end beyond it: more are on the plane than have ended.
         let spans = [[-5.0, 0.0], [0.008, 0.016], [0.008, 0.016], [1.0, 2.0]];
         sweep(&spans).each_plane(0.01, |at, tally| {
             let parts = [tally.back, tally.cut, tally.on, tally.front];

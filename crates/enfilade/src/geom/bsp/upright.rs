@@ -1,18 +1,20 @@
-//! Planes that stand upright on the edges of polygons.
+//! Splitting planes through polygon edges, perpendicular to the polygon.
 //!
-//! Two polygons that nearly share a plane cut each other's, but such a plane parts them; so it does the two sides of a
-//! fold or a window frame. Like planes across axes, these take no polygon away.
-//! Source: ours; every tree that splits by more than the polygons' planes is a BSP tree in the sense of Fuchs et al.
-//! Cost: O(1) for each.
-//! Where an edge was made by a cut, the plane is as near to it as any splitter's to its corners.
+//! The planes of two nearly coplanar polygons cut the other polygon, but a plane through an edge separates them;
+//! likewise the two sides of a fold or of a window frame. Like axis-aligned planes, these remove no polygon from the
+//! node.
+//! Source: ours; every tree that also splits by other planes than the polygons' own is still a BSP tree in the sense of
+//!     Fuchs et al.
+//! Cost: O(1) for each plane.
+//! For an edge made by a cut, the plane is as near to the edge as any splitter is to its corners.
 
 use super::side::{Plane, Splitter};
-use super::split::{Arena, Working};
+use super::split::{Arena, ClipPolygon};
 
-/// The planes upright on the edges of a polygon whose own plane is `splitter`'s. None on an edge that is so short that
-/// rounding (`band`) may have turned it.
-pub(super) fn on_edges(
-    of: &Working,
+/// Returns the planes through the edges of a polygon, perpendicular to its own plane (`splitter`). Edges so short that
+/// rounding (`band`) may have turned them are skipped.
+pub(super) fn planes_through_edges(
+    of: &ClipPolygon,
     arena: &Arena,
     splitter: &Splitter,
     band: f64,
@@ -47,10 +49,10 @@ mod tests {
         let corners = [[0.1, 0.2, 0.3], [2.0, 0.5, 0.1], [2.1, 1.5, 0.7], [0.2, 1.2, 0.9]].map(DVec3::from);
         let band = 1e-12;
         let mut arena = Arena::default();
-        // The second corner is there twice: no plane stands on an edge without length.
+        // The second corner occurs twice: an edge without length has no plane.
         let working = arena.add(0, [0, 1, 1, 2].map(|place| corners[place]));
         let splitter = Splitter::of(0, arena.corners(&working), band).expect("it has an area");
-        let planes: Vec<Splitter> = on_edges(&working, &arena, &splitter, band).collect();
+        let planes: Vec<Splitter> = planes_through_edges(&working, &arena, &splitter, band).collect();
         assert_eq!(planes.len(), 3);
         for plane in planes {
             assert_eq!(plane.side(arena.corners(&working), band), Side::Front);

@@ -1,77 +1,77 @@
-//! Builds a BVH top-down with a binned surface area heuristic (SAH), in O(n log n) for any boxes.
+//! Builds a BVH top-down with the binned surface area heuristic (SAH), in O(n log n) for any input.
 //!
-//! Idea: sort the box centers of a node into equal bins along x, y and z, and split between the two bins where area
-//!     times count, summed over both sides, is least; but set large boxes apart first where the rest then splits so much
-//!     better. Split by count where all centers coincide, and where the tree would get deeper than [`MAX_LEVELS`]:
-//!     coincident, nested or exponentially spaced boxes cannot make a list.
-//! Source: Wald, On Fast Construction of SAH-Based Bounding Volume Hierarchies, RT 2007, section 3; setting large boxes
-//!     apart is ours.
+//! Idea: distribute the AABB centres of a node over equal bins along x, y and z, and split between the two bins where
+//!     area times count, summed over both sides, is minimal. Large boxes are first separated from the rest if the rest
+//!     then splits at much lower cost. Split by count where all centres coincide, and where the tree would exceed
+//!     [`MAX_LEVELS`]: coincident, nested or exponentially spaced boxes cannot degenerate into a list.
+//! Source: Wald, On Fast Construction of SAH-Based Bounding Volume Hierarchies, RT 2007, section 3; separating large
+//!     boxes is ours.
 //! Cost: O(n) for each level, at most [`MAX_LEVELS`] levels, about log₂ n of them for real scenes.
-//! The same boxes give the same tree for any number of threads.
+//! Deterministic: the same boxes give the same tree for any number of threads.
 
 use super::Node;
 use crate::geom::Aabb;
 use crate::threads;
 use glam::{Vec3, Vec3A};
 
-/// Levels of a tree, at most. Splits by count alone need 33 for all things that a u32 can number.
+/// Maximum number of levels. Splits by count alone need 33 for as many primitives as a u32 can number.
 pub(super) const MAX_LEVELS: u32 = 40;
 
-/// Bins along each axis.
+/// Number of bins along each axis.
 const BINS: usize = 16;
 
-/// Boxes with a side longer than this part of their node's longest side may be set apart: on either side of a plane they
-/// would make the box as large as the node's.
+/// Boxes with a side longer than this fraction of the node's longest side may be separated from the rest: on either
+/// side of a plane they would make that side's AABB as large as the node's.
 const LARGE: f32 = 0.75;
 
-/// What it costs to test a node's children, where testing a thing costs 1.
+/// Cost of testing a node's children, relative to testing one primitive.
 const VISIT_COST: f64 = 2.0;
 
-/// Nodes of fewer things are built by one thread.
-const FEWEST_TO_SHARE: usize = 4096;
+/// Minimum number of primitives for building the two subtrees of a node in parallel.
+const MIN_TO_SHARE: usize = 4096;
 
-/// A thing and its box.
+/// A primitive and its AABB.
 #[derive(Clone, Copy)]
-pub(super) struct Boxed {
+pub(super) struct Primitive {
     pub(super) bounds: Aabb,
     pub(super) thing: u32,
 }
 
-/// A tree over boxes, sorted so that the things of each leaf are adjacent.
-pub(super) struct Built {
-    /// A leaf's `first` is an index into the sorted boxes, another node's `first` one into `pairs`.
+/// The finished tree; the input boxes are sorted so that the primitives of each leaf are adjacent.
+pub(super) struct BuiltTree {
+    /// In a leaf, `first` is an index into the sorted boxes; in an inner node, an index into `pairs`.
     pub(super) root: Node,
-    /// The children of each node; unused where a leaf holds several things.
+    /// Child pairs; unused entries belong to leaves with several primitives.
     pub(super) pairs: Vec<[Node; 2]>,
 }
 
-/// Builds a tree over boxes that are not empty, at least one, with at most `few` in a leaf, and sorts them.
-pub(super) fn build(boxes: &mut [Boxed], few: u32) -> Built {
+/// Builds a tree over at least one box, none of them empty, with at most `few` in a leaf; sorts the boxes.
+pub(super) fn build(boxes: &mut [Primitive], few: u32) -> BuiltTree {
     let mut pairs = vec![[Node::EMPTY; 2]; boxes.len() - 1];
-    let all = Part {
+    let all = Subtree {
         boxes,
         pairs: &mut pairs,
         start: 0,
         level: 1,
     };
     let root = all.build(few);
-    Built { root, pairs }
+    BuiltTree { root, pairs }
 }
 
-/// A node to be built. A split before box `i` of all has its children in `pairs[i - 1]`, so that the parts of a tree
+/// A subtree to be built. A split before box `i` of all boxes stores the children in `pairs[i - 1]`, so that subtrees
 /// know where their nodes go without knowing of each other.
-struct Part<'a> {
-    boxes: &'a mut [Boxed],
+struct Subtree<'a> {
+    boxes: &'a mut [Primitive],
     pairs: &'a mut [[Node; 2]],
-    /// Where the boxes, and the pairs, start among all.
+    /// Index of the first box, and of the first pair, among all.
     start: usize,
     level: u32,
 }
 
-impl Part<'_> {
-    /// Recurses at most [`MAX_LEVELS`] deep.
+impl Subtree<'_> {
+    /// Builds the subtree. Recurses at most [`MAX_LEVELS`] deep.
     fn build(self, few: u32) -> Node {
-        let Part {
+        let Subtree {
             boxes,
             pairs,
             start,
@@ -91,14 +91,14 @@ impl Part<'_> {
         let (below, rest) = pairs.split_at_mut(at - 1);
         let (own, above) = rest.split_at_mut(1);
         let [low, high] =
-            [(low, below, start), (high, above, start + at)].map(|(boxes, pairs, start)| Part {
+            [(low, below, start), (high, above, start + at)].map(|(boxes, pairs, start)| Subtree {
                 boxes,
                 pairs,
                 start,
                 level: level + 1,
             });
         let children: [Node; 2] =
-            threads::join(count >= FEWEST_TO_SHARE, || low.build(few), || high.build(few)).into();
+            threads::join(count >= MIN_TO_SHARE, || low.build(few), || high.build(few)).into();
         let bounds = children[0].bounds.union(&children[1].bounds);
         let are_leaves = children.iter().all(|child| child.things > 0);
         if are_leaves && count <= few as usize {
@@ -119,8 +119,9 @@ impl Part<'_> {
     }
 }
 
-/// Sorts boxes, at least two, into those of the first child and those of the second; returns where the latter start.
-fn split(boxes: &mut [Boxed], level: u32) -> usize {
+/// Partitions at least two boxes into those of the first and those of the second child; returns the index of the second
+/// child's first box.
+fn split(boxes: &mut [Primitive], level: u32) -> usize {
     if boxes.len() == 2 {
         return 1;
     }
@@ -133,16 +134,16 @@ fn split(boxes: &mut [Boxed], level: u32) -> usize {
     by_area.unwrap_or_else(|| halve(boxes))
 }
 
-/// Splits where it costs least: at a plane, or large boxes from small ones. `None` where no plane separates boxes.
-fn split_by_area(boxes: &mut [Boxed]) -> Option<usize> {
+/// Partitions at minimum SAH cost: by a plane, or large boxes from the rest. `None` if no plane separates boxes.
+fn split_by_area(boxes: &mut [Primitive]) -> Option<usize> {
     let plane = best_plane(boxes)?;
-    let whole = Held::of(boxes);
+    let whole = BoxSum::of(boxes);
     let limit = LARGE * (whole.high - whole.low).max_element();
     let large = partition(boxes, |one| one.bounds.longest_side() > limit);
     let (large_ones, rest) = boxes.split_at(large);
     if large > 0
         && let Some(below) = best_plane(rest)
-        && Held::of(large_ones).cost() + VISIT_COST as f32 * whole.area() + below.cost < plane.cost
+        && BoxSum::of(large_ones).cost() + VISIT_COST as f32 * whole.area() + below.cost < plane.cost
     {
         return Some(large);
     }
@@ -151,11 +152,12 @@ fn split_by_area(boxes: &mut [Boxed]) -> Option<usize> {
     }))
 }
 
-/// Splits into two halves by number: along the axis on which centers are farthest apart, or by size where all coincide.
-fn halve(boxes: &mut [Boxed]) -> usize {
+/// Partitions into halves of equal count: along the axis with the largest spread of centres, or by size if all centres
+/// coincide.
+fn halve(boxes: &mut [Primitive]) -> usize {
     let [low, high] = centers(boxes);
     let axis = (high - low).max_position();
-    let key = |one: &Boxed| {
+    let key = |one: &Primitive| {
         if low == high {
             one.bounds.half_area()
         } else {
@@ -167,8 +169,8 @@ fn halve(boxes: &mut [Boxed]) -> usize {
     half
 }
 
-/// Moves boxes to the front; returns how many.
-fn partition(boxes: &mut [Boxed], is_first: impl Fn(&Boxed) -> bool) -> usize {
+/// Moves the boxes that satisfy `is_first` to the front; returns their number.
+fn partition(boxes: &mut [Primitive], is_first: impl Fn(&Primitive) -> bool) -> usize {
     let mut count = 0;
     for i in 0..boxes.len() {
         if is_first(&boxes[i]) {
@@ -179,8 +181,8 @@ fn partition(boxes: &mut [Boxed], is_first: impl Fn(&Boxed) -> bool) -> usize {
     count
 }
 
-/// The corners of the box around all centers.
-fn centers(boxes: &[Boxed]) -> [Vec3; 2] {
+/// Returns the minimum and maximum corner of the AABB of all centres.
+fn centers(boxes: &[Primitive]) -> [Vec3; 2] {
     boxes
         .iter()
         .fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], one| {
@@ -201,15 +203,16 @@ struct Bins {
 }
 
 impl Bins {
-    /// The bins of a box. Where all centers have the same coordinate, or are too far apart for f32, all are in one.
+    /// Returns the bin of a box along each axis. If all centres share a coordinate, or are too far apart for f32, all
+    /// boxes are in one bin.
     fn of(&self, bounds: &Aabb) -> [usize; 3] {
-        // The cast saturates, and takes NaN to 0.
+        // The cast saturates and converts NaN to 0.
         let bins = (center(bounds) - self.low) * self.per_unit;
         bins.to_array().map(|bin| (bin as usize).min(BINS - 1))
     }
 }
 
-/// Splits boxes into those of lower bins on an axis and the others.
+/// A split between the boxes of lower bins on an axis and the others.
 struct Plane {
     /// Area times count, summed over both sides.
     cost: f32,
@@ -218,79 +221,79 @@ struct Plane {
     bin: usize,
 }
 
-/// Several boxes, and how many they are.
+/// AABB and number of several boxes.
 #[derive(Clone, Copy)]
-struct Held {
+struct BoxSum {
     low: Vec3A,
     high: Vec3A,
     count: u32,
 }
 
-impl Held {
-    const NONE: Held = Held {
+impl BoxSum {
+    const NONE: BoxSum = BoxSum {
         low: Vec3A::INFINITY,
         high: Vec3A::NEG_INFINITY,
         count: 0,
     };
 
-    fn of(boxes: &[Boxed]) -> Held {
-        let mut all = Held::NONE;
+    fn of(boxes: &[Primitive]) -> BoxSum {
+        let mut all = BoxSum::NONE;
         for one in boxes {
-            all.add(&Held::one(&one.bounds));
+            all.add(&BoxSum::one(&one.bounds));
         }
         all
     }
 
-    fn one(bounds: &Aabb) -> Held {
-        Held {
+    fn one(bounds: &Aabb) -> BoxSum {
+        BoxSum {
             low: bounds.min.into(),
             high: bounds.max.into(),
             count: 1,
         }
     }
 
-    fn add(&mut self, other: &Held) {
+    fn add(&mut self, other: &BoxSum) {
         self.low = self.low.min(other.low);
         self.high = self.high.max(other.high);
         self.count += other.count;
     }
 
-    /// Half the area of the box around them.
+    /// Returns half the surface area of the AABB.
     fn area(&self) -> f32 {
         let size = self.high - self.low;
         (size * Vec3A::new(size.y, size.z, size.x)).element_sum()
     }
 
-    /// Area times count.
+    /// Returns area times count.
     fn cost(&self) -> f32 {
         self.area() * self.count as f32
     }
 }
 
-/// The plane between two bins with the least SAH cost, of equal ones the most balanced; `None` where all boxes are in one
-/// bin along each axis.
-fn best_plane(boxes: &[Boxed]) -> Option<Plane> {
+/// Returns the split between two bins with the minimum SAH cost, the most balanced one among equals; `None` if all
+/// boxes are in one bin along each axis.
+fn best_plane(boxes: &[Primitive]) -> Option<Plane> {
     let [low, high] = centers(boxes);
     let bins = Bins {
         low,
         per_unit: BINS as f32 / (high - low),
     };
-    let mut held = [[Held::NONE; BINS]; 3];
-    for Boxed { bounds, .. } in boxes {
-        let one = Held::one(bounds);
+    let mut held = [[BoxSum::NONE; BINS]; 3];
+    for Primitive { bounds, .. } in boxes {
+        let one = BoxSum::one(bounds);
         for (held, bin) in held.iter_mut().zip(bins.of(bounds)) {
             held[bin].add(&one);
         }
     }
     let mut best: Option<(f32, u32, Plane)> = None;
     for (axis, held) in held.iter().enumerate() {
-        let mut above = [Held::NONE; BINS];
-        let mut sum = Held::NONE;
+        let mut above = [BoxSum::NONE; BINS];
+        let mut sum = BoxSum::NONE;
         for bin in (1..BINS).rev() {
             sum.add(&held[bin]);
             above[bin] = sum;
         }
-        let mut below = Held::NONE;
+        let mut below = BoxSum::NONE;
         for bin in 1..BINS {
             below.add(&held[bin - 1]);
             let above = &above[bin];

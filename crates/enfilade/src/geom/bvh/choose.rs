@@ -1,57 +1,58 @@
-//! Where in a tree of boxes a thing goes, and how the things of a leaf are parted.
+//! Chooses where to insert a primitive into a BVH, and how to split an overfull leaf.
 //!
-//! What counts is the areas of boxes, each as often as something is asked when it is entered: its two children, or its
-//! things. The cheaper child is looked into first, and a node not at all where no place below can cost less than one
-//! that was found.
-//! Source: Goldsmith, Salmon, Automatic Creation of Object Hierarchies for Ray Tracing, IEEE CG&A 1987 (the areas);
-//!     Bittner, Hapala, Havran, Fast Insertion-Based Optimization of Bounding Volume Hierarchies, CGF 2013 (the search).
-//! Cost: some sixty boxes for a place in ten thousand things, [`MAX_SEEN`] at most; O(things of a leaf · log) for parting
-//! them.
+//! The cost of a tree is the sum of its box areas, each weighted by the number of tests on entering the node: its two
+//! children, or its primitives. The search enters the cheaper child first and prunes subtrees that cannot contain a
+//! cheaper position than the best one found.
+//! Source: Goldsmith, Salmon, Automatic Creation of Object Hierarchies for Ray Tracing, IEEE CG&A 1987 (the cost);
+//!     Bittner, Hapala, Havran, Fast Insertion-Based Optimization of Bounding Volume Hierarchies, CGF 2013 (the
+//!     search).
+//! Cost: about sixty boxes tested for an insertion into ten thousand primitives, [`MAX_VISITED`] at most; O(leaf size ·
+//!     log) for a split.
 
 use super::Bvh;
 use crate::geom::Aabb;
 use smallvec::SmallVec;
 
-/// Nodes that are looked at for a place. So many are only where boxes lie all over each other, and then one place is about
-/// as good as another.
-const MAX_SEEN: u32 = 400;
+/// Maximum number of nodes visited in a search. More are reached only where boxes overlap heavily, and then all
+/// positions cost about the same.
+const MAX_VISITED: u32 = 400;
 
-/// Where a thing goes.
-pub(super) enum Goes {
-    /// Into a leaf, with its things.
+/// Position at which a primitive is inserted.
+pub(super) enum InsertPosition {
+    /// Into this leaf.
     Into(u32),
-    /// Into a leaf of its own, which stands beside this node.
+    /// Into a new leaf that becomes the sibling of this node.
     Beside(u32),
 }
 
 impl Bvh {
-    /// Where at or below a node a thing goes with the least cost.
-    pub(super) fn best_place(&self, thing: u32, now: &Aabb, top: u32) -> Goes {
-        // At least so much it costs everywhere: it is asked when its leaf is entered.
+    /// Returns the position in the subtree of `top` that adds the minimum cost.
+    pub(super) fn best_position(&self, thing: u32, now: &Aabb, top: u32) -> InsertPosition {
+        // Lower bound of the cost anywhere: the primitive is tested whenever its leaf is entered.
         let own = now.half_area();
         let mut least = f64::INFINITY;
-        let mut best = Goes::Beside(top);
-        // Nodes, and by how much the cost of all above them grows.
-        let mut waiting: SmallVec<[(u32, f64); 32]> = SmallVec::new();
-        waiting.push((top, 0.0));
-        let mut seen = 0;
-        while let Some((node, above)) = waiting.pop() {
-            if above + own >= least || seen == MAX_SEEN {
+        let mut best = InsertPosition::Beside(top);
+        // Nodes, and the cost added to all their ancestors.
+        let mut pending: SmallVec<[(u32, f64); 32]> = SmallVec::new();
+        pending.push((top, 0.0));
+        let mut visited = 0;
+        while let Some((node, above)) = pending.pop() {
+            if above + own >= least || visited == MAX_VISITED {
                 continue;
             }
-            seen += 1;
+            visited += 1;
             let grown = self.bounds(node).union(now).half_area();
-            // A new node takes its place, and has it and a leaf for the thing as children.
+            // A new inner node replaces this one, with it and a leaf for the primitive as its children.
             let beside = above + 2.0 * grown + own;
             if beside < least {
                 least = beside;
-                best = Goes::Beside(node);
+                best = InsertPosition::Beside(node);
             }
             let after = above + self.growth(node, grown);
             if self.nodes[node as usize].things != 0 {
                 if after < least {
                     least = after;
-                    best = Goes::Into(node);
+                    best = InsertPosition::Into(node);
                 }
                 continue;
             }
@@ -60,18 +61,19 @@ impl Bvh {
                 let held = self.bounds(child);
                 held.union(now).half_area() - held.half_area()
             });
-            // Of two children that cost the same the thing's number chooses: in a crowd of things in one place each would
-            // else go the same way, and the tree would be a list.
-            let coin = thing.wrapping_mul(0x9E37_79B9).rotate_left(seen) & 1 == 1;
+            // Ties are broken by a hash of the primitive's number: otherwise many coincident primitives would all take
+            // the same path and the tree would degenerate into a list.
+            let coin = thing.wrapping_mul(0x9E37_79B9).rotate_left(visited) & 1 == 1;
             let right_first = right < left || right == left && coin;
             let near = children.start + u32::from(right_first);
             let far = children.start + u32::from(!right_first);
-            waiting.extend([(far, after), (near, after)]);
+            pending.extend([(far, after), (near, after)]);
         }
         best
     }
 
-    /// How much the cost of a node grows, without what is below it, when its area does and a thing goes into it.
+    /// Returns the cost added to a node itself, not to its subtree, when its area becomes `grown` and a primitive is
+    /// added.
     fn growth(&self, node: u32, grown: f64) -> f64 {
         let area = self.bounds(node).half_area();
         match self.nodes[node as usize].things {
@@ -81,8 +83,8 @@ impl Bvh {
     }
 }
 
-/// Parts things, at least two, where both sides together cost least; gives how many come before the cut.
-pub(super) fn part(things: &mut [u32], boxes: &impl Fn(u32) -> Aabb) -> usize {
+/// Sorts at least two primitives into two groups at minimum cost; returns the size of the first group.
+pub(super) fn split_leaf(things: &mut [u32], boxes: &impl Fn(u32) -> Aabb) -> usize {
     type Few<T> = SmallVec<[T; 8]>;
     let mut best: Option<(f64, usize, Few<u32>)> = None;
     for axis in 0..3 {
@@ -97,7 +99,7 @@ pub(super) fn part(things: &mut [u32], boxes: &impl Fn(u32) -> Aabb) -> usize {
         for cut in 1..things.len() {
             let rest = things.len() - cut;
             let cost = below[cut - 1] * cut as f64 + above[rest - 1] * rest as f64;
-            // Of cuts that cost the same the one nearest to the middle.
+            // Among cuts of equal cost, the most balanced one wins.
             let better = best.as_ref().is_none_or(|(least, at, _)| {
                 cost < *least || cost == *least && cut.abs_diff(rest) < at.abs_diff(things.len() - at)
             });

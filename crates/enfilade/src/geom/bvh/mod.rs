@@ -1,10 +1,10 @@
-//! Bounding volume hierarchy: numbered boxes in nested boxes, two nodes in each.
+//! Bounding volume hierarchy (BVH): a binary tree of AABBs over primitives.
 //!
-//! Each thing stands in one leaf, however large or small it is, so the tree is as small as what it holds, and boxes may
-//! overlap.
-//! Source: see `build.rs` for building, `movable.rs` for changes.
-//! Cost: building O(n log n) for any boxes.
-//! A node's box holds all of what stands in it and below it, so a hidden node hides only hidden things.
+//! Each primitive is in one leaf, whatever its size, so the tree is linear in the number of primitives; sibling boxes
+//! may overlap.
+//! Source: for building see `build.rs`, for incremental changes `movable.rs`.
+//! Cost: building O(n log n) for any input.
+//! A node's AABB contains every primitive of its subtree, so culling a hidden node culls only hidden primitives.
 
 mod build;
 mod choose;
@@ -13,64 +13,67 @@ mod movable;
 mod tests;
 
 use crate::geom::Aabb;
-use build::{Boxed, Built, build};
+use build::{Primitive, BuiltTree, build};
 use smallvec::SmallVec;
 use std::ops::Range;
 
-/// A tree over numbered boxes, stored as flat arrays.
+/// Bounding volume hierarchy over indexed AABBs, stored in flat arrays.
+///
+/// A primitive ("thing") is an index into the array of AABBs that the tree was built over.
+#[doc(alias = "bounding volume hierarchy")]
 #[derive(Clone, Debug)]
 pub struct Bvh {
-    /// The root comes first; the two children of a node stand side by side.
+    /// The root is node 0; the two children of a node are adjacent.
     nodes: Vec<Node>,
-    /// Each leaf has a place for `few` things.
+    /// Primitives of all leaves; each leaf has `few` slots.
     things: Vec<u32>,
-    /// The parents of nodes 1 and 2, of nodes 3 and 4, and so on.
+    /// Parents of nodes 1 and 2, of nodes 3 and 4, and so on.
     parents: Vec<u32>,
-    /// The leaf of each thing; of a thing that stands nowhere, any number.
+    /// Leaf of each primitive; arbitrary for a primitive that is not in the tree.
     leaves: Vec<u32>,
-    /// First ones of pairs of nodes that nothing is in, and places of leaves that are no more.
-    spare_pairs: Vec<u32>,
-    spare_places: Vec<u32>,
+    /// First nodes of free pairs, and first slots of removed leaves.
+    free_pairs: Vec<u32>,
+    free_slots: Vec<u32>,
     few: u32,
-    /// How many things it holds.
+    /// Number of primitives in the tree.
     count: usize,
-    /// Things put in, taken out and moved since the tree was last looked at as a whole.
+    /// Insertions, removals and moves since the last [`Bvh::tidy`] that evaluated the whole tree.
     changes: usize,
-    /// What it cost when it was built, by [`Bvh::cost_now`].
+    /// Cost when it was built; see [`Bvh::cost_now`].
     cost: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Node {
     bounds: Aabb,
-    /// The first child, or where the first thing is in [`Bvh::things`].
+    /// First child, or index of the first primitive in [`Bvh::things`].
     first: u32,
-    /// Things of a leaf; 0 where the node has children.
+    /// Number of primitives in a leaf; 0 in an inner node.
     things: u32,
 }
 
 impl Bvh {
-    /// Sorts things with the given boxes, numbered by their place, into leaves of at most `few`; empty boxes are left
-    /// out.
+    /// Builds a tree over AABBs with at most `few` primitives per leaf (at least 1). Primitives are numbered by their
+    /// index in `bounds`; empty AABBs are omitted. Takes O(n log n).
     pub fn build(bounds: &[Aabb], few: u32) -> Bvh {
         Bvh::over(bounds.len(), &|thing| bounds[thing as usize], few.max(1))
     }
 
-    /// As [`Bvh::build`], over the things below `count` that have a box.
+    /// Like [`Bvh::build`], over the primitives below `count` with a nonempty AABB.
     fn over(count: usize, boxes: &impl Fn(u32) -> Aabb, few: u32) -> Bvh {
-        let boxed = |thing| Boxed {
+        let boxed = |thing| Primitive {
             bounds: boxes(thing),
             thing,
         };
         let all = (0..count as u32).map(boxed);
-        let mut solid: Vec<Boxed> = all.filter(|one| !one.bounds.is_empty()).collect();
+        let mut solid: Vec<Primitive> = all.filter(|one| !one.bounds.is_empty()).collect();
         let mut tree = Bvh {
             nodes: Vec::new(),
             things: Vec::new(),
             parents: Vec::new(),
             leaves: vec![0; count],
-            spare_pairs: Vec::new(),
-            spare_places: Vec::new(),
+            free_pairs: Vec::new(),
+            free_slots: Vec::new(),
             few,
             count: solid.len(),
             changes: 0,
@@ -79,12 +82,12 @@ impl Bvh {
         if solid.is_empty() {
             return tree;
         }
-        let Built { root, pairs } = build(&mut solid, few);
+        let BuiltTree { root, pairs } = build(&mut solid, few);
         tree.nodes.reserve_exact(2 * pairs.len() + 1);
         tree.nodes.push(Node::EMPTY);
-        // Nodes of the builder, and where they go: it leaves gaps.
-        let mut waiting = vec![(root, 0)];
-        while let Some((built, node)) = waiting.pop() {
+        // Builder nodes and their final indices: the builder's array has gaps.
+        let mut pending = vec![(root, 0)];
+        while let Some((built, node)) = pending.pop() {
             let Node {
                 bounds,
                 first,
@@ -95,7 +98,7 @@ impl Bvh {
             if things == 0 {
                 let pair = tree.pair();
                 tree.make_inner(node, pair);
-                waiting.extend([1, 0].map(|child| (pairs[first][child], pair + child as u32)));
+                pending.extend([1, 0].map(|child| (pairs[first][child], pair + child as u32)));
             } else {
                 let held = solid[first..first + things as usize].iter();
                 let held: SmallVec<[u32; 8]> = held.map(|one| one.thing).collect();
@@ -108,23 +111,23 @@ impl Bvh {
         tree
     }
 
-    /// The number of the root; `None` where the tree holds nothing.
+    /// Returns the root node; `None` if the tree is empty.
     pub fn root(&self) -> Option<u32> {
         (self.count > 0).then_some(0)
     }
 
-    /// The box of a node.
+    /// Returns the AABB of a node.
     pub fn bounds(&self, node: u32) -> &Aabb {
         &self.nodes[node as usize].bounds
     }
 
-    /// The numbers of a node's children.
+    /// Returns the children of a node: two node numbers, or none for a leaf.
     pub fn children(&self, node: u32) -> Range<u32> {
         let Node { first, things, .. } = self.nodes[node as usize];
         if things == 0 { first..first + 2 } else { 0..0 }
     }
 
-    /// The things that stand in a leaf; none in a node that has children.
+    /// Returns the primitives of a leaf; empty for an inner node.
     pub fn things(&self, node: u32) -> &[u32] {
         let Node { first, things, .. } = self.nodes[node as usize];
         if things == 0 {
@@ -133,52 +136,53 @@ impl Bvh {
         &self.things[first as usize..(first + things) as usize]
     }
 
-    /// Memory in bytes.
+    /// Returns the memory in use, in bytes.
     pub fn bytes(&self) -> u64 {
         let numbers = [
             &self.things,
             &self.parents,
             &self.leaves,
-            &self.spare_pairs,
-            &self.spare_places,
+            &self.free_pairs,
+            &self.free_slots,
         ];
         let numbers: usize = numbers.into_iter().map(|list| size_of_val(&**list)).sum();
         (size_of_val(&*self.nodes) + numbers) as u64
     }
 
-    /// At most how many bytes building a tree over so many things takes, with leaves of at most `few`.
+    /// Returns the maximum number of bytes, temporary memory included, for building a tree over `things` primitives
+    /// with leaves of at most `few`.
     pub fn most_bytes(things: usize, few: u32) -> u64 {
-        // While it is built: boxes and the builder's nodes; and our own nodes with their links and places of leaves.
-        let theirs = size_of::<Boxed>() + size_of::<[Node; 2]>();
-        let ours = 2 * size_of::<Node>() + (3 + few as usize) * size_of::<u32>();
-        (things * (theirs + ours)) as u64
+        // During building: boxes and the builder's nodes, and the final nodes with their parents and leaf slots.
+        let builder_bytes = size_of::<Primitive>() + size_of::<[Node; 2]>();
+        let tree_bytes = 2 * size_of::<Node>() + (3 + few as usize) * size_of::<u32>();
+        (things * (builder_bytes + tree_bytes)) as u64
     }
 
-    /// Makes a box as large as what it holds.
+    /// Refits a node's AABB to its primitives and children.
     fn fit(&mut self, node: u32, boxes: &impl Fn(u32) -> Aabb) {
         let own = self.things(node).iter().map(|&thing| boxes(thing));
         let below = self.children(node).map(|child| *self.bounds(child));
         self.nodes[node as usize].bounds = own.chain(below).fold(Aabb::EMPTY, |sum, held| sum.union(&held));
     }
 
-    /// Room for two nodes side by side.
+    /// Allocates two adjacent nodes.
     fn pair(&mut self) -> u32 {
-        self.spare_pairs.pop().unwrap_or_else(|| {
+        self.free_pairs.pop().unwrap_or_else(|| {
             self.nodes.extend([Node::EMPTY; 2]);
             self.parents.push(0);
             self.nodes.len() as u32 - 2
         })
     }
 
-    /// Room for the things of a leaf.
-    fn place(&mut self) -> u32 {
-        self.spare_places.pop().unwrap_or_else(|| {
+    /// Allocates the slots of a leaf.
+    fn leaf_slots(&mut self) -> u32 {
+        self.free_slots.pop().unwrap_or_else(|| {
             self.things.resize(self.things.len() + self.few as usize, 0);
             self.things.len() as u32 - self.few
         })
     }
 
-    /// Tells what hangs below a node where it hangs.
+    /// Updates the parent of a node's children, and the leaf of its primitives, after the node has moved.
     fn relink(&mut self, node: u32) {
         let Node { first, things, .. } = self.nodes[node as usize];
         if things == 0 {
@@ -190,14 +194,15 @@ impl Bvh {
         }
     }
 
-    /// The areas of all boxes, each as often as something is asked when it is entered, in parts of the whole's.
+    /// Returns the SAH cost: the sum of box areas weighted by the number of children and primitives, relative to the
+    /// root's area.
     fn cost_now(&self) -> f64 {
-        let mut waiting: Vec<u32> = self.root().into_iter().collect();
+        let mut pending: Vec<u32> = self.root().into_iter().collect();
         let mut cost = 0.0;
-        while let Some(node) = waiting.pop() {
+        while let Some(node) = pending.pop() {
             cost +=
                 self.bounds(node).half_area() * (self.children(node).len() + self.things(node).len()) as f64;
-            waiting.extend(self.children(node));
+            pending.extend(self.children(node));
         }
         cost / self.root().map_or(1.0, |root| self.bounds(root).half_area())
     }
@@ -211,7 +216,7 @@ impl Node {
     };
 }
 
-/// The place in [`Bvh::parents`] of a node that is not the root.
+/// Returns the index in [`Bvh::parents`] for a node other than the root.
 fn pair_of(node: u32) -> usize {
     (node as usize - 1) / 2
 }

@@ -1,40 +1,42 @@
-//! Putting things into nested boxes, taking them out, and moving them, without building the tree anew.
+//! Incremental insertion, removal and movement of primitives in a BVH.
 //!
-//! A thing that leaves the box of its leaf is taken out and put in again where it costs least; leaves that hold few
-//! become one, and on the way up neighbours change places where that makes boxes smaller. That keeps the tree about as
-//! good as a new one, so it is built anew only where that was not enough.
-//! Source: Catto, Dynamic Bounding Volume Hierarchies, GDC 2019 (what takes whose place); Kopta, Ize, Spjut, Brunvand,
-//!     Davis, Kensler, Fast, Effective BVH Updates for Animated Scenes, I3D 2012 (nodes that change places).
-//! Cost: O(depth) for a thing that stays in its leaf, and a search for a place ([`super::choose`]) for one that does not.
-//! Boxes are as tight as after building, so nothing is met that need not be.
+//! A primitive that leaves its leaf's AABB is removed and inserted again where that costs least. Leaves with few
+//! primitives are merged, and on the way up tree rotations reduce the area of boxes. That keeps the tree about as good
+//! as a rebuilt one; it is rebuilt only if that was not enough.
+//! Source: Catto, Dynamic Bounding Volume Hierarchies, GDC 2019 (removal by the sibling); Kopta, Ize, Spjut, Brunvand,
+//!     Davis, Kensler, Fast, Effective BVH Updates for Animated Scenes, I3D 2012 (rotations).
+//! Cost: O(depth) for a primitive that stays in its leaf, plus a search for the best position ([`super::choose`]) for
+//!     one that does not.
+//! Boxes are refitted as tightly as after building, so traversal tests no more nodes than necessary.
 
-use super::choose::{Goes, part};
+use super::choose::{InsertPosition, split_leaf};
 use super::{Bvh, Node, pair_of};
 use crate::geom::Aabb;
 use smallvec::SmallVec;
 
-/// A tree is built anew when its cost is so many times that which it had when it was built. A world that spreads out costs
-/// more, and a new tree over it does not cost less: trees in which everything has come and gone ten times were found to
-/// cost within a twentieth of new ones. So this is for what nobody thought of.
-const WORSE: f64 = 2.0;
+/// The tree is rebuilt when its cost exceeds this multiple of its cost after building. A scene that spreads out has a
+/// higher cost, and a rebuilt tree over it has the same: trees in which every primitive was removed and inserted ten
+/// times cost within 5 % of rebuilt ones. This is a safeguard against unforeseen cases.
+const MAX_COST_RATIO: f64 = 2.0;
 
-/// Every so many changes a thing is put in anew though it could stay in its leaf. All things of a leaf can drift apart
-/// or away from it so slowly that none ever leaves its box.
-const PATIENCE: usize = 16;
+/// One in this many changes reinserts the primitive although it could stay in its leaf. All primitives of a leaf can
+/// drift apart, or away from it, so slowly that none ever leaves its box.
+const REINSERT_PERIOD: usize = 16;
 
-/// A thing stays in its leaf if the box need not grow to more than so many times its area.
-const MAY_GROW: f64 = 1.5;
+/// A primitive stays in its leaf if the leaf's area grows by at most this factor.
+const MAX_GROWTH: f64 = 1.5;
 
-/// A place is looked for below the node that stands so many levels above the first whose box is large enough. Boxes
-/// overlap, and the best place may be in a neighbour of that node.
+/// The search for a position starts this many levels above the lowest ancestor whose AABB contains the new box. Boxes
+/// overlap, and the best position may be in a neighbouring subtree.
 const LEVELS_ABOVE: u32 = 3;
 
 impl Bvh {
-    /// Puts in a thing that did not stand in it. `boxes` tells the boxes as they are now, of all things; one that is
-    /// empty stands nowhere. Other things whose boxes have changed may still wait to be shifted.
+    /// Inserts primitive `thing`, which must not be in the tree. `boxes` returns the current AABB of any primitive; a
+    /// primitive with an empty one is not inserted. Other primitives whose AABBs have changed may still have to be
+    /// shifted.
     ///
-    /// `touched` gets the nodes of which something has changed, and all those above them; of one that is there twice
-    /// the last counts: then its children come before it.
+    /// All changed nodes and their ancestors are appended to `touched`. If a node occurs twice the last occurrence
+    /// counts: its children come before it.
     pub(super) fn insert(&mut self, thing: u32, boxes: &impl Fn(u32) -> Aabb, touched: &mut Vec<u32>) {
         let now = boxes(thing);
         if now.is_empty() {
@@ -48,7 +50,7 @@ impl Bvh {
         if self.count > 1 {
             return self.put(thing, 0, boxes, touched);
         }
-        for list in [&mut self.parents, &mut self.spare_pairs] {
+        for list in [&mut self.parents, &mut self.free_pairs] {
             list.clear();
         }
         self.nodes.clear();
@@ -57,7 +59,7 @@ impl Bvh {
         touched.push(0);
     }
 
-    /// Takes out a thing that stands in a leaf. The rest as for [`Bvh::insert`].
+    /// Removes a primitive from its leaf. Other arguments as for [`Bvh::insert`].
     fn remove(&mut self, thing: u32, leaf: u32, boxes: &impl Fn(u32) -> Aabb, touched: &mut Vec<u32>) {
         self.changes += 1;
         self.count -= 1;
@@ -66,8 +68,8 @@ impl Bvh {
         }
     }
 
-    /// Moves a thing from where its box `was` to where it is now: from nowhere, or to nowhere, where that is empty. The rest
-    /// as for [`Bvh::insert`].
+    /// Moves a primitive from its old AABB `was` to its current one. An empty old AABB inserts it, an empty current one
+    /// removes it. Other arguments as for [`Bvh::insert`].
     pub(crate) fn shift(
         &mut self,
         thing: u32,
@@ -76,7 +78,7 @@ impl Bvh {
         touched: &mut Vec<u32>,
     ) {
         let now = boxes(thing);
-        // What stood nowhere may be remembered in a leaf that is none of its own any more.
+        // For a primitive that was not in the tree, `leaves` may still name a leaf that is no longer its own.
         let leaf = self.leaf_of(thing).filter(|_| !was.is_empty());
         let Some(leaf) = leaf else {
             return self.insert(thing, boxes, touched);
@@ -87,7 +89,7 @@ impl Bvh {
         let held = *self.bounds(leaf);
         self.changes += 1;
         let grown = held.union(&now).half_area();
-        let stays = !self.changes.is_multiple_of(PATIENCE) && grown <= MAY_GROW * held.half_area();
+        let stays = !self.changes.is_multiple_of(REINSERT_PERIOD) && grown <= MAX_GROWTH * held.half_area();
         if stays || self.count == 1 {
             self.nodes[leaf as usize].bounds = held.union(&now);
             return self.climb(leaf, leaf, boxes, touched);
@@ -95,8 +97,8 @@ impl Bvh {
         let Some(mut top) = self.take(thing, leaf, touched) else {
             return;
         };
-        // Most go a short way, and belong near to where they were. The box that is large enough may be so for the sake
-        // of the thing as it was; it is put right on the way back.
+        // Most primitives move a short way and belong near their old position. An ancestor's AABB may be large enough
+        // only because of the primitive's old box; it is refitted on the way back up.
         let mut above = 0;
         while let Some(parent) = self.parent(top) {
             let held = self.bounds(top);
@@ -113,16 +115,16 @@ impl Bvh {
         self.put(thing, top, boxes, touched);
     }
 
-    /// Builds the tree anew where so much has changed that it may have become bad: when half of the things have, and
-    /// then only if it costs more than when it was built. Says whether; all nodes are new then.
+    /// Rebuilds the tree if it may have degraded: after changes to half of the primitives, and only if the tree costs
+    /// more than [`MAX_COST_RATIO`] times as much as after building. Returns `true` if it was rebuilt; then all nodes are new.
     ///
-    /// Things are numbered below `count`.
+    /// Primitives are numbered below `count`.
     pub(crate) fn tidy(&mut self, count: usize, boxes: &impl Fn(u32) -> Aabb) -> bool {
         if self.count == 0 || 2 * self.changes < self.count {
             return false;
         }
         self.changes = 0;
-        let worse = self.cost_now() > WORSE * self.cost;
+        let worse = self.cost_now() > MAX_COST_RATIO * self.cost;
         if worse {
             *self = Bvh::over(count, boxes, self.few);
         }
@@ -139,11 +141,11 @@ impl Bvh {
         (node != 0).then(|| self.parents[pair_of(node)])
     }
 
-    /// Puts a thing where it costs least at or below a node, whose box may be too large.
+    /// Inserts a primitive at the position of minimum cost in the subtree of `top`, whose AABB may be too large.
     fn put(&mut self, thing: u32, top: u32, boxes: &impl Fn(u32) -> Aabb, touched: &mut Vec<u32>) {
         let now = boxes(thing);
-        let from = match self.best_place(thing, &now, top) {
-            Goes::Into(leaf) => {
+        let from = match self.best_position(thing, &now, top) {
+            InsertPosition::Into(leaf) => {
                 let Node { first, things, .. } = self.nodes[leaf as usize];
                 self.nodes[leaf as usize].bounds = self.bounds(leaf).union(&now);
                 if things < self.few {
@@ -155,7 +157,7 @@ impl Bvh {
                 }
                 leaf
             }
-            Goes::Beside(node) => {
+            InsertPosition::Beside(node) => {
                 let pair = self.pair();
                 self.nodes[pair as usize] = self.nodes[node as usize];
                 self.relink(pair);
@@ -169,13 +171,13 @@ impl Bvh {
         self.climb(from, top, boxes, touched);
     }
 
-    /// Parts the things of a leaf, and one more.
+    /// Splits a full leaf and one more primitive into two leaves.
     fn split(&mut self, leaf: u32, thing: u32, boxes: &impl Fn(u32) -> Aabb, touched: &mut Vec<u32>) {
         let Node { first, bounds, .. } = self.nodes[leaf as usize];
         let mut all: SmallVec<[u32; 8]> = self.things(leaf).into();
         all.push(thing);
-        let cut = part(&mut all, boxes);
-        self.spare_places.push(first);
+        let cut = split_leaf(&mut all, boxes);
+        self.free_slots.push(first);
         let pair = self.pair();
         for (child, things) in [(pair, &all[..cut]), (pair + 1, &all[cut..])] {
             self.make_leaf(child, things, &bounds);
@@ -186,7 +188,7 @@ impl Bvh {
     }
 
     pub(super) fn make_leaf(&mut self, node: u32, things: &[u32], bounds: &Aabb) {
-        let first = self.place();
+        let first = self.leaf_slots();
         self.things[first as usize..first as usize + things.len()].copy_from_slice(things);
         self.nodes[node as usize] = Node {
             bounds: *bounds,
@@ -202,7 +204,8 @@ impl Bvh {
         self.relink(node);
     }
 
-    /// Takes a thing out of its leaf; gives the lowest node whose box may be too large now, if any is left.
+    /// Removes a primitive from its leaf. Returns the lowest node whose AABB may now be too large; `None` if the tree
+    /// is empty.
     fn take(&mut self, thing: u32, leaf: u32, touched: &mut Vec<u32>) -> Option<u32> {
         let Node { first, things, .. } = self.nodes[leaf as usize];
         if things > 1 {
@@ -212,20 +215,19 @@ impl Bvh {
             self.nodes[leaf as usize].things -= 1;
             return Some(leaf);
         }
-        self.spare_places.push(first);
+        self.free_slots.push(first);
         let parent = self.parent(leaf)?;
-        // The sibling takes the parent's place.
+        // The sibling replaces the parent.
         let pair = self.nodes[parent as usize].first;
         let sibling = pair + u32::from(leaf == pair);
         self.nodes[parent as usize] = self.nodes[sibling as usize];
         self.relink(parent);
-        self.spare_pairs.push(pair);
+        self.free_pairs.push(pair);
         touched.push(parent);
         Some(self.parent(parent).unwrap_or(parent))
     }
 
-    /// Makes the boxes of a node and all above it as large as what is in them. Above `top` that ends where nothing
-    /// changes.
+    /// Refits a node and its ancestors. Above `top` refitting stops once an AABB stays the same.
     fn climb(&mut self, from: u32, top: u32, boxes: &impl Fn(u32) -> Aabb, touched: &mut Vec<u32>) {
         let mut next = Some(from);
         let mut beyond = false;
@@ -235,7 +237,7 @@ impl Bvh {
                 let was = self.nodes[node as usize].bounds;
                 self.merge(node);
                 if !beyond {
-                    self.swap_places(node, touched);
+                    self.rotate(node, touched);
                 }
                 self.shrink(node, boxes);
                 changed = !beyond || self.nodes[node as usize].bounds != was;
@@ -246,8 +248,9 @@ impl Bvh {
         }
     }
 
-    /// Makes a box as small as what it holds. What is in a leaf and still waits to be shifted may be far away by now: it
-    /// does not make the box larger, or others would go where they should not, and is held when it has been shifted.
+    /// Shrinks a node's AABB to its content. Primitives of a leaf that still have to be shifted may be far away by now.
+    /// They must not enlarge the leaf's AABB, or others would be inserted in the wrong subtree; they are enclosed again
+    /// when they are shifted.
     fn shrink(&mut self, node: u32, boxes: &impl Fn(u32) -> Aabb) {
         let held = self.nodes[node as usize].bounds;
         self.fit(node, boxes);
@@ -258,7 +261,7 @@ impl Bvh {
         }
     }
 
-    /// Makes a node whose children are leaves one of their things, where these are few and it costs no more.
+    /// Merges two leaf children into their parent if their primitives fit into one leaf at no higher cost.
     fn merge(&mut self, node: u32) {
         let Node {
             first: pair, things, ..
@@ -279,8 +282,8 @@ impl Bvh {
         }
         let from = right.first as usize..(right.first + right.things) as usize;
         self.things.copy_within(from, (left.first + left.things) as usize);
-        self.spare_places.push(right.first);
-        self.spare_pairs.push(pair);
+        self.free_slots.push(right.first);
+        self.free_pairs.push(pair);
         self.nodes[node as usize] = Node {
             bounds,
             first: left.first,
@@ -289,9 +292,9 @@ impl Bvh {
         self.relink(node);
     }
 
-    /// Lets a child and a grandchild change places where that makes the other child's box smaller. Without this, things
-    /// that come one after the other along a row would make a list of nodes.
-    fn swap_places(&mut self, node: u32, touched: &mut Vec<u32>) {
+    /// Performs the tree rotation (child with grandchild) that shrinks the other child's AABB most. Without rotations,
+    /// primitives inserted along a row would make a list of nodes.
+    fn rotate(&mut self, node: u32, touched: &mut Vec<u32>) {
         let children = self.children(node);
         let mut most = 0.0;
         let mut best = None;

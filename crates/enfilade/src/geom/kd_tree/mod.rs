@@ -1,10 +1,11 @@
-//! kd-tree: boxes parted by planes across the axes, one after the other, met from near to far.
+//! kd-tree over AABBs: axis-aligned splitting planes, traversed front to back.
 //!
-//! A plane stands at the boundary of some thing's box, near the middle of the node's longest side, where it cuts the
-//! fewest things. What it cuts stands on both sides; each node's box is shrunk to what is in it.
+//! A plane is at the boundary of a primitive's AABB near the middle of the node's longest side, where it cuts the
+//! fewest primitives. A primitive that is cut is listed on both sides; each node's AABB is shrunk to its content.
 //! Source: Bittner, Havran, Slavík, Hierarchical Visibility Culling with Occlusion Trees, CGI 1998, section 4.
-//! Cost: building O(n log² n); memory O(n), as at most four numbers are kept for each thing.
-//! Every thing stands in leaves whose boxes together hold it whole, so hidden leaves hide only hidden parts.
+//! Cost: building O(n log² n); memory O(n), because leaves list at most four references per primitive on average.
+//! The AABBs of the leaves that list a primitive together contain all of it, so culling hidden leaves culls only hidden
+//! parts.
 
 mod movable;
 mod plane;
@@ -15,70 +16,73 @@ use crate::geom::Aabb;
 use crate::geom::runs::{Run, Runs};
 use plane::{Ends, Split, best_split};
 
-/// A tree over numbered boxes, stored as two flat arrays.
+/// kd-tree over indexed AABBs, stored in two flat arrays.
+///
+/// A primitive ("thing") is an index into the array of AABBs that the tree was built over.
 #[derive(Clone, Debug)]
 pub struct KdTree {
     nodes: Vec<Node>,
     things: Runs,
-    /// First ones of pairs of nodes that nothing is in.
-    spare_pairs: Vec<u32>,
-    /// Nodes that were split since the tree was last tidied; some may be others by now.
+    /// First nodes of free pairs.
+    free_pairs: Vec<u32>,
+    /// Nodes split since the last [`KdTree::tidy`]; some may have been reused since.
     new: Vec<u32>,
     few: usize,
-    /// How many things it holds.
+    /// Number of primitives in the tree.
     count: usize,
-    /// How often things stand in leaves, all together.
+    /// Total number of references to primitives in all leaves.
     held: usize,
-    /// Things put in, taken out and moved since the tree was last looked at as a whole.
+    /// Insertions, removals and moves since the last [`KdTree::tidy`] that evaluated the whole tree.
     changes: usize,
-    /// What it cost when it was built, by [`KdTree::cost_now`].
+    /// Cost when it was built; see [`KdTree::cost_now`].
     cost: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Node {
     bounds: Aabb,
-    holds: Holds,
+    contents: Contents,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Holds {
-    /// Two nodes that stand side by side: `low` below the plane where `axis` is `at`, `low + 1` above it.
+enum Contents {
+    /// Inner node with two adjacent children: `low` below the plane where coordinate `axis` equals `at`, `low + 1`
+    /// above it.
     Halves {
         axis: u8,
         at: f32,
         low: u32,
-        /// Was it split since the tree was last tidied?
+        /// Whether the node was split since the last [`KdTree::tidy`].
         new: bool,
     },
-    /// A leaf.
+    /// Leaf with its primitives.
     Things(Run),
 }
 
-/// One node that is still to be split.
+/// A leaf still to be split.
 struct Cell {
     node: u32,
     space: Aabb,
     members: Vec<u32>,
     depth: u32,
-    /// How many copies of things may still be made in it.
+    /// Number of copies of primitives that splitting may still make in it.
     spare: usize,
 }
 
-/// Nodes are not split further below this depth. Halves of about the same number need 30 for 10⁹ things.
-const GREATEST_DEPTH: u32 = 48;
+/// Maximum depth. Halves of about equal count need 30 levels for 10⁹ primitives.
+const MAX_DEPTH: u32 = 48;
 
-/// How often a thing may stand in leaves, in the mean.
+/// Maximum average number of leaves that list a primitive.
 const COPIES: usize = 4;
 
 impl KdTree {
-    /// Sorts things with the given boxes (numbered by their place in `bounds`; empty ones are left out) until a leaf
-    /// holds at most `few`, or no plane parts what it holds.
+    /// Builds a tree over AABBs. A leaf is split until it has at most `few` primitives or no plane separates them.
+    /// Primitives are numbered by their index in `bounds`; empty AABBs are omitted. Takes O(n log² n).
     pub fn build(bounds: &[Aabb], few: usize) -> KdTree {
         KdTree::over(bounds.len(), &|thing| bounds[thing as usize], few)
     }
 
-    /// As [`KdTree::build`], over the things below `count` that have a box.
+    /// Like [`KdTree::build`], over the primitives below `count` with a nonempty AABB.
     fn over(count: usize, boxes: &impl Fn(u32) -> Aabb, few: usize) -> KdTree {
         let members: Vec<u32> = (0..count as u32)
             .filter(|&thing| !boxes(thing).is_empty())
@@ -86,7 +90,7 @@ impl KdTree {
         let mut tree = KdTree {
             nodes: Vec::new(),
             things: Runs::default(),
-            spare_pairs: Vec::new(),
+            free_pairs: Vec::new(),
             new: Vec::new(),
             few,
             count: members.len(),
@@ -109,27 +113,27 @@ impl KdTree {
         };
         tree.split(root, boxes, &mut Vec::new());
         tree.nodes.shrink_to_fit();
-        tree.settled();
+        tree.mark_settled();
         tree.cost = tree.cost_now();
         tree
     }
 
-    /// Sorts things into a leaf without things, and below it; `made` gets the new nodes, parents first.
+    /// Splits an empty leaf recursively and distributes the primitives; appends the new nodes to `made`, parents first.
     fn split(&mut self, cell: Cell, boxes: &impl Fn(u32) -> Aabb, made: &mut Vec<u32>) {
-        // A stack, not recursion; both halves of a node are made together, so they stand side by side.
-        let mut waiting = vec![cell];
+        // A stack instead of recursion; both children are made together, so they are adjacent.
+        let mut pending = vec![cell];
         let mut ends = Ends::default();
-        while let Some(cell) = waiting.pop() {
-            self.settle(cell, boxes, &mut ends, &mut waiting, made);
+        while let Some(cell) = pending.pop() {
+            self.split_one(cell, boxes, &mut ends, &mut pending, made);
         }
     }
 
-    fn settle(
+    fn split_one(
         &mut self,
         cell: Cell,
         boxes: &impl Fn(u32) -> Aabb,
         ends: &mut Ends,
-        waiting: &mut Vec<Cell>,
+        pending: &mut Vec<Cell>,
         made: &mut Vec<u32>,
     ) {
         let Cell {
@@ -144,20 +148,20 @@ impl KdTree {
             .fold(Aabb::EMPTY, |sum, &thing| sum.union(&boxes(thing)));
         let space = held.intersection(&space);
         self.nodes[node as usize].bounds = space;
-        let split = if members.len() > self.few && depth < GREATEST_DEPTH && !space.is_empty() {
+        let split = if members.len() > self.few && depth < MAX_DEPTH && !space.is_empty() {
             best_split(&space, &members, boxes, ends).filter(|split| split.cuts <= spare)
         } else {
             None
         };
         let Some(Split { axis, at, cuts }) = split else {
             self.held += members.len();
-            self.nodes[node as usize].holds = Holds::Things(self.things.put(&members));
+            self.nodes[node as usize].contents = Contents::Things(self.things.put(&members));
             return;
         };
         let low = self.pair();
         self.new.push(node);
         made.extend([low, low + 1]);
-        self.nodes[node as usize].holds = Holds::Halves {
+        self.nodes[node as usize].contents = Contents::Halves {
             axis: axis as u8,
             at,
             low,
@@ -168,7 +172,8 @@ impl KdTree {
             let side = |&thing: &u32| sides(&boxes(thing), axis, at)[half];
             members.iter().copied().filter(side).collect()
         };
-        // What may still be copied is shared by how much there is to copy: a crowded corner cannot use it all up.
+        // The remaining copies are divided in proportion to the number of primitives, so that a crowded corner cannot
+        // use up all of them.
         let halves = [in_half(0), in_half(1)];
         let left = spare - cuts;
         let all = halves[0].len() + halves[1].len();
@@ -177,7 +182,7 @@ impl KdTree {
         for (half, ((members, space), spare)) in
             halves.into_iter().zip([below, above]).zip(shares).enumerate()
         {
-            waiting.push(Cell {
+            pending.push(Cell {
                 node: low + half as u32,
                 space,
                 members,
@@ -187,77 +192,78 @@ impl KdTree {
         }
     }
 
-    /// The number of the root; `None` where the tree holds nothing.
+    /// Returns the root node; `None` if the tree is empty.
     pub fn root(&self) -> Option<u32> {
         (self.count > 0).then_some(0)
     }
 
-    /// The box of a node.
+    /// Returns the AABB of a node.
     pub fn bounds(&self, node: u32) -> &Aabb {
         &self.nodes[node as usize].bounds
     }
 
-    /// The two halves of a node, the one on the side of `eye` first; `None` for a leaf.
+    /// Returns the two children of a node, the one on the side of `eye` first; `None` for a leaf.
     pub fn near_and_far(&self, node: u32, eye: [f64; 3]) -> Option<[u32; 2]> {
-        match self.nodes[node as usize].holds {
-            Holds::Halves { axis, at, low, .. } if eye[usize::from(axis)] > f64::from(at) => {
+        match self.nodes[node as usize].contents {
+            Contents::Halves { axis, at, low, .. } if eye[usize::from(axis)] > f64::from(at) => {
                 Some([low + 1, low])
             }
-            Holds::Halves { low, .. } => Some([low, low + 1]),
-            Holds::Things(_) => None,
+            Contents::Halves { low, .. } => Some([low, low + 1]),
+            Contents::Things(_) => None,
         }
     }
 
-    /// The things that stand in a leaf; none in a node that has halves.
+    /// Returns the primitives of a leaf; empty for an inner node.
     pub fn things(&self, node: u32) -> &[u32] {
-        match self.nodes[node as usize].holds {
-            Holds::Halves { .. } => &[],
-            Holds::Things(run) => self.things.get(run),
+        match self.nodes[node as usize].contents {
+            Contents::Halves { .. } => &[],
+            Contents::Things(run) => self.things.get(run),
         }
     }
 
-    /// Memory in bytes.
+    /// Returns the memory in use, in bytes.
     pub fn bytes(&self) -> u64 {
         (size_of_val(&*self.nodes)
             + self.things.bytes()
-            + size_of_val(&*self.spare_pairs)
+            + size_of_val(&*self.free_pairs)
             + size_of_val(&*self.new)) as u64
     }
 
-    /// At most how many bytes a tree over so many things takes: a leaf holds something, and there are fewer other nodes
-    /// than leaves.
+    /// Returns the maximum number of bytes of a tree over `things` primitives: no leaf is empty, and there are fewer
+    /// inner nodes than leaves.
     pub fn most_bytes(things: usize) -> u64 {
         (things * COPIES * (2 * size_of::<Node>() + size_of::<u32>())) as u64
     }
 
-    /// Room for two nodes side by side.
+    /// Allocates two adjacent nodes.
     fn pair(&mut self) -> u32 {
-        self.spare_pairs.pop().unwrap_or_else(|| {
+        self.free_pairs.pop().unwrap_or_else(|| {
             self.nodes.extend([Node::EMPTY; 2]);
             self.nodes.len() as u32 - 2
         })
     }
 
-    /// From now on all things stand where their boxes are.
-    fn settled(&mut self) {
+    /// Records that every primitive is now in the leaves that its current AABB reaches.
+    fn mark_settled(&mut self) {
         for node in std::mem::take(&mut self.new) {
-            if let Holds::Halves { new, .. } = &mut self.nodes[node as usize].holds {
+            if let Contents::Halves { new, .. } = &mut self.nodes[node as usize].contents {
                 *new = false;
             }
         }
     }
 
-    /// The areas of all boxes, each as often as something is asked when it is entered, in parts of the whole's.
+    /// Returns the SAH cost: the sum of box areas weighted by the number of children and primitives, relative to the
+    /// root's area.
     fn cost_now(&self) -> f64 {
-        let mut waiting: Vec<u32> = self.root().into_iter().collect();
+        let mut pending: Vec<u32> = self.root().into_iter().collect();
         let mut cost = 0.0;
-        while let Some(node) = waiting.pop() {
-            let asked = match self.nodes[node as usize].holds {
-                Holds::Halves { low, .. } => {
-                    waiting.extend([low, low + 1]);
+        while let Some(node) = pending.pop() {
+            let asked = match self.nodes[node as usize].contents {
+                Contents::Halves { low, .. } => {
+                    pending.extend([low, low + 1]);
                     2
                 }
-                Holds::Things(run) => run.len(),
+                Contents::Things(run) => run.len(),
             };
             cost += self.bounds(node).half_area() * asked as f64;
         }
@@ -268,18 +274,18 @@ impl KdTree {
 impl Node {
     const EMPTY: Node = Node {
         bounds: Aabb::EMPTY,
-        holds: Holds::Things(Run::EMPTY),
+        contents: Contents::Things(Run::EMPTY),
     };
 }
 
-/// Does a thing reach below the plane, and above it? What only touches the plane is not cut; what lies in it belongs
-/// below.
+/// Returns whether a primitive is listed below and above the plane. A box that only touches the plane is not cut; a box
+/// in the plane goes below.
 fn sides(thing: &Aabb, axis: usize, at: f32) -> [bool; 2] {
     let [below, above] = [thing.min[axis] < at, thing.max[axis] > at];
     [below || !above, above]
 }
 
-/// The two halves of a cell.
+/// Splits a cell at a plane into the lower and the upper half.
 fn cut(cell: &Aabb, axis: usize, at: f32) -> [Aabb; 2] {
     let [mut below, mut above] = [*cell; 2];
     below.max[axis] = at;

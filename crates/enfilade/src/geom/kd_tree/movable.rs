@@ -1,41 +1,42 @@
-//! Putting things into a kd-tree, taking them out, and moving them, without building it anew.
+//! Incremental insertion, removal and movement of primitives in a kd-tree.
 //!
-//! A thing is led by the planes to all leaves that it reaches into, by its old box and by its new one. A leaf of too many
-//! is split as when building; of a node whose one half is empty the other takes the place. Cells at the sides reach to
-//! infinity, so nothing is ever outside.
-//! Cost: O(depth) for a change, and for each leaf that the thing reaches into.
-//! Every thing stands in leaves whose boxes together hold it whole, and these are as tight as after building.
+//! The planes lead a primitive to all leaves that its old and its new AABB reach. An overfull leaf is split as in
+//! building; if one child of a node becomes empty the other replaces the node. Outer cells extend to infinity, so no
+//! primitive is ever outside.
+//! Cost: O(depth) for a change, for each leaf that the primitive reaches.
+//! The AABBs of the leaves that list a primitive together contain all of it, as tightly as after building.
 
-use super::{COPIES, Cell, Holds, KdTree, Node, cut, sides};
+use super::{COPIES, Cell, Contents, KdTree, Node, cut, sides};
 use crate::geom::Aabb;
 
-/// A tree is built anew when its cost in parts of the whole's area is so many times that which it had when it was built.
-const WORSE: f64 = 1.2;
+/// The tree is rebuilt when its cost relative to the root's area exceeds this multiple of the cost after building.
+const MAX_COST_RATIO: f64 = 1.2;
 
-/// Where a thing stood and where it is.
+/// The old and the new AABB of a primitive.
 struct Change {
     thing: u32,
     was: Aabb,
     now: Aabb,
 }
 
-/// A node that a change may concern.
-struct Place {
+/// A node that a change may affect.
+struct NodeUpdate {
     node: u32,
-    /// What the planes above leave of space.
+    /// The node's cell, bounded by the planes of its ancestors.
     cell: Aabb,
     depth: u32,
-    /// May the thing stand in it, does it reach into it now?
-    stood: bool,
-    comes: bool,
+    /// Whether the node may list the primitive.
+    was_in: bool,
+    is_in: bool,
 }
 
 impl KdTree {
-    /// Moves a thing from where its box `was` to where it is: from nowhere, or to nowhere, where that is empty. `boxes` tells
-    /// the boxes as they are now, of all things; others whose boxes have changed may still wait to be shifted.
+    /// Moves a primitive from its old AABB `was` to its current one. An empty old AABB inserts it, an empty current one
+    /// removes it. `boxes` returns the current AABB of any primitive; others whose AABBs have changed may still have to
+    /// be shifted.
     ///
-    /// `touched` gets the nodes of which something has changed, and all those above them; of one that is there twice
-    /// the last counts: then its children come before it.
+    /// All changed nodes and their ancestors are appended to `touched`. If a node occurs twice the last occurrence
+    /// counts: its children come before it.
     pub(crate) fn shift(
         &mut self,
         thing: u32,
@@ -47,32 +48,32 @@ impl KdTree {
         self.apply(&Change { thing, was, now }, !now.is_empty(), boxes, touched);
     }
 
-    /// Builds the tree anew where so much has changed that it may have become bad: when half of the things have, and
-    /// then only if it costs more than when it was built, or when things stand in too many leaves. Says whether; all
-    /// nodes are new then.
+    /// Rebuilds the tree if it may have degraded: after changes to half of the primitives, and only if the tree costs
+    /// more than [`MAX_COST_RATIO`] times as much as after building; or if the average primitive is listed in too many leaves.
+    /// Returns `true` if it was rebuilt; then all nodes are new.
     ///
-    /// Things are numbered below `count`. To be called when all that changed was told, none being left to be shifted.
+    /// Primitives are numbered below `count`. Call this only after all changed primitives have been shifted.
     pub(crate) fn tidy(&mut self, count: usize, boxes: &impl Fn(u32) -> Aabb) -> bool {
-        self.settled();
+        self.mark_settled();
         let crowded = self.held > 2 * COPIES * self.count;
         if self.count == 0 || 2 * self.changes < self.count && !crowded {
             return false;
         }
         self.changes = 0;
-        let anew = crowded || self.held > COPIES * self.count || self.cost_now() > WORSE * self.cost;
+        let anew = crowded || self.held > COPIES * self.count || self.cost_now() > MAX_COST_RATIO * self.cost;
         if anew {
             *self = KdTree::over(count, boxes, self.few);
         }
         anew
     }
 
-    fn apply(&mut self, change: &Change, comes: bool, boxes: &impl Fn(u32) -> Aabb, touched: &mut Vec<u32>) {
-        let stood = !change.was.is_empty();
-        if !stood && !comes {
+    fn apply(&mut self, change: &Change, is_in: bool, boxes: &impl Fn(u32) -> Aabb, touched: &mut Vec<u32>) {
+        let was_in = !change.was.is_empty();
+        if !was_in && !is_in {
             return;
         }
         self.changes += 1;
-        self.count = self.count + usize::from(comes) - usize::from(stood);
+        self.count = self.count + usize::from(is_in) - usize::from(was_in);
         if self.nodes.is_empty() {
             self.nodes.push(Node::EMPTY);
         }
@@ -80,44 +81,44 @@ impl KdTree {
             min: [f32::NEG_INFINITY; 3],
             max: [f32::INFINITY; 3],
         };
-        let root = Place {
+        let root = NodeUpdate {
             node: 0,
             cell: everywhere,
             depth: 0,
-            stood,
-            comes,
+            was_in,
+            is_in,
         };
         self.change(change, root, boxes, touched);
     }
 
-    /// Brings a node and what is below it up to date; says whether nothing is in it any more.
+    /// Updates the subtree of a node; returns `true` if it is empty now.
     fn change(
         &mut self,
         change: &Change,
-        place: Place,
+        update: NodeUpdate,
         boxes: &impl Fn(u32) -> Aabb,
         touched: &mut Vec<u32>,
     ) -> bool {
-        let node = place.node as usize;
-        let Holds::Halves { axis, at, low, new } = self.nodes[node].holds else {
-            self.change_leaf(change.thing, &place, boxes, touched);
-            touched.push(place.node);
-            return matches!(self.nodes[node].holds, Holds::Things(run) if run.len() == 0);
+        let node = update.node as usize;
+        let Contents::Halves { axis, at, low, new } = self.nodes[node].contents else {
+            self.change_leaf(change.thing, &update, boxes, touched);
+            touched.push(update.node);
+            return matches!(self.nodes[node].contents, Contents::Things(run) if run.len() == 0);
         };
         let axis = usize::from(axis);
-        let cells = cut(&place.cell, axis, at);
+        let cells = cut(&update.cell, axis, at);
         let [was, now] = [&change.was, &change.now].map(|held| sides(held, axis, at));
         let mut empty = [false; 2];
         for half in 0..2 {
-            let below = Place {
+            let below = NodeUpdate {
                 node: low + half as u32,
                 cell: cells[half],
-                depth: place.depth + 1,
-                // Where a leaf was split when the box had changed already, the thing went where it is now.
-                stood: place.stood && (was[half] || new && now[half]),
-                comes: place.comes && now[half],
+                depth: update.depth + 1,
+                // A leaf split after the primitive's AABB had changed placed the primitive by its current AABB.
+                was_in: update.was_in && (was[half] || new && now[half]),
+                is_in: update.is_in && now[half],
             };
-            if below.stood || below.comes {
+            if below.was_in || below.is_in {
                 empty[half] = self.change(change, below, boxes, touched);
             }
         }
@@ -125,49 +126,49 @@ impl KdTree {
         match empty {
             [false, false] => {
                 self.nodes[node].bounds = halves[0].bounds.union(&halves[1].bounds);
-                self.merge(place.node);
+                self.merge(update.node);
             }
-            // What is left of the cell takes over all of it: nothing reaches into the other half.
+            // The nonempty child takes over the whole cell: nothing reaches into the other half.
             [low_is_empty, _] => {
                 self.nodes[node] = halves[usize::from(low_is_empty)];
                 self.drop_pair(low);
             }
         }
-        touched.push(place.node);
+        touched.push(update.node);
         empty == [true; 2]
     }
 
     fn change_leaf(
         &mut self,
         thing: u32,
-        place: &Place,
+        update: &NodeUpdate,
         boxes: &impl Fn(u32) -> Aabb,
         touched: &mut Vec<u32>,
     ) {
-        let node = place.node as usize;
-        let Holds::Things(mut run) = self.nodes[node].holds else {
+        let node = update.node as usize;
+        let Contents::Things(mut run) = self.nodes[node].contents else {
             return;
         };
-        let stands = self.things.get(run).contains(&thing);
-        if stands && !place.comes {
+        let is_listed = self.things.get(run).contains(&thing);
+        if is_listed && !update.is_in {
             self.things.remove(&mut run, thing);
             self.held -= 1;
-        } else if place.comes && !stands {
+        } else if update.is_in && !is_listed {
             self.things.push(&mut run, thing);
             self.held += 1;
         }
-        self.nodes[node].holds = Holds::Things(run);
-        // What still waits to be shifted may be elsewhere by now.
+        self.nodes[node].contents = Contents::Things(run);
+        // A primitive that still has to be shifted may be elsewhere by now.
         let inside =
-            |&thing: &u32| Some(boxes(thing).intersection(&place.cell)).filter(|held| !held.is_empty());
+            |&thing: &u32| Some(boxes(thing).intersection(&update.cell)).filter(|held| !held.is_empty());
         let bounds = self.things.get(run).iter().filter_map(inside);
         let bounds = bounds.fold(Aabb::EMPTY, |sum, held| sum.union(&held));
         self.nodes[node].bounds = bounds;
-        // What no plane parts is not tried again with each thing that comes; and one that waits to be taken out is on no
-        // side of a plane.
+        // A leaf that no plane separates is not tried again for each new primitive. And a primitive that waits to be
+        // removed has an empty box, which is on neither side of a plane.
         let too_many = run.len() > self.few && (run.len() - self.few).is_power_of_two();
-        let goes = |&thing: &u32| boxes(thing).is_empty();
-        if !place.comes || stands || !too_many || self.things.get(run).iter().any(goes) {
+        let has_no_box = |&thing: &u32| boxes(thing).is_empty();
+        if !update.is_in || is_listed || !too_many || self.things.get(run).iter().any(has_no_box) {
             return;
         }
         let members = self.things.get(run).to_vec();
@@ -175,25 +176,25 @@ impl KdTree {
         self.held -= members.len();
         let most = (COPIES * self.count).saturating_sub(self.held + members.len());
         let cell = Cell {
-            node: place.node,
+            node: update.node,
             space: bounds,
             spare: most.min((COPIES - 1) * members.len()),
             members,
-            depth: place.depth,
+            depth: update.depth,
         };
         let mut made = Vec::new();
         self.split(cell, boxes, &mut made);
         touched.extend(made.into_iter().rev());
     }
 
-    /// Makes a node whose halves are leaves one of their things, if these are few. Fewer than make a leaf when building:
-    /// a thing that goes to and fro shall not split and merge it every time.
+    /// Merges two leaf children into their parent if they have few primitives. The limit is lower than for a split in
+    /// building, so that a primitive moving back and forth does not split and merge a node every time.
     fn merge(&mut self, node: u32) {
-        let Holds::Halves { low, .. } = self.nodes[node as usize].holds else {
+        let Contents::Halves { low, .. } = self.nodes[node as usize].contents else {
             return;
         };
-        let [Holds::Things(mut below), Holds::Things(mut above)] =
-            [low, low + 1].map(|half| self.nodes[half as usize].holds)
+        let [Contents::Things(mut below), Contents::Things(mut above)] =
+            [low, low + 1].map(|half| self.nodes[half as usize].contents)
         else {
             return;
         };
@@ -215,7 +216,7 @@ impl KdTree {
         for thing in more {
             self.things.push(&mut below, thing);
         }
-        self.nodes[node as usize].holds = Holds::Things(below);
+        self.nodes[node as usize].contents = Contents::Things(below);
         self.drop_pair(low);
     }
 
@@ -223,6 +224,6 @@ impl KdTree {
         for half in [low, low + 1] {
             self.nodes[half as usize] = Node::EMPTY;
         }
-        self.spare_pairs.push(low);
+        self.free_pairs.push(low);
     }
 }

@@ -1,25 +1,25 @@
-//! The plane that parts a cell: near the middle, where it cuts the fewest things.
+//! Chooses the splitting plane of a kd-tree cell: near the middle, where it cuts the fewest primitives.
 //!
-//! Cost: O(n log n) for the n things of a cell.
+//! Cost: O(n log n) for the n primitives of a cell.
 
 use crate::geom::Aabb;
 
-/// Where a cell is split.
+/// A splitting plane and the number of primitives it cuts.
 pub(super) struct Split {
     pub(super) axis: usize,
     pub(super) at: f32,
     pub(super) cuts: usize,
 }
 
-/// How far from the middle a plane is looked for, as a part of the side: a quarter leaves each half at least a quarter.
-const NEAR_THE_MIDDLE: f32 = 0.25;
+/// Maximum distance of a plane from the middle, relative to the side: a quarter leaves each half at least a quarter.
+const MAX_OFFSET: f32 = 0.25;
 
-/// Where the boxes of a cell's things begin and end along an axis, each list sorted.
+/// Sorted interval ends of a cell's primitives along an axis.
 #[derive(Default)]
 pub(super) struct Ends {
     lows: Vec<f32>,
     highs: Vec<f32>,
-    /// Where things lie that begin and end in one place.
+    /// Coordinates of the primitives that are flat along the axis.
     flats: Vec<f32>,
 }
 
@@ -43,7 +43,7 @@ impl Ends {
         }
     }
 
-    /// How many things lie wholly below a plane, and wholly above it.
+    /// Returns the number of primitives entirely below a plane and entirely above it.
     fn beside(&self, at: f32) -> [usize; 2] {
         let before = |list: &[f32]| list.partition_point(|&end| end < at);
         let up_to = |list: &[f32]| list.partition_point(|&end| end <= at);
@@ -52,7 +52,8 @@ impl Ends {
     }
 }
 
-/// The plane across the longest side along which things can be parted at all.
+/// Returns the splitting plane across the longest side along which the primitives can be separated; `None` if there is
+/// no such side.
 pub(super) fn best_split(
     space: &Aabb,
     members: &[u32],
@@ -68,11 +69,11 @@ pub(super) fn best_split(
     })
 }
 
-/// The plane that cuts the fewest things, of those the one nearest to the middle; `None` where none near the middle
-/// has something wholly on either side and cuts no more than half of all.
+/// Returns the plane that cuts the fewest primitives, the one nearest to the middle among equals; `None` if no plane
+/// near the middle has a primitive entirely on either side and cuts at most half of all.
 fn split_along(axis: usize, space: &Aabb, ends: &Ends) -> Option<Split> {
     let middle = space.center()[axis];
-    let reach = NEAR_THE_MIDDLE * (space.max[axis] - space.min[axis]);
+    let reach = MAX_OFFSET * (space.max[axis] - space.min[axis]);
     let all = ends.lows.len();
     let boundaries = [&ends.lows, &ends.highs].into_iter().flat_map(|list| {
         let first = list.partition_point(|&end| end < middle - reach);

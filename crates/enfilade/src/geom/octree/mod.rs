@@ -1,32 +1,34 @@
-//! Octree: boxes sorted into nested eighths of space, walked front to back.
+//! Octree over AABBs, traversed front to back.
 //!
-//! A thing goes down by its middle until it is about as large as its cell, so it stands in one node; boxes grow to hold
-//! what is in them, and those of neighbours may overlap.
-//! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity (split and order of children);
-//!     Greene, Kass, Miller, Hierarchical Z-Buffer Visibility, SIGGRAPH 1993, section 3.1 (things in inner nodes).
-//! Cost: building O(n log n); a walk touches only what `visit` lets it enter.
-//! A node's box holds all of what stands in it and below it, so a hidden node hides only hidden things.
+//! A primitive descends by its centre until its size is comparable to the cell's, so it is in one node only (a loose
+//! octree). A node's AABB grows to its content and may overlap its neighbours'.
+//! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity (splitting and order of children); Greene,
+//!     Kass, Miller, Hierarchical Z-Buffer Visibility, SIGGRAPH 1993, section 3.1 (primitives in inner nodes).
+//! Cost: building O(n log n); a traversal visits only the subtrees that `visit` enters.
+//! A node's AABB contains every primitive of its subtree, so culling a hidden node culls only hidden primitives.
 
 mod movable;
 #[cfg(test)]
 mod tests;
 
 use crate::geom::Aabb;
-use crate::geom::runs::{Run, Runs, Spare};
+use crate::geom::runs::{Run, Runs, FreeList};
 
-/// A tree over numbered boxes, stored as two flat arrays.
+/// Octree over indexed AABBs, stored in two flat arrays.
+///
+/// A primitive ("thing") is an index into the array of AABBs that the tree was built over.
 #[derive(Clone, Debug)]
 pub struct Octree {
     nodes: Vec<Node>,
     things: Runs,
-    /// Nodes that nothing is in.
-    spare: Spare,
-    /// The cell of the root: what was held when the tree was built.
+    /// Free nodes.
+    spare: FreeList,
+    /// Cell of the root: the AABB of all primitives when the tree was built.
     space: Aabb,
     few: usize,
-    /// How many things it holds.
+    /// Number of primitives in the tree.
     count: usize,
-    /// Things put in, taken out and moved since the tree was built or found to be good.
+    /// Insertions, removals and moves since the tree was built or last evaluated by [`Octree::tidy`].
     changes: usize,
 }
 
@@ -35,58 +37,58 @@ struct Node {
     bounds: Aabb,
     center: [f32; 3],
     first_child: u32,
-    /// Which eighths there are nodes for.
+    /// Bit mask of the octants that have a child.
     children: u8,
-    /// How many nodes there is room for where the children stand.
+    /// Number of nodes allocated for the children.
     room: u8,
     things: Run,
 }
 
-/// A node and its cell, which boxes may reach out of.
+/// A node and its cell. The node's AABB may extend beyond the cell.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct NodeCell {
     node: u32,
     space: Aabb,
     depth: u32,
 }
 
-/// One node that is still to be split.
+/// A node still to be split.
 struct Cell {
-    place: Place,
+    node_cell: NodeCell,
     members: Vec<u32>,
 }
 
-/// What a walk meets.
+/// One step of a traversal.
 #[derive(Clone, Copy, Debug)]
 pub enum Step<'a> {
-    /// A node; what `visit` answers decides whether anything below it is met.
+    /// AABB of a node about to be entered; the return value decides whether its subtree is visited.
     Node(&'a Aabb),
-    /// A thing, by its number; it is met once. The answer is ignored.
+    /// Number of a primitive, visited once. The returned value is ignored.
     Thing(u32),
 }
 
-/// What a walk does about a node.
+/// Decision of `visit` about a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Enter {
-    /// Nothing in it is met.
+    /// Skips the subtree.
     Skip,
-    /// What is in it is met, and asked after.
+    /// Enters the node and visits its children and primitives one by one.
     Ask,
-    /// All things in it are wanted.
+    /// Accepts all primitives of the subtree without visiting its nodes.
     All,
 }
 
-/// Nodes are not split further below this depth: 2⁻²⁰ of the scene is finer than f32 positions are.
-const GREATEST_DEPTH: u32 = 20;
+/// Maximum depth: 2⁻²⁰ of the scene's size is finer than f32 positions.
+const MAX_DEPTH: u32 = 20;
 
 impl Octree {
-    /// Sorts things with the given boxes (numbered by their place in `bounds`; empty ones are left out) until a
-    /// node holds at most `few`.
+    /// Builds a tree over AABBs; a node is split while it has more than `few` primitives. Primitives are numbered by
+    /// their index in `bounds`; empty AABBs are omitted. Takes O(n log n).
     pub fn build(bounds: &[Aabb], few: usize) -> Octree {
         Octree::over(bounds.len(), &|thing| bounds[thing as usize], few)
     }
 
-    /// As [`Octree::build`], over the things below `count` that have a box.
+    /// Like [`Octree::build`], over the primitives below `count` with a nonempty AABB.
     fn over(count: usize, boxes: &impl Fn(u32) -> Aabb, few: usize) -> Octree {
         let members: Vec<u32> = (0..count as u32)
             .filter(|&thing| !boxes(thing).is_empty())
@@ -104,7 +106,7 @@ impl Octree {
             .fold(Aabb::EMPTY, |sum, &thing| sum.union(&boxes(thing)));
         tree.nodes.push(Node::new(&tree.space));
         let root = Cell {
-            place: tree.root_place(),
+            node_cell: tree.root_cell(),
             members,
         };
         let mut made = vec![0];
@@ -116,21 +118,22 @@ impl Octree {
         tree
     }
 
-    /// Sorts things into a node without children and below it; `made` gets the new nodes, parents first.
+    /// Splits a childless node recursively and distributes the primitives; appends the new nodes to `made`, parents
+    /// first.
     fn split(&mut self, cell: Cell, boxes: &impl Fn(u32) -> Aabb, made: &mut Vec<u32>) {
-        // A stack, not recursion; the children of a node are made together, so they stand side by side.
-        let mut waiting = vec![cell];
-        while let Some(Cell { place, members }) = waiting.pop() {
+        // A stack instead of recursion; the children of a node are made together, so they are adjacent.
+        let mut pending = vec![cell];
+        while let Some(Cell { node_cell, members }) = pending.pop() {
             let few = members.len() <= self.few;
             let mut stay = Vec::new();
             let mut go: [Vec<u32>; 8] = Default::default();
             for thing in members {
-                match self.belongs(&place, &boxes(thing)) {
+                match self.belongs(&node_cell, &boxes(thing)) {
                     Some(octant) if !few => go[octant].push(thing),
                     _ => stay.push(thing),
                 }
             }
-            self.nodes[place.node as usize].things = self.things.put(&stay);
+            self.nodes[node_cell.node as usize].things = self.things.put(&stay);
             let count = go.iter().filter(|members| !members.is_empty()).count();
             if count == 0 {
                 continue;
@@ -140,35 +143,35 @@ impl Octree {
                 if members.is_empty() {
                     continue;
                 }
-                let node = &mut self.nodes[place.node as usize];
+                let node = &mut self.nodes[node_cell.node as usize];
                 let child = first + node.children.count_ones();
                 node.first_child = first;
                 node.room = room;
                 node.children |= 1 << octant;
-                let place = Place {
+                let node_cell = NodeCell {
                     node: child,
-                    space: eighth(&place.space, node.center, octant),
-                    depth: place.depth + 1,
+                    space: eighth(&node_cell.space, node.center, octant),
+                    depth: node_cell.depth + 1,
                 };
-                self.nodes[child as usize] = Node::new(&place.space);
+                self.nodes[child as usize] = Node::new(&node_cell.space);
                 made.push(child);
-                waiting.push(Cell { place, members });
+                pending.push(Cell { node_cell, members });
             }
         }
     }
 
-    /// The eighth of a node that a box belongs into, if there were nodes for all; `None` where it belongs into the node
-    /// itself: the cell is not twice as large, or the last, or the box is far outside, and would make the boxes of many
-    /// nodes large.
-    fn belongs(&self, place: &Place, thing: &Aabb) -> Option<usize> {
+    /// Returns the octant of a node that a box belongs to, whether or not that child exists. `None` if the box belongs
+    /// to the node itself: if the cell is not twice as large as the box, if the node is at the maximum depth, or if the
+    /// box is far outside the root cell, where it would enlarge the AABBs of many nodes.
+    fn belongs(&self, node_cell: &NodeCell, thing: &Aabb) -> Option<usize> {
         let middle = thing.center();
-        let outside = place.depth == 0 && self.is_outside(middle);
-        let large = thing.longest_side() > 0.5 * place.space.longest_side();
-        let below = !outside && !large && place.depth < GREATEST_DEPTH;
-        below.then(|| octant_of(middle, self.nodes[place.node as usize].center))
+        let outside = node_cell.depth == 0 && self.is_outside(middle);
+        let large = thing.longest_side() > 0.5 * node_cell.space.longest_side();
+        let below = !outside && !large && node_cell.depth < MAX_DEPTH;
+        below.then(|| octant_of(middle, self.nodes[node_cell.node as usize].center))
     }
 
-    /// Is a point so far from where things were when the tree was built that the cells at its sides are not for it?
+    /// Returns `true` if a point is too far from the root cell to be assigned to the cells at its sides.
     fn is_outside(&self, point: [f32; 3]) -> bool {
         let margin = 0.125 * self.space.longest_side();
         (0..3).any(|axis| {
@@ -176,15 +179,15 @@ impl Octree {
         })
     }
 
-    fn root_place(&self) -> Place {
-        Place {
+    fn root_cell(&self) -> NodeCell {
+        NodeCell {
             node: 0,
             space: self.space,
             depth: 0,
         }
     }
 
-    /// Room for so many nodes side by side: the first, and for how many there is room.
+    /// Allocates `count` adjacent nodes; returns the first one and the capacity of the block.
     fn block(&mut self, count: u32) -> (u32, u8) {
         let room = count.next_power_of_two();
         if let Some(first) = self.spare.take(room) {
@@ -196,14 +199,14 @@ impl Octree {
         (first, count as u8)
     }
 
-    /// Things may reach out of their cell: boxes are those of what they hold.
+    /// Refits a node's AABB to its primitives and children, which may extend beyond its cell.
     fn fit(&mut self, node: u32, boxes: &impl Fn(u32) -> Aabb) {
         let own = self.things(node).iter().map(|&thing| boxes(thing));
         let below = self.children(node).map(|child| *self.bounds(child));
         self.nodes[node as usize].bounds = own.chain(below).fold(Aabb::EMPTY, |sum, b| sum.union(&b));
     }
 
-    /// Gives every node's run of things a new meaning: `renumber` gets the old numbers, writes the new ones.
+    /// Replaces the primitive list of every node: `renumber` gets the old numbers and writes the new ones.
     pub(crate) fn renumber(&mut self, mut renumber: impl FnMut(&[u32], &mut Vec<u32>)) {
         let mut things = Runs::default();
         let mut numbers = Vec::new();
@@ -215,23 +218,24 @@ impl Octree {
         self.things = things;
     }
 
-    /// Meets nodes and things from near to far as seen from `eye`, skipping every node for which `visit` says no.
+    /// Visits nodes and primitives front to back from `eye`, skipping the subtree of every node for which `visit`
+    /// returns `false`.
     ///
     /// With i the octant of the eye, children come in the order i, i^1, i^2, i^4, i^3, i^5, i^6, i^7.
     pub fn walk(&self, eye: [f64; 3], mut visit: impl FnMut(Step) -> bool) {
         self.walk_by(eye, |step, _| if visit(step) { Enter::Ask } else { Enter::Skip });
     }
 
-    /// As [`Octree::walk`], but of what is in a node of which all is wanted no node is met, and `visit` is told so with
-    /// each thing.
+    /// Like [`Octree::walk`], but `visit` may also accept a subtree as a whole ([`Enter::All`]): none of its nodes is
+    /// visited, and `visit` gets `true` with each of its primitives.
     pub fn walk_by(&self, eye: [f64; 3], mut visit: impl FnMut(Step, bool) -> Enter) {
         const FRONT_TO_BACK: [usize; 8] = [0, 1, 2, 4, 3, 5, 6, 7];
-        // At most seven siblings wait on each of the levels above.
-        let mut waiting = [(0_u32, false); 7 * GREATEST_DEPTH as usize + 8];
+        // At most seven siblings are pending on each level.
+        let mut pending = [(0_u32, false); 7 * MAX_DEPTH as usize + 8];
         let mut count = usize::from(self.root().is_some());
         while count > 0 {
             count -= 1;
-            let (node, mut all) = waiting[count];
+            let (node, mut all) = pending[count];
             let node = &self.nodes[node as usize];
             if !all {
                 match visit(Step::Node(&node.bounds), false) {
@@ -250,35 +254,35 @@ impl Octree {
                 let child = octant ^ step;
                 if node.children >> child & 1 == 1 {
                     let before = (node.children & ((1_u16 << child) - 1) as u8).count_ones();
-                    waiting[count] = (node.first_child + before, all);
+                    pending[count] = (node.first_child + before, all);
                     count += 1;
                 }
             }
         }
     }
 
-    /// The number of the root; `None` where the tree holds nothing.
+    /// Returns the root node; `None` if the tree is empty.
     pub fn root(&self) -> Option<u32> {
         (self.count > 0).then_some(0)
     }
 
-    /// All nodes have lower numbers, those that nothing is in any more included. In a tree just built children have
-    /// higher numbers than their parents; in one that was changed they need not.
+    /// Returns the size of the node array, free nodes included; all node numbers are lower. In a newly built tree
+    /// children have higher numbers than their parents; after changes they need not.
     pub(crate) fn node_count(&self) -> usize {
         self.nodes.len()
     }
 
-    /// The box of a node.
+    /// Returns the AABB of a node.
     pub fn bounds(&self, node: u32) -> &Aabb {
         &self.nodes[node as usize].bounds
     }
 
-    /// The things that stand in a node itself.
+    /// Returns the primitives of a node itself, without those of its children.
     pub fn things(&self, node: u32) -> &[u32] {
         self.things.get(self.nodes[node as usize].things)
     }
 
-    /// The numbers of a node's children.
+    /// Returns the children of a node.
     pub fn children(&self, node: u32) -> std::ops::Range<u32> {
         let Node {
             first_child,
@@ -288,7 +292,7 @@ impl Octree {
         first_child..first_child + children.count_ones()
     }
 
-    /// Memory in bytes.
+    /// Returns the memory in use, in bytes.
     pub fn bytes(&self) -> u64 {
         (self.nodes.len() * size_of::<Node>() + self.things.bytes() + self.spare.bytes()) as u64
     }
@@ -299,7 +303,7 @@ impl Default for Octree {
         Octree {
             nodes: Vec::new(),
             things: Runs::default(),
-            spare: Spare::default(),
+            spare: FreeList::default(),
             space: Aabb::EMPTY,
             few: 0,
             count: 0,
@@ -321,7 +325,7 @@ impl Node {
     }
 }
 
-/// The eighth of a cell that a point belongs into; what lies on a middle plane belongs below it.
+/// Returns the octant of a cell that contains a point; a point on a middle plane belongs below it.
 fn octant_of(point: [f32; 3], center: [f32; 3]) -> usize {
     (0..3)
         .map(|axis| usize::from(point[axis] > center[axis]) << axis)

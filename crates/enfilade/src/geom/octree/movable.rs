@@ -1,23 +1,24 @@
-//! Putting things into an octree, taking them out, and moving them, without building it anew.
+//! Incremental insertion, removal and movement of primitives in an octree.
 //!
-//! A thing's place follows from its box and the cells alone, so it is found again by its old box, and nodes that nothing
-//! is in go at once: what is left is about the tree that would be built now over the same space.
-//! Cost: O(depth) for a change, 64 nodes at most, and O(things of a node) where its box may shrink.
-//! Boxes are as tight as after building, so nothing is met that need not be.
+//! A primitive's node follows from its AABB and the cells alone, so the old AABB finds it again. Nodes that become
+//! empty are removed at once: the tree stays about equal to one rebuilt over the same root cell.
+//! Cost: O(depth) for a change, 64 nodes at most, and O(primitives of a node) where its AABB may shrink.
+//! Boxes are refitted as tightly as after building, so traversal tests no more nodes than necessary.
 
-use super::{Cell, Node, Octree, Place, eighth};
+use super::{Cell, Node, Octree, NodeCell, eighth};
 use crate::geom::Aabb;
 use smallvec::SmallVec;
 
-/// From the root down.
-type Path = SmallVec<[Place; 8]>;
+/// Nodes and cells from the root down.
+type Path = SmallVec<[NodeCell; 8]>;
 
 impl Octree {
-    /// Puts in a thing that did not stand in it. `boxes` tells the boxes as they are now, of all things; one that is
-    /// empty stands nowhere. Other things whose boxes have changed may still wait to be shifted.
+    /// Inserts primitive `thing`, which must not be in the tree. `boxes` returns the current AABB of any primitive; a
+    /// primitive with an empty one is not inserted. Other primitives whose AABBs have changed may still have to be
+    /// shifted.
     ///
-    /// `touched` gets the nodes of which something has changed, and all those above them; of one that is there twice
-    /// the last counts: then its children come before it.
+    /// All changed nodes and their ancestors are appended to `touched`. If a node occurs twice the last occurrence
+    /// counts: its children come before it.
     pub(crate) fn insert(&mut self, thing: u32, boxes: &impl Fn(u32) -> Aabb, touched: &mut Vec<u32>) {
         let now = boxes(thing);
         if now.is_empty() {
@@ -29,12 +30,12 @@ impl Octree {
             self.space = now;
             self.nodes.push(Node::new(&now));
         }
-        let mut path = Path::from_iter([self.root_place()]);
+        let mut path = Path::from_iter([self.root_cell()]);
         self.put(thing, &mut path, &now, boxes, touched);
         self.refit(&path, &Aabb::EMPTY, &now, boxes, touched);
     }
 
-    /// Takes out a thing that stands where its box `was`. The rest as for [`Octree::insert`].
+    /// Removes a primitive whose old AABB is `was`. Other arguments as for [`Octree::insert`].
     pub(crate) fn remove(
         &mut self,
         thing: u32,
@@ -53,7 +54,7 @@ impl Octree {
         self.refit(&path, &gone, &Aabb::EMPTY, boxes, touched);
     }
 
-    /// Moves a thing from where its box `was` to where it is. The rest as for [`Octree::insert`].
+    /// Moves a primitive from its old AABB `was` to its current one. Other arguments as for [`Octree::insert`].
     pub(crate) fn shift(
         &mut self,
         thing: u32,
@@ -69,7 +70,7 @@ impl Octree {
             return self.insert(thing, boxes, touched);
         };
         self.changes += 1;
-        // As far as both ways go together.
+        // Length of the path that the old and the new position share.
         let shared = path.windows(2).take_while(|pair| {
             let [parent, child] = [&pair[0], &pair[1]];
             self.belongs(parent, &now)
@@ -78,18 +79,19 @@ impl Octree {
         let shared = shared.count() + 1;
         let last = path[path.len() - 1];
         let Node { children, things, .. } = self.nodes[last.node as usize];
-        let goes_below = (children != 0 || things.len() > self.few) && self.belongs(&last, &now).is_some();
-        if shared < path.len() || goes_below {
+        let descends = (children != 0 || things.len() > self.few) && self.belongs(&last, &now).is_some();
+        if shared < path.len() || descends {
             self.take(thing, &mut path, shared, &was.union(&now), boxes, touched);
             self.put(thing, &mut path, &now, boxes, touched);
         }
         self.refit(&path, was, &now, boxes, touched);
     }
 
-    /// Builds the tree anew where so much has changed that it may have become bad: when half of the things have, and
-    /// then only if they stand in another space now, or the memory has holes. Says whether; all nodes are new then.
+    /// Rebuilds the tree if it may have degraded: after changes to half of the primitives, and only if the root cell
+    /// has become too small or too large or the node array has many holes. Returns `true` if it was rebuilt; then all
+    /// nodes are new.
     ///
-    /// Things are numbered below `count`.
+    /// Primitives are numbered below `count`.
     pub(crate) fn tidy(&mut self, count: usize, boxes: &impl Fn(u32) -> Aabb) -> bool {
         if self.count == 0 || 2 * self.changes < self.count.max(self.few) {
             return false;
@@ -105,31 +107,31 @@ impl Octree {
         too_small || too_large || holes
     }
 
-    /// The nodes from the root to the one that a thing stands in. It was put there when its box was the one or the other,
-    /// or when a node above was split, by either.
+    /// Returns the path from the root to the node that lists a primitive. The primitive was placed by its old or its
+    /// current AABB: when it was inserted, or when a node above was split.
     fn path_to(&self, thing: u32, was: &Aabb, now: &Aabb) -> Option<Path> {
         let mut path = Path::new();
-        let found = self.root().is_some() && self.seek(thing, [was, now], self.root_place(), &mut path);
+        let found = self.root().is_some() && self.seek(thing, [was, now], self.root_cell(), &mut path);
         found.then_some(path)
     }
 
-    fn seek(&self, thing: u32, boxes: [&Aabb; 2], place: Place, path: &mut Path) -> bool {
-        path.push(place);
-        let node = &self.nodes[place.node as usize];
-        let ways = boxes.map(|thing| self.belongs(&place, thing));
+    fn seek(&self, thing: u32, boxes: [&Aabb; 2], node_cell: NodeCell, path: &mut Path) -> bool {
+        path.push(node_cell);
+        let node = &self.nodes[node_cell.node as usize];
+        let ways = boxes.map(|thing| self.belongs(&node_cell, thing));
         let may_be_here = node.children == 0 || ways.contains(&None);
-        if may_be_here && self.things(place.node).contains(&thing) {
+        if may_be_here && self.things(node_cell.node).contains(&thing) {
             return true;
         }
         for (i, octant) in ways.into_iter().enumerate() {
             let Some(octant) = octant.filter(|_| i == 0 || ways[0] != ways[1]) else {
                 continue;
             };
-            if let Some(child) = self.child(place.node, octant) {
-                let below = Place {
+            if let Some(child) = self.child(node_cell.node, octant) {
+                let below = NodeCell {
                     node: child,
-                    space: eighth(&place.space, node.center, octant),
-                    depth: place.depth + 1,
+                    space: eighth(&node_cell.space, node.center, octant),
+                    depth: node_cell.depth + 1,
                 };
                 if self.seek(thing, boxes, below, path) {
                     return true;
@@ -146,7 +148,8 @@ impl Octree {
         (node.children >> octant & 1 == 1).then_some(node.first_child + before)
     }
 
-    /// Puts a thing into the last node of a path or below it; the path then leads to where. Its boxes are as they were.
+    /// Inserts a primitive into the subtree of the last node of `path`, and extends `path` to its node. Does not refit
+    /// AABBs of existing nodes.
     fn put(
         &mut self,
         thing: u32,
@@ -155,42 +158,43 @@ impl Octree {
         boxes: &impl Fn(u32) -> Aabb,
         touched: &mut Vec<u32>,
     ) {
-        let mut place = path[path.len() - 1];
-        while self.nodes[place.node as usize].children != 0 {
-            let Some(octant) = self.belongs(&place, now) else {
+        let mut node_cell = path[path.len() - 1];
+        while self.nodes[node_cell.node as usize].children != 0 {
+            let Some(octant) = self.belongs(&node_cell, now) else {
                 break;
             };
-            let center = self.nodes[place.node as usize].center;
-            let space = eighth(&place.space, center, octant);
-            let child = self.child(place.node, octant);
-            place = Place {
-                node: child.unwrap_or_else(|| self.add_child(place.node, octant, &space, touched)),
+            let center = self.nodes[node_cell.node as usize].center;
+            let space = eighth(&node_cell.space, center, octant);
+            let child = self.child(node_cell.node, octant);
+            node_cell = NodeCell {
+                node: child.unwrap_or_else(|| self.add_child(node_cell.node, octant, &space, touched)),
                 space,
-                depth: place.depth + 1,
+                depth: node_cell.depth + 1,
             };
-            path.push(place);
+            path.push(node_cell);
         }
-        let node = &mut self.nodes[place.node as usize];
+        let node = &mut self.nodes[node_cell.node as usize];
         self.things.push(&mut node.things, thing);
         if node.children != 0 || node.things.len() <= self.few {
             return;
         }
-        let node = place.node as usize;
-        // Where there were more than few before, none of them may go.
-        if self.nodes[node].things.len() > self.few + 1 && self.belongs(&place, now).is_none() {
+        let node = node_cell.node as usize;
+        // If the node was overfull before, none of its other primitives can descend.
+        if self.nodes[node].things.len() > self.few + 1 && self.belongs(&node_cell, now).is_none() {
             return;
         }
-        let members = self.things(place.node).to_vec();
+        let members = self.things(node_cell.node).to_vec();
         self.things.clear(&mut self.nodes[node].things);
         let mut made = Vec::new();
-        self.split(Cell { place, members }, boxes, &mut made);
+        self.split(Cell { node_cell, members }, boxes, &mut made);
         for node in made.into_iter().rev() {
             self.fit(node, boxes);
             touched.push(node);
         }
     }
 
-    /// Takes a thing out of the last node of a path, which is cut down to `keep` nodes; what is empty then goes.
+    /// Removes a primitive from the last node of `path`, then shortens `path` to `keep` nodes and removes nodes that
+    /// have become empty.
     fn take(
         &mut self,
         thing: u32,
@@ -216,8 +220,8 @@ impl Octree {
         }
     }
 
-    /// Takes the things of all children into a node, if they are few and nothing is below them. Fewer than make a leaf
-    /// when building: a thing that goes to and fro shall not split and merge it every time.
+    /// Merges all children into their parent if they are leaves with few primitives. The limit is lower than for a
+    /// split in building, so that a primitive moving back and forth does not split and merge a node every time.
     fn merge(&mut self, node: u32) {
         let mut all = self.nodes[node as usize].things.len();
         for child in self.children(node) {
@@ -245,16 +249,16 @@ impl Octree {
             .give(node.first_child, u32::from(std::mem::take(&mut node.room)));
     }
 
-    /// Makes boxes as large as what is in them, bottom up, after that went out of one box and came into another.
+    /// Refits the AABBs of a path bottom-up, after its content has lost the box `was` and gained the box `now`.
     fn refit(
         &mut self,
-        path: &[Place],
+        path: &[NodeCell],
         was: &Aabb,
         now: &Aabb,
         boxes: &impl Fn(u32) -> Aabb,
         touched: &mut Vec<u32>,
     ) {
-        for &Place { node, .. } in path.iter().rev() {
+        for &NodeCell { node, .. } in path.iter().rev() {
             let held = self.nodes[node as usize].bounds;
             let may_shrink = (0..3).any(|axis| {
                 was.min[axis] <= held.min[axis] && held.min[axis] < now.min[axis]
@@ -269,7 +273,7 @@ impl Octree {
         }
     }
 
-    /// Makes a node for an eighth that has none. Its siblings move up, or elsewhere if there is no room.
+    /// Adds a child for an octant that has none. Siblings move up, or to a new block if there is no room.
     fn add_child(&mut self, parent: u32, octant: usize, space: &Aabb, touched: &mut Vec<u32>) -> u32 {
         let Node {
             first_child: old,
@@ -284,7 +288,7 @@ impl Octree {
         } else {
             self.block((count + 1).next_power_of_two())
         };
-        // From the end, so that none is overwritten that has yet to move.
+        // From the end, so that no sibling is overwritten before it has moved.
         for i in (0..count).rev() {
             let to = first + i + u32::from(i >= before);
             if to != old + i {
@@ -304,7 +308,7 @@ impl Octree {
         first + before
     }
 
-    /// Forgets an empty child. Its siblings close up.
+    /// Removes an empty child; its siblings close the gap.
     fn drop_child(&mut self, parent: u32, child: u32, touched: &mut Vec<u32>) {
         let Node {
             first_child: first,
@@ -318,7 +322,7 @@ impl Octree {
             touched.push(at);
         }
         self.nodes[last as usize] = Node::new(&Aabb::EMPTY);
-        // The child's bit is the lowest of those that are left when the bits of the siblings before it are gone.
+        // The child's bit is the lowest one once the bits of the siblings before it are cleared.
         let mut rest = children;
         for _ in first..child {
             rest &= rest - 1;

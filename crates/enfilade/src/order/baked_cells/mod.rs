@@ -1,38 +1,38 @@
-//! Cells computed ahead: the items that stand in a cell which may be seen from where sight begins, and no others.
+//! Baked PVS cells: visits only the items in cells that may be visible from the cells where lines of sight begin.
 //!
-//! The cells in which lines of sight begin are looked up in the tree; their rows together say which cells are seen, and the
-//! lists of those which items are in them. Where lines may begin in no cell, all items come.
-//! Source: Teller, Séquin, Visibility Preprocessing for Interactive Walkthroughs, SIGGRAPH 1991, section 4; Boreskov, Using
-//!     portals to create aggregate scenes, on potentially visible sets.
-//! Cost: building O(faces · depth), and more where faces cross many cells; a walk O(cells / 64 + items in cells seen).
-//! Gives no order; strict as the rows are.
+//! The cell tree finds the cells in which lines of sight begin. The union of their PVS rows is the set of visible
+//! cells, whose item lists are emitted. If a line of sight may begin outside every cell, all items are emitted.
+//! Source: Teller, Séquin, Visibility Preprocessing for Interactive Walkthroughs, SIGGRAPH 1991, section 4; Boreskov,
+//!     Using portals to create aggregate scenes, on potentially visible sets.
+//! Cost: building O(faces · depth), more if faces cross many cells; a traversal O(cells / 64 + items in visible cells).
+//! Guarantees no order; as strict as the PVS rows are.
 
 mod stands;
 mod start;
 
-use super::items::{hand_out, hand_out_openings};
+use super::items::{emit_item, emit_openings};
 use super::{Order, Refusal, Unsorted, Visit};
 use crate::faces::{FaceSource, Faces};
 use crate::geometry::{BakedCells, Geometry, ItemId, MovedItem, Room};
 use crate::passage::Passage;
 use crate::sector::BuildStats;
-use stands::{Stands, cells_of_openings};
+use stands::{ItemCells, cells_of_openings};
 use start::cells_at_start;
 use std::sync::Arc;
 
-/// Items by the cells that they stand in; only for a geometry that has cells.
+/// Traversal of items by baked PVS cells; only for a geometry with baked cells.
 pub struct BakedCellsOrder {
     cells: Arc<BakedCells>,
-    stands: Stands,
-    /// By opening: the cells that it stands in; none where it is everywhere.
+    item_cells: ItemCells,
+    /// By opening: the cells it is in; empty if it counts as being everywhere.
     openings: Vec<Vec<u32>>,
 }
 
-/// What a walk needs.
+/// Scratch memory of a traversal.
 #[derive(Default)]
 pub struct BakedCellsScratch {
     room: Room,
-    /// The cells that are seen, a bit for each.
+    /// Visible cells, one bit each.
     seen: Vec<u64>,
 }
 
@@ -43,12 +43,12 @@ impl BakedCellsScratch {
 }
 
 impl BakedCellsOrder {
-    /// Marks the cells that may be seen; `false` where that is everything.
+    /// Marks the cells that may be visible; returns `false` if everything may be.
     fn mark(&self, geometry: &Geometry, passage: &Passage, scratch: &mut BakedCellsScratch) -> bool {
         let BakedCellsScratch { room, seen } = scratch;
         seen.clear();
         seen.resize(self.cells.cell_count().div_ceil(64), 0);
-        // Through an opening that is a plain hole one sees what is outside of all cells, and in again by another.
+        // Through an opening that is a plain hole, a line of sight leaves all cells and may enter again anywhere.
         if passage.flat && !geometry.openings().is_empty() {
             return false;
         }
@@ -81,17 +81,17 @@ impl Order for BakedCellsOrder {
 
     fn build(geometry: &Geometry, limit_bytes: u64) -> Result<BakedCellsOrder, Refusal> {
         let cells = Arc::clone(geometry.cells().ok_or(Refusal::NotBaked)?);
-        let stands = Stands::new(&cells, geometry, limit_bytes).ok_or(Refusal::TooLarge)?;
+        let item_cells = ItemCells::new(&cells, geometry, limit_bytes).ok_or(Refusal::TooLarge)?;
         let openings = cells_of_openings(&cells, geometry);
         Ok(BakedCellsOrder {
             cells,
-            stands,
+            item_cells,
             openings,
         })
     }
 
     fn needs_bytes(geometry: &Geometry) -> u64 {
-        // Most items stand in a cell or two; what stands in more is found out, and refused, while it is built.
+        // Most items are in one or two cells. If they are in more, building measures it and returns `TooLarge`.
         const EACH_ITEM: u64 = 48;
         const EACH_CELL: u64 = 32;
         let cells = geometry.cells().map_or(0, |cells| cells.cell_count() as u64);
@@ -99,9 +99,9 @@ impl Order for BakedCellsOrder {
     }
 
     fn bytes(&self) -> u64 {
-        // The cells are the geometry's.
+        // The geometry owns the cells.
         let of_opening = |cells: &Vec<u32>| (size_of_val(&**cells) + size_of::<Vec<u32>>()) as u64;
-        self.stands.bytes() + self.openings.iter().map(of_opening).sum::<u64>()
+        self.item_cells.bytes() + self.openings.iter().map(of_opening).sum::<u64>()
     }
 
     fn build_stats(&self, geometry: &Geometry) -> BuildStats {
@@ -113,7 +113,7 @@ impl Order for BakedCellsOrder {
     }
 
     fn follow(&mut self, geometry: &Geometry, moved: &[MovedItem], touched: &mut Vec<u32>) -> bool {
-        self.stands.follow(&self.cells, geometry, moved, touched);
+        self.item_cells.follow(&self.cells, geometry, moved, touched);
         true
     }
 
@@ -125,9 +125,9 @@ impl Order for BakedCellsOrder {
         visit: &mut impl Visit,
     ) {
         if !self.mark(geometry, passage, scratch) {
-            hand_out_openings(geometry, passage, visit);
+            emit_openings(geometry, passage, visit);
             for item in 0..geometry.items().len() as u32 {
-                hand_out(geometry, passage, ItemId(item), visit);
+                emit_item(geometry, passage, ItemId(item), visit);
             }
             return;
         }
@@ -136,7 +136,8 @@ impl Order for BakedCellsOrder {
                 return;
             };
             let cells = &self.openings[usize::from(opening.0)];
-            // Rows say what is seen from the near distance on, or from the last portal; openings come before, too.
+            // PVS rows hold from the near plane on, or from the last portal; an opening before the near plane is always
+            // emitted.
             let bounds = geometry.openings()[usize::from(opening.0)].outline.bounds();
             let region = passage.region_around_openings(&bounds);
             if cells.is_empty()
@@ -146,16 +147,16 @@ impl Order for BakedCellsOrder {
                 visit.faces(faces);
             }
         });
-        for &item in self.stands.everywhere() {
-            hand_out(geometry, passage, ItemId(item), visit);
+        for &item in self.item_cells.everywhere() {
+            emit_item(geometry, passage, ItemId(item), visit);
         }
         for (word, &cells) in scratch.seen.iter().enumerate() {
             let mut left = cells;
             while left != 0 {
                 let cell = 64 * word as u32 + left.trailing_zeros();
                 left &= left - 1;
-                for &item in self.stands.in_cell(cell) {
-                    hand_out(geometry, passage, ItemId(item), visit);
+                for &item in self.item_cells.in_cell(cell) {
+                    emit_item(geometry, passage, ItemId(item), visit);
                 }
             }
         }

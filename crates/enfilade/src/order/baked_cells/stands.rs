@@ -1,60 +1,62 @@
-//! Which cells items and openings stand in: found out from their faces, never too few.
+//! Lists of the items and openings in each cell, found from their faces: conservative, never too few cells.
 
 use crate::geom::{ConvexPolygon, Run, Runs};
 use crate::geometry::{BakedCells, CellSide, Geometry, ItemId, Leaf, MovedItem, Opening, Room};
 use glam::DVec3;
 
-/// Of items with more faces, the boxes of clusters are sorted instead.
+/// Maximum number of faces for which an item's cells are found face by face; above it, by the AABBs of its clusters.
 const MANY_FACES: u32 = 512;
 
-/// An item in more cells than this is taken for one that is everywhere.
+/// Maximum number of cells of an item; one in more cells counts as being everywhere.
 const MAX_CELLS: usize = 1024;
 
-/// Planes that an item may be held against, for each of its faces and besides: what takes longer is everywhere.
+/// Maximum number of planes tested for an item: per face, and a constant added to that. An item that exceeds it counts
+/// as being everywhere.
 const MAX_PLANES: [u64; 2] = [64, 1 << 18];
 
-/// Which items stand in which cells, both ways. The cell after the last is that of items which are everywhere, or in none:
-/// those are always looked at.
-pub(super) struct Stands {
+/// Items by cell and cells by item. The cell after the last one lists the items that are everywhere or in no cell;
+/// those are always visited.
+pub(super) struct ItemCells {
     lists: Runs,
-    /// By cell: the items in it.
+    /// By cell: its items.
     items: Vec<Run>,
-    /// By item: the cells that it stands in.
+    /// By item: its cells.
     cells: Vec<Run>,
-    /// Kept, for it has a number for each cell: an edit touches a few.
-    finding: Finding,
+    /// Kept because it has one entry per cell, while an edit affects few cells.
+    search: CellSearch,
 }
 
-/// Where it is found out which cells something stands in.
+/// Search for the cells that an object is in.
 #[derive(Default)]
-struct Finding {
+struct CellSearch {
     room: Room,
     found: Vec<u32>,
-    /// By cell: the thing that was last found in it.
+    /// By cell: the number of the last search that found it.
     last: Vec<u32>,
     thing: u32,
 }
 
-impl Stands {
-    /// Finds out where all items of a geometry stand; `None` where that takes more than `limit_bytes`.
-    pub(super) fn new(cells: &BakedCells, geometry: &Geometry, limit_bytes: u64) -> Option<Stands> {
-        let mut stands = Stands {
+impl ItemCells {
+    /// Finds the cells of all items of a geometry; `None` if the lists exceed `limit_bytes`.
+    pub(super) fn new(cells: &BakedCells, geometry: &Geometry, limit_bytes: u64) -> Option<ItemCells> {
+        let mut item_cells = ItemCells {
             lists: Runs::default(),
             items: vec![Run::EMPTY; cells.cell_count() + 1],
             cells: vec![Run::EMPTY; geometry.items().len()],
-            finding: Finding::default(),
+            search: CellSearch::default(),
         };
         for item in (0..geometry.items().len() as u32).map(ItemId) {
-            stands.finding.of_item(cells, geometry, item);
-            stands.put(item);
-            if stands.bytes() > limit_bytes {
+            item_cells.search.of_item(cells, geometry, item);
+            item_cells.put(item);
+            if item_cells.bytes() > limit_bytes {
                 return None;
             }
         }
-        Some(stands)
+        Some(item_cells)
     }
 
-    /// Follows items that have moved, come or gone, and writes down the cells that have lost or gained one.
+    /// Updates items that have moved, been added or removed; appends the cells that have lost or gained one to
+    /// `touched`.
     pub(super) fn follow(
         &mut self,
         cells: &BakedCells,
@@ -64,10 +66,10 @@ impl Stands {
     ) {
         self.cells.resize(geometry.items().len(), Run::EMPTY);
         for &MovedItem { item, .. } in moved {
-            self.finding.of_item(cells, geometry, item);
+            self.search.of_item(cells, geometry, item);
             let run = &mut self.cells[item.0 as usize];
             let before = self.lists.get(*run);
-            if before == self.finding.found {
+            if before == self.search.found {
                 continue;
             }
             let before = before.to_vec();
@@ -76,42 +78,42 @@ impl Stands {
                 self.lists.remove(&mut self.items[cell as usize], item.0);
             }
             self.put(item);
-            touched.extend(before.iter().chain(&self.finding.found));
+            touched.extend(before.iter().chain(&self.search.found));
         }
     }
 
-    /// Has an item stand in the cells that were found.
+    /// Adds an item to the lists of the cells that were found.
     fn put(&mut self, item: ItemId) {
-        self.cells[item.0 as usize] = self.lists.put(&self.finding.found);
-        for &cell in &self.finding.found {
+        self.cells[item.0 as usize] = self.lists.put(&self.search.found);
+        for &cell in &self.search.found {
             self.lists.push(&mut self.items[cell as usize], item.0);
         }
     }
 
-    /// The items in a cell.
+    /// Returns the items in a cell.
     pub(super) fn in_cell(&self, cell: u32) -> &[u32] {
         self.lists.get(self.items[cell as usize])
     }
 
-    /// The items that are always looked at.
+    /// Returns the items that are always visited.
     pub(super) fn everywhere(&self) -> &[u32] {
         self.in_cell(self.items.len() as u32 - 1)
     }
 
     pub(super) fn bytes(&self) -> u64 {
-        let by_cell = size_of_val(&*self.items) + size_of_val(&*self.finding.last);
+        let by_cell = size_of_val(&*self.items) + size_of_val(&*self.search.last);
         (self.lists.bytes() + by_cell + size_of_val(&*self.cells)) as u64
     }
 }
 
-/// The cells that each opening stands in; none where it is everywhere.
+/// Returns the cells of each opening; empty for one that counts as being everywhere.
 pub(super) fn cells_of_openings(cells: &BakedCells, geometry: &Geometry) -> Vec<Vec<u32>> {
-    let mut finding = Finding::default();
-    let of = |opening: &Opening| finding.of_outline(cells, &opening.outline);
+    let mut search = CellSearch::default();
+    let of = |opening: &Opening| search.of_outline(cells, &opening.outline);
     geometry.openings().iter().map(of).collect()
 }
 
-impl Finding {
+impl CellSearch {
     fn begin(&mut self, cells: &BakedCells) {
         self.last.resize(cells.cell_count(), 0);
         self.thing += 1;
@@ -119,7 +121,8 @@ impl Finding {
         self.room.planes = 0;
     }
 
-    /// The cells of an item into `found`: none for one without faces, and the one after the last for one that is everywhere.
+    /// Finds the cells of an item: none if it has no faces, and only the one after the last if it counts as being
+    /// everywhere.
     fn of_item(&mut self, cells: &BakedCells, geometry: &Geometry, item: ItemId) {
         self.begin(cells);
         let mesh = geometry.mesh_of(item);
@@ -132,7 +135,7 @@ impl Finding {
         let top = cells.around(&placed.bounds);
         let most_planes = MAX_PLANES[0] * u64::from(mesh.face_count()) + MAX_PLANES[1];
         let is_known = if !matches!(top, CellSide::Node(_)) {
-            // All of it is in one leaf.
+            // The whole item is in one leaf.
             self.room.hull([DVec3::ZERO]);
             self.take(cells, top)
         } else if mesh.face_count() > MANY_FACES {
@@ -143,7 +146,7 @@ impl Finding {
         } else {
             (0..mesh.face_count()).all(|face| {
                 let corners = mesh.face(face);
-                // As triangles: a face of more corners may be a little off its plane.
+                // As triangles: the corners of a larger face may deviate from its plane.
                 corners[1..].windows(2).all(|pair| {
                     let triangle = [corners[0], pair[0], pair[1]];
                     let corner = |index: u32| there(mesh.positions()[index as usize]);
@@ -170,9 +173,9 @@ impl Finding {
         if is_known { self.found.clone() } else { Vec::new() }
     }
 
-    /// Adds the cells of what the room has taken; `false` where they are too many, or cannot be told.
+    /// Adds the cells that the shape in `room` touches; `false` if they are too many or cannot be determined.
     fn take(&mut self, cells: &BakedCells, top: CellSide) -> bool {
-        let Finding {
+        let CellSearch {
             room,
             found,
             last,

@@ -1,18 +1,19 @@
-//! Which cells the lines of sight of a passage begin in.
+//! Finds the cells in which the lines of sight of a passage begin.
 //!
-//! Not where the eye is: what is nearer than the near limit neither is seen nor hides, so that lines begin at the near limit;
-//! and behind a portal, at its opening. There the eye's image may be anywhere, also in a cell that has nothing to do with it.
+//! That is not where the eye is. Geometry in front of the near plane is neither visible nor an occluder, so lines of
+//! sight begin at the near plane, or behind a portal at its opening. There the transformed eye may be anywhere, even in
+//! an unrelated cell.
 
 use crate::geometry::{BakedCells, CellId, Leaf, Room};
 use crate::passage::Passage;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-/// By how much an opening must be farther away than the near limit for all lines to begin at it.
+/// Factor by which an opening must be farther away than the near plane for all lines of sight to begin at the opening.
 const FARTHER: f64 = 1.0 + 1e-6;
 
-/// Tells the cells in which lines of sight begin, some more than once; `false` where some may begin in no cell, or one cannot
-/// say: then anything may be seen.
+/// Calls `each` with the cells in which lines of sight begin, some more than once. Returns `false` if some may begin in
+/// no cell, or if that cannot be determined; then anything may be visible.
 pub(super) fn cells_at_start(
     cells: &BakedCells,
     passage: &Passage,
@@ -27,7 +28,7 @@ pub(super) fn cells_at_start(
                 each(cell);
                 true
             }
-            // An opening may lie in a wall that has no cell behind it: lines leave it at once.
+            // An opening may be in a wall that has no cell behind it; lines of sight leave such a wall at once.
             Leaf::Solid { barely } => barely && !also_barely,
         })
     };
@@ -46,7 +47,7 @@ pub(super) fn cells_at_start(
             return false;
         }
     }
-    if begins_at_near(passage) {
+    if begins_at_near_plane(passage) {
         let from_screen = passage.screen_from_sector.inverse();
         let outline = near_outline(passage);
         room.outline(outline.iter().map(|&place| from_screen.transform_point3(place)));
@@ -57,20 +58,21 @@ pub(super) fn cells_at_start(
     any
 }
 
-/// Does any line of sight begin at the near limit, and not at an opening beyond it?
-fn begins_at_near(passage: &Passage) -> bool {
+/// Returns `true` if any line of sight begins at the near plane and not at an opening beyond it.
+fn begins_at_near_plane(passage: &Passage) -> bool {
     let Some(entrance) = &passage.entrance else {
         return true;
     };
     let along = |corner: &DVec3| passage.screen_from_sector.transform_point3(*corner).z;
     let limit = f64::from(passage.near) * FARTHER;
-    // What is no number is not farther.
+    // NaN is not farther.
     !entrance.corners().iter().all(|corner| along(corner) > limit)
 }
 
-/// What the passage sees of the plane at the near limit, as (X, Y, W); nothing where all of that is before an opening.
+/// Returns the part of the near plane that the passage sees, as a polygon of (X, Y, W); empty if all of it is in front
+/// of the entry plane.
 fn near_outline(passage: &Passage) -> SmallVec<[DVec3; 8]> {
-    // A sample may be anywhere in its pixel, and a pixel more does no harm.
+    // A sample may be anywhere in its pixel; one pixel more on each side is safe.
     let rect = passage.aperture.rect();
     let [x0, y0] = [rect.x0, rect.y0].map(|first| f64::from(first) - 1.0);
     let [x1, y1] = [rect.x1, rect.y1].map(|end| f64::from(end) + 1.0);

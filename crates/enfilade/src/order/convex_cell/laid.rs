@@ -1,13 +1,13 @@
-//! Faces of one cluster that lie on one another: a picture on its wall.
+//! Detects coplanar overlapping faces within a cluster, such as a picture on its wall.
 
 use super::Plane;
 use super::walls::Face;
 use glam::DVec3;
 
-/// Does any face lie on another, by more than their outlines may be off? Sorts them.
+/// Returns `true` if any two faces are coplanar and overlap by more than `slack`. Sorts the faces.
 ///
-/// Cost: O(n log n), and a test for each two that are beside each other along the longest side.
-pub(super) fn lie_on_one_another(faces: &mut [Face], corners: &[DVec3], slack: f64) -> bool {
+/// Cost: O(n log n), plus a test for each pair that overlaps along the longest side.
+pub(super) fn any_overlap(faces: &mut [Face], corners: &[DVec3], slack: f64) -> bool {
     if faces.len() < 2 {
         return false;
     }
@@ -43,7 +43,7 @@ fn overlap(a: &Face, b: &Face, corners: &[DVec3], slack: f64) -> bool {
         && !is_apart(of_b, b.area, &a.plane, of_a, slack)
 }
 
-/// Is the other polygon beyond one of the edges of this one, both in `plane`?
+/// Returns `true` if `other` is entirely beyond one edge of `polygon`; both are in `plane`.
 fn is_apart(polygon: &[DVec3], area: DVec3, plane: &Plane, other: &[DVec3], slack: f64) -> bool {
     let turn = plane.normal * area.dot(plane.normal).signum();
     let mut from = polygon[polygon.len() - 1];

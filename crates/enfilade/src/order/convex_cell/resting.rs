@@ -1,56 +1,59 @@
-//! Planes that everything rests on: whether all corners of what hides are on one side of a plane.
+//! Supporting planes: tests whether all occluder corners are on one side of a plane.
 //!
-//! What is a slack behind a plane counts as on it. Corners are numbers of f32: each is off by up to √3 · 2⁻²⁴ of the greatest
-//! coordinate from where it was meant, a plane through three of them by up to twice that, and what placing an item rounds
-//! moves both as much again: together less than 2⁻²¹. Trees of planes take corners for coplanar by the same reasoning.
-//! Only an eye nearer to the plane than 2¹⁶ such steps could tell them apart by reversed depth (which counts as equal within
-//! 2⁻¹⁶), and then on a border no wider than the step, or where two faces lie on one another that little apart.
-//! A small face of a large wall is tilted by much more than that: its plane is turned about it until it rests on
-//! corners far away, and only where that takes it off the face, too, it is found to be no wall.
-//! Cost: to ask whether anything is behind a plane, the boxes and clusters that reach behind it though their corners do not,
-//!     by the trees over items and clusters: few under a wall, hundreds under a smooth and finely cut dome.
+//! Corners up to the slack behind a plane count as on it. A corner has f32 coordinates: each is off by up to √3 · 2⁻²⁴
+//! of the maximum coordinate from its intended position, a plane through three corners by up to twice that, and the
+//! rounding of item transforms moves both by as much again. That is less than 2⁻²¹ in total. BSP trees accept corners
+//! as coplanar by the same reasoning. Only an eye nearer to the plane than 2¹⁶ such steps could tell them apart by
+//! reversed depth (which counts as equal within 2⁻¹⁶), and then only on a border no wider than the step, or where two
+//! faces overlap at that small distance.
+//! A small face of a large wall is tilted by much more than that. Its plane is rotated about the face until it is
+//! supported by corners far away; only if the plane then no longer contains the face is the face rejected.
+//! Cost: a test whether anything is behind a plane visits, by the trees over items and clusters, the boxes and clusters
+//!     that reach behind it although their corners do not: few for a wall, hundreds for a smooth, finely tessellated
+//!     dome.
 
-use super::{Plane, clusters_that_hide};
+use super::{Plane, occluder_clusters};
 use crate::geom::{Aabb, Step};
 use crate::geometry::{Alpha, Geometry, ItemId, OpeningId, Owner};
 use glam::{DAffine3, DVec3};
 
-/// All that hides, openings included, and how far off it may be.
-pub(super) struct Resting<'a> {
+/// All occluders of a geometry, openings included, and the tolerance of plane tests.
+pub(super) struct SupportPlanes<'a> {
     geometry: &'a Geometry,
-    /// No coordinate is greater.
+    /// Maximum absolute coordinate.
     greatest: f64,
     slack: f64,
-    /// Its middle, and half the diagonal of its box.
+    /// Centre of the AABB, and half of its diagonal.
     middle: DVec3,
     radius: f64,
 }
 
-/// A corner of what hides.
+/// A corner of an occluder.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner {
     pub(super) point: DVec3,
     pub(super) of: Owner,
-    /// How far behind a plane it is.
+    /// Distance behind a plane.
     pub(super) by: f64,
 }
 
-/// How far off a plane counts as on it, as a part of the greatest coordinate.
+/// Distance from a plane that counts as on it, relative to the maximum coordinate.
 const SLACK: f64 = 1.0 / (1_u64 << 21) as f64;
 
-/// A face is but a line if it is no thicker than this part of the greatest coordinate: f64 cannot tell which way it faces.
+/// Maximum thickness of a face that counts as a mere line, relative to the maximum coordinate: f64 cannot determine its
+/// normal.
 const THIN: f64 = 1.0 / (1_u64 << 45) as f64;
 
-/// How often a plane is turned. Three corners far apart make one that is off by no more than they are.
-const TURNS: usize = 8;
+/// Maximum number of rotations of a plane. Three corners far apart define a plane that is off by no more than they are.
+const MAX_ROTATIONS: usize = 8;
 
-impl<'a> Resting<'a> {
-    pub(super) fn new(geometry: &'a Geometry) -> Resting<'a> {
+impl<'a> SupportPlanes<'a> {
+    pub(super) fn new(geometry: &'a Geometry) -> SupportPlanes<'a> {
         let openings = geometry.openings().iter().map(|opening| opening.outline.bounds());
         let mut bounds = openings.fold(Aabb::EMPTY, |sum, hole| sum.union(&hole));
         for item in (0..geometry.items().len() as u32).map(ItemId) {
             let placed = geometry.item(item).transform();
-            for cluster in clusters_that_hide(geometry, item) {
+            for cluster in occluder_clusters(geometry, item) {
                 let corners = geometry.mesh_of(item).clusters()[cluster as usize]
                     .bounds
                     .corners();
@@ -66,7 +69,7 @@ impl<'a> Resting<'a> {
         } else {
             min.abs().max(max.abs()).max_element()
         };
-        Resting {
+        SupportPlanes {
             geometry,
             greatest,
             slack: SLACK * greatest,
@@ -79,7 +82,7 @@ impl<'a> Resting<'a> {
         self.slack
     }
 
-    /// Across a face, as long as twice its area; `None` where it is but a line.
+    /// Returns the normal of a face with twice its area as length; `None` if the face is a mere line.
     pub(super) fn area_of(&self, corners: &[DVec3]) -> Option<DVec3> {
         let first = corners[0];
         let (mut area, mut longest) = (DVec3::ZERO, 0.0_f64);
@@ -92,53 +95,54 @@ impl<'a> Resting<'a> {
         (area.length() > THIN * self.greatest * longest).then_some(area)
     }
 
-    /// Are all corners in a plane?
+    /// Returns `true` if all corners are on the plane.
     #[inline(always)]
-    pub(super) fn lies_in(&self, corners: &[DVec3], plane: &Plane) -> bool {
+    pub(super) fn face_is_in(&self, corners: &[DVec3], plane: &Plane) -> bool {
         corners
             .iter()
             .all(|&corner| plane.height(corner).abs() <= self.slack)
     }
 
-    /// Is an opening in a plane, and along it? One thinner than the slack may be in a plane that it is perpendicular to:
-    /// then walls do not stay behind it.
-    pub(super) fn opens_in(&self, corners: &[DVec3], area: DVec3, plane: &Plane) -> bool {
-        self.lies_in(corners, plane) && area.dot(plane.normal).abs() > 0.5 * area.length()
+    /// Returns `true` if an opening is in the plane and parallel to it. An opening thinner than the slack may be within
+    /// the slack of a perpendicular plane; then walls do not stay behind it.
+    pub(super) fn opening_is_in(&self, corners: &[DVec3], area: DVec3, plane: &Plane) -> bool {
+        self.face_is_in(corners, plane) && area.dot(plane.normal).abs() > 0.5 * area.length()
     }
 
-    /// The plane that a face lies in with everything on its inner side; else what is farthest behind the face. `outwards`:
-    /// is its back the inner side, most likely? `fits` says whether a plane that was turned still holds the face.
-    pub(super) fn under(
+    /// Returns the plane of a face with all occluders on its inner side, or else the corner that is farthest behind the
+    /// face. `outwards` says which side to try first: `true` if the back of the face is probably the inner side. `fits`
+    /// tests whether a rotated plane still contains the face.
+    pub(super) fn supporting_plane(
         &self,
         corners: &[DVec3],
         area: DVec3,
         outwards: bool,
         fits: impl Fn(&Plane) -> bool,
     ) -> Result<Plane, Corner> {
-        let own = through(area.normalize(), corners[0]);
-        let sides = [own, back_of(&own)];
+        let own = plane_through(area.normalize(), corners[0]);
+        let sides = [own, flipped(&own)];
         for side in [usize::from(outwards), usize::from(!outwards)] {
-            if self.behind(&sides[side], Wanted::Any).is_none() {
+            if self.behind(&sides[side], CornerChoice::Any).is_none() {
                 return Ok(sides[side]);
             }
         }
-        self.turned_until_it_rests(corners, own, fits)
+        self.rotate_until_supported(corners, own, fits)
     }
 
-    fn turned_until_it_rests(
+    fn rotate_until_supported(
         &self,
         corners: &[DVec3],
         mut plane: Plane,
         fits: impl Fn(&Plane) -> bool,
     ) -> Result<Plane, Corner> {
         let mut first = None;
-        let mut rests: Vec<DVec3> = Vec::new();
-        for _ in 0..TURNS {
-            let Some(behind) = self.behind(&plane, Wanted::Farthest) else {
+        let mut supports: Vec<DVec3> = Vec::new();
+        for _ in 0..MAX_ROTATIONS {
+            let Some(behind) = self.behind(&plane, CornerChoice::Farthest) else {
                 return Ok(plane);
             };
-            let other = back_of(&plane);
-            let Some(before) = self.behind(&other, Wanted::Farthest) else {
+            let other = flipped(&plane);
+            let Some(before) = self.behind(&other, CornerChoice::Farthest) else {
                 return Ok(other);
             };
             let first = *first.get_or_insert(behind);
@@ -147,36 +151,37 @@ impl<'a> Resting<'a> {
             } else {
                 (before, behind)
             };
-            rests.push(nearer.point);
-            plane = self.turned(corners, &rests, inside.point, &fits).ok_or(first)?;
+            supports.push(nearer.point);
+            plane = self.rotated_plane(corners, &supports, inside.point, &fits).ok_or(first)?;
         }
         first.map_or(Ok(plane), Err)
     }
 
-    /// A plane through the last of `rests` that `fits`, with the others and `inside` on its inner side.
-    fn turned(
+    /// Returns a plane through the last point of `supports` that `fits`, with the other points and `inside` on its inner
+    /// side.
+    fn rotated_plane(
         &self,
         corners: &[DVec3],
-        rests: &[DVec3],
+        supports: &[DVec3],
         inside: DVec3,
         fits: impl Fn(&Plane) -> bool,
     ) -> Option<Plane> {
-        let (&last, before) = rests.split_last()?;
+        let (&last, before) = supports.split_last()?;
         let points = || corners.iter().chain(before).copied();
         let mut best: Option<(f64, Plane)> = None;
         for (number, a) in points().enumerate() {
             for b in points().skip(number + 1) {
                 let area = (a - last).cross(b - last);
-                // The larger, the less it is off in between.
+                // The larger the triangle, the smaller the error within it.
                 if best.is_some_and(|(most, _)| area.length_squared() <= most) {
                     continue;
                 }
                 let Some(normal) = area.try_normalize() else {
                     continue;
                 };
-                let plane = through(normal, last);
+                let plane = plane_through(normal, last);
                 let plane = if plane.height(inside) < 0.0 {
-                    back_of(&plane)
+                    flipped(&plane)
                 } else {
                     plane
                 };
@@ -189,15 +194,15 @@ impl<'a> Resting<'a> {
         best.map(|(_, plane)| plane)
     }
 
-    /// A corner that is behind a plane, if any is by more than the slack.
-    fn behind(&self, plane: &Plane, wanted: Wanted) -> Option<Corner> {
+    /// Returns a corner that is behind a plane by more than the slack, if there is any.
+    fn behind(&self, plane: &Plane, choice: CornerChoice) -> Option<Corner> {
         let geometry = self.geometry;
-        // Seen from behind, what is farthest behind is met first.
+        // Seen from far behind the plane, the corners farthest behind it are visited first.
         let eye: [f64; 3] = (self.middle - plane.normal * (4.0 * self.radius)).into();
-        let mut farthest = Farthest {
+        let mut farthest = FarthestCorner {
             by: self.slack,
             found: None,
-            wanted,
+            choice,
         };
         geometry.opening_tree().walk(eye, |step| match step {
             Step::Node(bounds) => farthest.may_be_in(bounds, plane),
@@ -227,10 +232,10 @@ impl<'a> Resting<'a> {
         farthest.found
     }
 
-    fn farthest_of(&self, item: ItemId, plane: &Plane, farthest: &mut Farthest) {
+    fn farthest_of(&self, item: ItemId, plane: &Plane, farthest: &mut FarthestCorner) {
         let mesh = self.geometry.mesh_of(item);
         let sector_from_item: DAffine3 = self.geometry.item(item).transform().0;
-        // The same plane in the space of the item, where its normal is as long as lengths grow.
+        // The same plane in item space; its normal has the length by which lengths grow.
         let plane = Plane {
             normal: sector_from_item.matrix3.transpose() * plane.normal,
             offset: -plane.height(sector_from_item.translation),
@@ -258,14 +263,14 @@ impl<'a> Resting<'a> {
         });
     }
 
-    /// `plane` is given in the space of the item.
+    /// Tests the corners of one face; `plane` is in item space.
     fn farthest_of_face(
         &self,
         item: ItemId,
         face: u32,
         sector_from_item: &DAffine3,
         plane: &Plane,
-        farthest: &mut Farthest,
+        farthest: &mut FarthestCorner,
     ) {
         let mesh = self.geometry.mesh_of(item);
         let local = |&at: &u32| DVec3::from(mesh.positions()[at as usize].map(f64::from));
@@ -276,7 +281,7 @@ impl<'a> Resting<'a> {
             }
             let placed = |at| sector_from_item.transform_point3(local(at));
             let corners: Vec<DVec3> = mesh.face(face).iter().map(placed).collect();
-            // What has no area hides nothing, and is not hidden.
+            // A face without area neither occludes nor is occluded.
             if self.area_of(&corners).is_some() {
                 farthest.take(Corner {
                     point: placed(corner),
@@ -288,23 +293,23 @@ impl<'a> Resting<'a> {
     }
 }
 
-/// What was found to be farthest behind a plane, as yet.
-struct Farthest {
-    /// What is no farther behind need not be looked at.
+/// The corner found so far that is farthest behind a plane.
+struct FarthestCorner {
+    /// Distance behind the plane that a corner must exceed.
     by: f64,
     found: Option<Corner>,
-    wanted: Wanted,
+    choice: CornerChoice,
 }
 
-/// Which of the corners behind a plane is asked for.
+/// Which of the corners behind a plane to find.
 #[derive(Clone, Copy, PartialEq)]
-enum Wanted {
+enum CornerChoice {
     Any,
     Farthest,
 }
 
-impl Farthest {
-    /// May anything in a box be farther behind?
+impl FarthestCorner {
+    /// Returns `true` if a box may contain a corner farther behind the plane.
     fn may_be_in(&self, bounds: &Aabb, plane: &Plane) -> bool {
         let lowest: [f64; 3] = std::array::from_fn(|axis| {
             let from = if plane.normal[axis] < 0.0 {
@@ -319,25 +324,25 @@ impl Farthest {
 
     fn take(&mut self, corner: Corner) {
         if corner.by > self.by {
-            self.by = match self.wanted {
-                Wanted::Any => f64::INFINITY,
-                Wanted::Farthest => corner.by,
+            self.by = match self.choice {
+                CornerChoice::Any => f64::INFINITY,
+                CornerChoice::Farthest => corner.by,
             };
             self.found = Some(corner);
         }
     }
 }
 
-/// The plane across a normal of length 1, through a point.
-fn through(normal: DVec3, point: DVec3) -> Plane {
+/// Returns the plane through `point` with the unit normal `normal`.
+fn plane_through(normal: DVec3, point: DVec3) -> Plane {
     Plane {
         normal,
         offset: normal.dot(point),
     }
 }
 
-/// The same plane with its sides exchanged.
-fn back_of(plane: &Plane) -> Plane {
+/// Returns the same plane with its sides exchanged.
+fn flipped(plane: &Plane) -> Plane {
     Plane {
         normal: -plane.normal,
         offset: -plane.offset,

@@ -1,61 +1,61 @@
-//! Which planes the faces of a geometry lie in, so that everything else is on one side of each; and which face has none.
+//! Finds for each face of a geometry the plane with all other faces on one side, and reports a face that has none.
 
-use super::laid::lie_on_one_another;
-use super::resting::{Corner, Resting};
-use super::{ConvexCell, Outside, Plane, clusters_that_hide};
+use super::laid::any_overlap;
+use super::resting::{Corner, SupportPlanes};
+use super::{ConvexCell, Outside, Plane, occluder_clusters};
 use crate::geometry::{Geometry, ItemId, OpeningId, Owner};
-use crate::order::{Dent, Order, Refusal};
+use crate::order::{NonConvexity, Order, Refusal};
 use glam::DVec3;
 
-/// Takes the faces of a geometry one after the other, and finds a plane for each.
+/// Processes the faces of a geometry one by one and finds a plane for each.
 pub(super) struct Walls<'a> {
     geometry: &'a Geometry,
-    resting: Resting<'a>,
+    support: SupportPlanes<'a>,
     limit_bytes: u64,
-    /// The planes found last, the newest last: neighbours often lie in one.
-    known: Vec<Known>,
+    /// Planes found recently, the newest last: neighbouring faces are often coplanar.
+    recent: Vec<RecentPlane>,
     pub(super) cell: ConvexCell,
-    /// Was the inner side of the plane found last the back of its face?
+    /// Whether the inner side of the last plane found was the back of its face.
     outwards: bool,
-    /// Of the cluster at hand.
+    /// Faces and corners of the current cluster.
     faces: Vec<Face>,
     corners: Vec<DVec3>,
 }
 
-/// A plane that everything is on one side of.
+/// A plane that has all occluders on one side.
 #[derive(Clone, Copy)]
-struct Known {
+struct RecentPlane {
     plane: Plane,
-    /// Its place in [`ConvexCell::planes`], once a face in it shows its outer side.
-    place: Option<u32>,
+    /// Index in [`ConvexCell::planes`], once the outer side of a face in it may be visible.
+    index: Option<u32>,
 }
 
-/// A face of the cluster at hand, and the plane that it lies in.
+/// A face of the current cluster, and its plane.
 pub(super) struct Face {
     pub(super) corners: [usize; 2],
     pub(super) plane: Plane,
-    /// Across it, as long as twice its area: against it, the corners turn left.
+    /// Normal with twice the area as length, by the order of the corners: they run counter-clockwise seen against it.
     pub(super) area: DVec3,
-    /// From where to where it reaches along an axis, once that is asked for.
+    /// Extent along the sort axis, once computed.
     pub(super) span: [f64; 2],
 }
 
-/// So many planes are looked through for one that a face lies in.
-const MAX_KNOWN: usize = 16;
+/// Maximum number of recent planes searched for one that contains a face.
+const MAX_RECENT: usize = 16;
 
 impl<'a> Walls<'a> {
     pub(super) fn new(geometry: &'a Geometry, limit_bytes: u64) -> Walls<'a> {
         Walls {
             geometry,
-            resting: Resting::new(geometry),
+            support: SupportPlanes::new(geometry),
             limit_bytes,
-            known: Vec::new(),
+            recent: Vec::new(),
             cell: ConvexCell {
                 planes: Vec::new(),
                 outside: Vec::new(),
                 openings: Vec::new(),
-                laid: Vec::new(),
-                hiding: vec![false; geometry.items().len()],
+                overlapping: Vec::new(),
+                occluders: vec![false; geometry.items().len()],
             },
             outwards: false,
             faces: Vec::new(),
@@ -69,24 +69,24 @@ impl<'a> Walls<'a> {
             let corners = opening.outline.corners().iter();
             let corners: Vec<DVec3> = corners.map(|corner| DVec3::from(corner.map(f64::from))).collect();
             let opening = OpeningId(number);
-            let Some((known, area)) = self.plane_of(&corners, false, Owner::Opening(opening))? else {
+            let Some((recent, area)) = self.plane_of(&corners, false, Owner::Opening(opening))? else {
                 continue;
             };
-            if area.dot(self.known[known].plane.normal) < 0.0 {
-                let place = self.place_of(known);
-                self.cell.openings.push((opening, place));
+            if area.dot(self.recent[recent].plane.normal) < 0.0 {
+                let index = self.plane_index(recent);
+                self.cell.openings.push((opening, index));
             }
         }
         Ok(())
     }
 
-    /// Finds a plane for each face of an item that hides what is behind it.
+    /// Finds a plane for each occluder face of an item.
     pub(super) fn take_item(&mut self, item: ItemId) -> Result<(), Refusal> {
-        for cluster in clusters_that_hide(self.geometry, item) {
-            self.cell.hiding[item.0 as usize] = true;
+        for cluster in occluder_clusters(self.geometry, item) {
+            self.cell.occluders[item.0 as usize] = true;
             self.take_cluster(item, cluster)?;
-            if lie_on_one_another(&mut self.faces, &self.corners, self.resting.slack()) {
-                self.cell.laid.push((item, cluster));
+            if any_overlap(&mut self.faces, &self.corners, self.support.slack()) {
+                self.cell.overlapping.push((item, cluster));
             }
             let twice = 2 * self.cell.bytes();
             if twice > self.limit_bytes {
@@ -110,16 +110,17 @@ impl<'a> Walls<'a> {
             let start = all.len();
             let corners = mesh.face(face).iter().map(|&at| mesh.positions()[at as usize]);
             all.extend(corners.map(|corner| DVec3::from(sector_from_item.point_f64(corner))));
-            let Some((known, turned)) = self.plane_of(&all[start..], mirrored, Owner::Face(item, face))?
+            let Some((recent, turned)) = self.plane_of(&all[start..], mirrored, Owner::Face(item, face))?
             else {
                 all.truncate(start);
                 continue;
             };
             let area = if mirrored { -turned } else { turned };
-            let plane = self.known[known].plane;
-            // One that stands across its plane is thinner than the slack: which way it faces cannot be told.
+            let plane = self.recent[recent].plane;
+            // A face perpendicular to its plane is thinner than the slack: which way it faces cannot be determined, so
+            // both sides count as visible.
             if double_sided || area.dot(plane.normal) < 0.5 * area.length() {
-                self.show_outside(known, item, number, face);
+                self.show_outside(recent, item, number, face);
             }
             let corners = [start, all.len()];
             self.faces.push(Face {
@@ -133,30 +134,30 @@ impl<'a> Walls<'a> {
         Ok(())
     }
 
-    /// The plane that a face lies in, by its place among those that are known, and across it, as long
-    /// as twice its area, where its corners turn left; `None` where it is but a line, or a point.
+    /// Returns the index in `recent` of a plane that contains the face, and the face's normal with twice its area as
+    /// length; `None` if the face is a mere line or point.
     fn plane_of(
         &mut self,
         corners: &[DVec3],
         mirrored: bool,
         owner: Owner,
     ) -> Result<Option<(usize, DVec3)>, Refusal> {
-        let Some(area) = self.resting.area_of(corners) else {
+        let Some(area) = self.support.area_of(corners) else {
             return Ok(None);
         };
         let fits = |plane: &Plane| match owner {
-            Owner::Opening(_) => self.resting.opens_in(corners, area, plane),
-            Owner::Face(..) => self.resting.lies_in(corners, plane),
+            Owner::Opening(_) => self.support.opening_is_in(corners, area, plane),
+            Owner::Face(..) => self.support.face_is_in(corners, plane),
         };
-        if let Some(known) = self.known.iter().rposition(|known| fits(&known.plane)) {
-            return Ok(Some((known, area)));
+        if let Some(recent) = self.recent.iter().rposition(|recent| fits(&recent.plane)) {
+            return Ok(Some((recent, area)));
         }
         let front = if mirrored { -area } else { area };
         let plane = self
             .resting
-            .under(corners, front, self.outwards, fits)
+            .supporting_plane(corners, front, self.outwards, fits)
             .map_err(|behind: Corner| {
-                Refusal::NotConvex(Dent {
+                Refusal::NotConvex(NonConvexity {
                     wall: owner,
                     behind: behind.of,
                     point: behind.point.into(),
@@ -164,15 +165,15 @@ impl<'a> Walls<'a> {
                 })
             })?;
         self.outwards = plane.normal.dot(front) < 0.0;
-        if self.known.len() == MAX_KNOWN {
-            self.known.remove(0);
+        if self.recent.len() == MAX_RECENT {
+            self.recent.remove(0);
         }
-        self.known.push(Known { plane, place: None });
-        Ok(Some((self.known.len() - 1, area)))
+        self.recent.push(RecentPlane { plane, index: None });
+        Ok(Some((self.recent.len() - 1, area)))
     }
 
-    fn show_outside(&mut self, known: usize, item: ItemId, cluster: u32, face: u32) {
-        let plane = self.place_of(known);
+    fn show_outside(&mut self, recent: usize, item: ItemId, cluster: u32, face: u32) {
+        let plane = self.plane_index(recent);
         match self.cell.outside.last_mut() {
             Some(last)
                 if (last.plane, last.item, last.cluster, last.faces[1]) == (plane, item, cluster, face) =>
@@ -188,10 +189,10 @@ impl<'a> Walls<'a> {
         }
     }
 
-    /// The place of a plane in which faces show their outer sides.
-    fn place_of(&mut self, known: usize) -> u32 {
-        let Known { plane, place } = &mut self.known[known];
-        *place.get_or_insert_with(|| {
+    /// Returns the index in [`ConvexCell::planes`] of a recent plane, and adds the plane if it is missing.
+    fn plane_index(&mut self, recent: usize) -> u32 {
+        let RecentPlane { plane, index } = &mut self.recent[recent];
+        *index.get_or_insert_with(|| {
             self.cell.planes.push(*plane);
             self.cell.planes.len() as u32 - 1
         })

@@ -1,4 +1,4 @@
-//! What is hard to sort: planes full of polygons, long rows, slivers, too little memory, nothing at all.
+//! Hard input: many coplanar polygons, long rows, slivers, a low memory limit, no polygons at all.
 
 use super::*;
 use proptest::prelude::*;
@@ -111,7 +111,7 @@ fn the_same_polygons_give_the_same_tree() {
     assert_eq!(format!("{a:?}"), format!("{b:?}"));
 }
 
-/// Triangles and parallelograms on a tiny grid: many have no area, are there twice, cross, touch or share planes.
+/// Triangles and parallelograms on a tiny grid; many have no area, are duplicates, cross, touch or are coplanar.
 fn hard_ones() -> impl Strategy<Value = Polygons> {
     let corner = || prop::array::uniform3(0..4_i32).prop_map(|c| DVec3::from(c.map(f64::from)));
     let one = (prop::array::uniform3(corner()), any::<bool>(), 0..3_i32);
@@ -126,7 +126,7 @@ fn hard_ones() -> impl Strategy<Value = Polygons> {
             if four {
                 corners.push(a + c - b);
             }
-            // A hair's breadth makes needles of what has no area, and slivers of what is cut.
+            // A tiny offset turns polygons without area into needles, and cut ones into slivers.
             corners[0].x += f64::from(bend) * 1e-13;
             let away = if moved {
                 DVec3::new(0.1, 0.2, 0.3)

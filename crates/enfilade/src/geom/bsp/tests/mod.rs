@@ -1,11 +1,11 @@
-//! Whole trees, held against rays.
+//! Checks whole trees against ray casts.
 
 mod hard;
 
 use super::*;
 use std::collections::BTreeSet;
 
-/// Numbers that look random, the same ones each time.
+/// Deterministic pseudo-random numbers.
 pub(super) struct Random(pub(super) u64);
 
 impl Random {
@@ -44,7 +44,7 @@ fn corners(polygons: &Polygons, polygon: u32) -> Vec<DVec3> {
     polygons.corners[first..end].iter().map(|&c| c.into()).collect()
 }
 
-/// Triangles every which way through each other, and squares on a coarse grid, many of them in one plane.
+/// Returns randomly oriented, intersecting triangles, and squares on a coarse grid, many of them coplanar.
 pub(super) fn jumble(random: &mut Random, size: u32) -> Polygons {
     let mut all = Polygons {
         starts: vec![0],
@@ -67,7 +67,7 @@ pub(super) fn jumble(random: &mut Random, size: u32) -> Polygons {
     all
 }
 
-/// Pieces in the order in which they are met, each with the number of its run.
+/// Returns the pieces in traversal order, each with the number of its run.
 fn met(tree: &BspTree, eye: DVec3, near_first: bool) -> Vec<(usize, Piece)> {
     met_if(tree, eye, near_first, |_| true)
 }
@@ -96,7 +96,8 @@ fn holds(tree: &BspTree, piece: &Piece, point: DVec3) -> bool {
         .all(|[a, b, c, d]| DVec3::new(a, b, c).dot(point) >= d)
 }
 
-/// Where a ray meets a polygon; `None` also where it is too near an edge, or too level, to be sure.
+/// Returns the ray parameter of the hit with a polygon; `None` also if the ray is too near an edge or too parallel to
+/// the plane to be certain.
 fn hit(corners: &[DVec3], eye: DVec3, toward: DVec3) -> Option<f64> {
     let normal = (corners[1] - corners[0])
         .cross(corners[2] - corners[0])
@@ -111,12 +112,12 @@ fn hit(corners: &[DVec3], eye: DVec3, toward: DVec3) -> Option<f64> {
     (slope.abs() > 1e-4 && way > 1e-7 && inside).then_some(way)
 }
 
-/// Along many rays, each hit belongs to exactly one piece, and these come in the order of the walk. Gives the number
-/// of hits looked at.
+/// Checks that along many rays each hit belongs to exactly one piece and that the hits come in traversal order. Returns
+/// the number of hits tested.
 fn rays_agree(polygons: &Polygons, tree: &BspTree, random: &mut Random, tolerance: f64) -> usize {
     let mut looked_at = 0;
     for view in 0..12 {
-        // Some eyes stand in the planes of the grid.
+        // Some eyes are in planes of the grid.
         let eye = random.point(6.0);
         let eye = if view % 3 == 0 { eye.round() } else { eye };
         let order = met(tree, eye, true);
@@ -150,10 +151,10 @@ fn rays_agree(polygons: &Polygons, tree: &BspTree, random: &mut Random, toleranc
                     .clone()
                     .filter(|(_, piece)| holds(tree, piece, point))
                     .count();
-                assert_eq!(held, 1, "pieces of polygon {polygon} hold one hit");
+                assert_eq!(held, 1, "exactly one piece of polygon {polygon} must contain the hit");
                 let (run, piece) = mine
                     .find(|(_, piece)| holds(tree, piece, point))
-                    .expect("one does");
+                    .expect("one was counted above");
                 way_of_run.push((*run, way));
                 let same =
                     |(_, p): &&(usize, Piece)| (p.polygon, p.first_cut) == (piece.polygon, piece.first_cut);
@@ -162,16 +163,16 @@ fn rays_agree(polygons: &Polygons, tree: &BspTree, random: &mut Random, toleranc
                 let met = met_if(tree, eye, true, bounds_hold);
                 assert!(
                     met.iter().find(same).is_some(),
-                    "a box above the piece does not hold it"
+                    "the AABB of an ancestor does not contain the hit"
                 );
                 looked_at += 1;
             }
             way_of_run.sort_by_key(|&(run, _)| run);
             for pair in way_of_run.windows(2) {
                 let [(first_run, first), (second_run, second)] = [pair[0], pair[1]];
-                assert!(second > first - tolerance, "{first} was met before {second}");
+                assert!(second > first - tolerance, "the hit at {first} came before the hit at {second}");
                 if first_run == second_run {
-                    assert!((first - second).abs() < tolerance, "not in one plane");
+                    assert!((first - second).abs() < tolerance, "hits of one run are not coplanar");
                 }
             }
         }

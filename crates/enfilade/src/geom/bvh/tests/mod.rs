@@ -1,4 +1,4 @@
-//! Whole trees: what they hold, and how deep they are.
+//! Checks whole trees: their content and depth.
 
 mod moving;
 
@@ -17,19 +17,19 @@ fn cubes(places: impl Iterator<Item = [f32; 3]>, side: f32) -> Vec<Aabb> {
     places.map(cube).collect()
 }
 
-/// Every thing stands in one leaf, and the boxes on the way to it hold it. Gives the depth.
+/// Checks that every primitive is in one leaf and enclosed by all boxes above it. Returns the depth.
 fn check(bounds: &[Aabb]) -> usize {
     let tree = Bvh::build(bounds, FEW);
     let mut met = vec![0; bounds.len()];
     let mut deepest = 0;
-    let mut waiting: Vec<(u32, usize)> = tree.root().map(|root| (root, 1)).into_iter().collect();
-    while let Some((node, depth)) = waiting.pop() {
+    let mut pending: Vec<(u32, usize)> = tree.root().map(|root| (root, 1)).into_iter().collect();
+    while let Some((node, depth)) = pending.pop() {
         deepest = deepest.max(depth);
         let held = tree.bounds(node);
         for child in tree.children(node) {
             assert!(child > node);
             assert_eq!(held.union(tree.bounds(child)), *held);
-            waiting.push((child, depth + 1));
+            pending.push((child, depth + 1));
         }
         for &thing in tree.things(node) {
             assert_eq!(held.union(&bounds[thing as usize]), *held);
@@ -68,7 +68,7 @@ fn things_that_coincide_or_are_huge_or_tiny_make_a_tree() {
     check(&cubes([low, high, [0.0; 3], low, [1e-20; 3]].into_iter(), 1e37));
 }
 
-/// Each level of a tree costs O(n) to build, so its depth bounds the work too.
+/// Each level of a tree costs O(n) to build, so the depth bounds the cost of building.
 #[test]
 fn trees_over_a_hundred_thousand_boxes_that_are_hard_to_separate_are_shallow() {
     for (what, boxes) in hard_boxes(100_000) {
@@ -88,11 +88,11 @@ fn boxes_that_are_infinite_or_no_numbers_stand_in_a_shallow_tree_too() {
     let solid = boxes.iter().filter(|bounds| !bounds.is_empty()).count();
     let tree = Bvh::build(&boxes, FEW);
     let mut held = 0;
-    let mut waiting: Vec<(u32, usize)> = tree.root().map(|root| (root, 1)).into_iter().collect();
-    while let Some((node, depth)) = waiting.pop() {
+    let mut pending: Vec<(u32, usize)> = tree.root().map(|root| (root, 1)).into_iter().collect();
+    while let Some((node, depth)) = pending.pop() {
         assert!(depth <= MAX_LEVELS);
         held += tree.things(node).len();
-        waiting.extend(tree.children(node).map(|child| (child, depth + 1)));
+        pending.extend(tree.children(node).map(|child| (child, depth + 1)));
     }
     assert!(solid > 9000);
     assert_eq!(held, solid);

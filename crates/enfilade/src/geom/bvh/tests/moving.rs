@@ -1,12 +1,12 @@
-//! Nested boxes that things come into, go from and move in.
+//! Insertion, removal and movement of primitives in a BVH.
 
 use super::*;
 use crate::geom::changes::{
-    Changes, a_long_life_leaves_it_as_good_as_new, what_was_emptied_can_be_filled_again,
+    DynamicTree, a_long_life_leaves_it_as_good_as_new, what_was_emptied_can_be_filled_again,
     whatever_changes_is_found,
 };
 
-impl Changes for Bvh {
+impl DynamicTree for Bvh {
     const COPIES: bool = false;
 
     fn over(bounds: &[Aabb]) -> Bvh {
@@ -48,8 +48,8 @@ impl Changes for Bvh {
     fn check(&self, _bounds: &[Aabb]) {
         let mut nodes = 0;
         let mut leaves = 0;
-        let mut waiting: Vec<u32> = self.root().into_iter().collect();
-        while let Some(node) = waiting.pop() {
+        let mut pending: Vec<u32> = self.root().into_iter().collect();
+        while let Some(node) = pending.pop() {
             nodes += 1;
             leaves += usize::from(!self.things(node).is_empty());
             for &thing in self.things(node) {
@@ -57,14 +57,14 @@ impl Changes for Bvh {
             }
             for child in self.children(node) {
                 assert_eq!(self.parents[pair_of(child)], node);
-                waiting.push(child);
+                pending.push(child);
             }
         }
         if nodes > 0 {
-            assert_eq!(nodes + 2 * self.spare_pairs.len(), self.nodes.len());
+            assert_eq!(nodes + 2 * self.free_pairs.len(), self.nodes.len());
         }
         assert_eq!(
-            (leaves + self.spare_places.len()) * self.few as usize,
+            (leaves + self.free_slots.len()) * self.few as usize,
             self.things.len()
         );
     }
@@ -97,10 +97,10 @@ fn things_that_come_one_after_the_other_along_a_row_or_to_one_place_make_no_list
             tree.insert(thing, &place, &mut Vec::new());
         }
         let mut deepest = 0;
-        let mut waiting = vec![(0, 1)];
-        while let Some((node, depth)) = waiting.pop() {
+        let mut pending = vec![(0, 1)];
+        while let Some((node, depth)) = pending.pop() {
             deepest = deepest.max(depth);
-            waiting.extend(tree.children(node).map(|child| (child, depth + 1)));
+            pending.extend(tree.children(node).map(|child| (child, depth + 1)));
         }
         assert!((10..60).contains(&deepest), "{deepest}");
     }

@@ -1,4 +1,4 @@
-//! Whole trees: what they hold, and the order of a walk.
+//! Checks whole trees: their content and traversal order.
 
 mod moving;
 
@@ -13,8 +13,8 @@ fn cube(at: [f32; 3], side: f32) -> Aabb {
     }
 }
 
-/// Pseudo-random numbers from 0 to 1, the same every time.
-fn chance(seed: u32) -> impl FnMut() -> f32 {
+/// Deterministic pseudo-random numbers from 0 to 1.
+fn random(seed: u32) -> impl FnMut() -> f32 {
     let mut state = seed;
     move || {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -23,25 +23,25 @@ fn chance(seed: u32) -> impl FnMut() -> f32 {
 }
 
 fn pebbles(count: usize, side: f32) -> Vec<Aabb> {
-    let mut chance = chance(7);
+    let mut random = random(7);
     (0..count)
-        .map(|_| cube([0; 3].map(|_| 100.0 * chance()), side * chance()))
+        .map(|_| cube([0; 3].map(|_| 100.0 * random()), side * random()))
         .collect()
 }
 
-/// Calls `each` with every node, near to far, and whether it is a leaf.
+/// Calls `each` with every node, front to back, and whether it is a leaf.
 fn walk(tree: &KdTree, eye: [f64; 3], mut each: impl FnMut(u32, bool)) {
-    let mut waiting: Vec<u32> = tree.root().into_iter().collect();
-    while let Some(node) = waiting.pop() {
+    let mut pending: Vec<u32> = tree.root().into_iter().collect();
+    while let Some(node) = pending.pop() {
         let halves = tree.near_and_far(node, eye);
         each(node, halves.is_none());
         if let Some([near, far]) = halves {
-            waiting.extend([far, near]);
+            pending.extend([far, near]);
         }
     }
 }
 
-/// What holds of every tree; gives how many numbers its leaves hold.
+/// Checks the invariants of a tree; returns the total number of references in its leaves.
 fn check(bounds: &[Aabb], few: usize) -> usize {
     let tree = KdTree::build(bounds, few);
     assert!(tree.bytes() <= KdTree::most_bytes(bounds.len()));
@@ -52,7 +52,7 @@ fn check(bounds: &[Aabb], few: usize) -> usize {
         let outer = *tree.bounds(node);
         if let Some(halves) = tree.near_and_far(node, [0.0; 3]) {
             for half in halves {
-                assert_eq!(outer.union(tree.bounds(half)), outer, "a half reaches out");
+                assert_eq!(outer.union(tree.bounds(half)), outer, "a child extends beyond its parent");
             }
         }
         held += tree.things(node).len();
@@ -60,7 +60,7 @@ fn check(bounds: &[Aabb], few: usize) -> usize {
         for &thing in tree.things(node) {
             met.insert(thing);
             let shared = outer.intersection(&bounds[thing as usize]);
-            assert!(!shared.is_empty(), "{thing} is not in its leaf");
+            assert!(!shared.is_empty(), "primitive {thing} is outside its leaf");
             volume[thing as usize] += shared.volume();
         }
     });
@@ -69,7 +69,7 @@ fn check(bounds: &[Aabb], few: usize) -> usize {
         let lost = whole.volume() - volume[thing];
         assert!(
             lost <= 1e-3 * whole.volume(),
-            "{thing} is not held whole by its leaves"
+            "the leaves of primitive {thing} do not contain all of it"
         );
     }
     assert!(held <= COPIES * bounds.len());
@@ -87,7 +87,7 @@ fn every_thing_is_held_whole_and_few_are_copied() {
 #[test]
 fn no_leaf_comes_after_one_that_it_hides() {
     let tree = KdTree::build(&pebbles(1000, 0.1), 2);
-    let mut chance = chance(3);
+    let mut random = random(3);
     let mut crossed = 0;
     for eye in [[-10.0; 3], [100.0, -5.0, 50.0], [50.0; 3]] {
         let mut leaves = Vec::new();
@@ -98,7 +98,7 @@ fn no_leaf_comes_after_one_that_it_hides() {
         });
         for (place, leaf) in leaves.iter().enumerate() {
             let inside = |axis: usize, t: f32| leaf.min[axis] + t * (leaf.max[axis] - leaf.min[axis]);
-            let target = [0, 1, 2].map(|axis| f64::from(inside(axis, chance())));
+            let target = [0, 1, 2].map(|axis| f64::from(inside(axis, random())));
             for step in 1..10 {
                 let t = 0.1 * f64::from(step);
                 let at = [0, 1, 2].map(|axis| eye[axis] + t * (target[axis] - eye[axis]));
@@ -143,7 +143,7 @@ fn what_cannot_be_parted_is_one_leaf() {
     assert_eq!(KdTree::build(&[Aabb::EMPTY; 9], 4).root(), None);
     assert_eq!(check(&vec![cube([1.0; 3], 0.0); 1000], 4), 1000);
     assert_eq!(check(&vec![cube([1.0; 3], 2.0); 1000], 4), 1000);
-    // Russian dolls: every plane cuts all but a few.
+    // Nested boxes (Russian dolls): every plane cuts all but a few.
     let dolls: Vec<Aabb> = (0..100).map(|i| cube([-(i as f32); 3], 2.0 * i as f32)).collect();
     check(&dolls, 4);
     let huge = [
@@ -166,18 +166,18 @@ fn a_hundred_thousand_things_are_parted_in_no_time() {
     assert!(largest <= 6);
 }
 
-/// Each level of a tree costs O(n log n) to build, so its depth bounds the work too.
+/// Each level of a tree costs O(n log n) to build, so the depth bounds the cost of building.
 #[test]
 fn kd_trees_over_a_hundred_thousand_boxes_that_are_hard_to_separate_are_shallow_and_small() {
     for (what, boxes) in hard_boxes(100_000) {
         let tree = KdTree::build(&boxes, 6);
         let mut held = 0;
-        let mut waiting: Vec<(u32, u32)> = tree.root().map(|root| (root, 0)).into_iter().collect();
-        while let Some((node, depth)) = waiting.pop() {
-            assert!(depth <= GREATEST_DEPTH, "{what}");
+        let mut pending: Vec<(u32, u32)> = tree.root().map(|root| (root, 0)).into_iter().collect();
+        while let Some((node, depth)) = pending.pop() {
+            assert!(depth <= MAX_DEPTH, "{what}");
             held += tree.things(node).len();
             let halves = tree.near_and_far(node, [0.0; 3]).into_iter().flatten();
-            waiting.extend(halves.map(|half| (half, depth + 1)));
+            pending.extend(halves.map(|half| (half, depth + 1)));
         }
         assert!(
             (boxes.len()..=COPIES * boxes.len()).contains(&held),

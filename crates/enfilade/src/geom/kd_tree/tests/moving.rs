@@ -1,14 +1,14 @@
-//! kd-trees that things come into, go from and move in.
+//! Insertion, removal and movement of primitives in a kd-tree.
 
 use super::*;
 use crate::geom::changes::{
-    Changes, World, a_long_life_leaves_it_as_good_as_new, what_was_emptied_can_be_filled_again,
+    DynamicTree, World, a_long_life_leaves_it_as_good_as_new, what_was_emptied_can_be_filled_again,
     whatever_changes_is_found,
 };
 
 const FEW: usize = 6;
 
-impl Changes for KdTree {
+impl DynamicTree for KdTree {
     const COPIES: bool = true;
 
     fn over(bounds: &[Aabb]) -> KdTree {
@@ -57,13 +57,13 @@ impl Changes for KdTree {
         };
         let mut held = 0;
         let mut nodes = 0;
-        // Nodes, their cells, and what the planes lead there.
-        let mut waiting: Vec<(u32, Aabb, Vec<u32>)> = self
+        // Nodes, their cells, and the primitives that the planes lead there.
+        let mut pending: Vec<(u32, Aabb, Vec<u32>)> = self
             .root()
             .map(|root| (root, everywhere, everything))
             .into_iter()
             .collect();
-        while let Some((node, cell, reach)) = waiting.pop() {
+        while let Some((node, cell, reach)) = pending.pop() {
             nodes += 1;
             let inside = reach
                 .iter()
@@ -72,20 +72,20 @@ impl Changes for KdTree {
             assert_eq!(
                 inside,
                 *self.bounds(node),
-                "node {node} is as large as what is in it"
+                "the AABB of node {node} does not fit its content tightly"
             );
-            match self.nodes[node as usize].holds {
-                Holds::Halves { axis, at, low, .. } => {
+            match self.nodes[node as usize].contents {
+                Contents::Halves { axis, at, low, .. } => {
                     for (half, cell) in cut(&cell, axis.into(), at).into_iter().enumerate() {
                         let side = |&thing: &u32| sides(&bounds[thing as usize], axis.into(), at)[half];
-                        waiting.push((
+                        pending.push((
                             low + half as u32,
                             cell,
                             reach.iter().copied().filter(side).collect(),
                         ));
                     }
                 }
-                Holds::Things(run) => {
+                Contents::Things(run) => {
                     held += run.len();
                     let mut things = self.things.get(run).to_vec();
                     things.sort();
@@ -95,7 +95,7 @@ impl Changes for KdTree {
         }
         assert_eq!(held, self.held);
         if nodes > 0 {
-            assert_eq!(nodes + 2 * self.spare_pairs.len(), self.nodes.len());
+            assert_eq!(nodes + 2 * self.free_pairs.len(), self.nodes.len());
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Whole trees: what they hold, and the order of a walk.
+//! Checks whole trees: their content and traversal order.
 
 mod moving;
 
@@ -35,7 +35,7 @@ fn a_walk_meets_every_thing_and_the_near_ones_first() {
     let things = met(&tree, [-1.0, -1.0, -1.0]);
     let distinct: std::collections::BTreeSet<u32> = things.iter().copied().collect();
     assert_eq!([distinct.len(), things.len()], [bounds.len(); 2]);
-    let place = |thing: u32| things.iter().position(|&t| t == thing).expect("met above");
+    let place = |thing: u32| things.iter().position(|&t| t == thing).expect("visited above");
     assert!(place(0) < place(500) && place(500) < place(999));
 }
 
@@ -67,17 +67,17 @@ fn coincident_things_end_in_one_deep_node() {
     assert!(met(&Octree::build(&[Aabb::EMPTY], 4), [0.0; 3]).is_empty());
 }
 
-/// Each level of a tree costs O(n) to build, so its depth bounds the work too.
+/// Each level of a tree costs O(n) to build, so the depth bounds the cost of building.
 #[test]
 fn octrees_over_a_hundred_thousand_boxes_that_are_hard_to_separate_are_shallow_and_small() {
     for (what, boxes) in hard_boxes(100_000) {
         let tree = Octree::build(&boxes, 4);
         let mut held = 0;
-        let mut waiting: Vec<(u32, u32)> = tree.root().map(|root| (root, 0)).into_iter().collect();
-        while let Some((node, depth)) = waiting.pop() {
-            assert!(depth <= GREATEST_DEPTH, "{what}");
+        let mut pending: Vec<(u32, u32)> = tree.root().map(|root| (root, 0)).into_iter().collect();
+        while let Some((node, depth)) = pending.pop() {
+            assert!(depth <= MAX_DEPTH, "{what}");
             held += tree.things(node).len();
-            waiting.extend(tree.children(node).map(|child| (child, depth + 1)));
+            pending.extend(tree.children(node).map(|child| (child, depth + 1)));
         }
         assert_eq!(held, boxes.len(), "{what}");
         assert!(

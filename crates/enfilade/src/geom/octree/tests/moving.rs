@@ -1,14 +1,14 @@
-//! Octrees that things come into, go from and move in.
+//! Insertion, removal and movement of primitives in an octree.
 
 use super::*;
 use crate::geom::changes::{
-    Chance, Changes, World, a_long_life_leaves_it_as_good_as_new, what_was_emptied_can_be_filled_again,
+    Random, DynamicTree, World, a_long_life_leaves_it_as_good_as_new, what_was_emptied_can_be_filled_again,
     whatever_changes_is_found,
 };
 
 const FEW: usize = 6;
 
-impl Changes for Octree {
+impl DynamicTree for Octree {
     const COPIES: bool = false;
 
     fn over(bounds: &[Aabb]) -> Octree {
@@ -50,18 +50,18 @@ impl Changes for Octree {
     fn check(&self, bounds: &[Aabb]) {
         let count = bounds.iter().filter(|bounds| !bounds.is_empty()).count();
         assert_eq!(self.count, count);
-        // A walk, which has a stack of its own, meets the same.
+        // A traversal, which has a fixed-size stack, visits the same primitives.
         let mut met = super::met(self, [0.0; 3]);
         met.sort();
         met.dedup();
         assert_eq!(met.len(), count);
-        // Each node is in use once, or spare.
+        // Each node is in use once, or free.
         let mut used: usize = usize::from(!self.nodes.is_empty());
-        let mut waiting: Vec<u32> = self.root().into_iter().collect();
-        while let Some(node) = waiting.pop() {
+        let mut pending: Vec<u32> = self.root().into_iter().collect();
+        while let Some(node) = pending.pop() {
             used += usize::from(self.nodes[node as usize].room);
             assert!(self.children(node).len() <= usize::from(self.nodes[node as usize].room));
-            waiting.extend(self.children(node));
+            pending.extend(self.children(node));
         }
         assert_eq!(used + self.spare.len(), self.nodes.len());
     }
@@ -85,17 +85,17 @@ fn a_long_life_leaves_eighths_as_good_as_new() {
 #[test]
 fn a_move_touches_at_most_64_nodes() {
     let mut world = World::<Octree>::town(10_000);
-    let mut chance = Chance(2);
+    let mut random = Random(2);
     let mut most = 0;
     for step in 0..20_000_u32 {
-        let thing = chance.below(10_000) as u32;
+        let thing = random.below(10_000) as u32;
         let to = if step % 2 == 0 {
             thing
         } else {
-            chance.below(10_000) as u32
+            random.below(10_000) as u32
         };
-        // A step, a leap to where another is, or into a crowd.
-        let by = 0.2 * chance.part();
+        // A small step, a jump to the position of another, or into a crowd.
+        let by = 0.2 * random.part();
         let corner = if step % 5 == 0 {
             [50.0; 3]
         } else {
@@ -113,10 +113,10 @@ fn a_move_touches_at_most_64_nodes() {
 #[test]
 fn a_world_that_moves_away_or_grows_is_built_anew_and_one_that_mills_about_is_not() {
     let mut world = World::<Octree>::town(1000);
-    let mut chance = Chance(9);
+    let mut random = Random(9);
     for _ in 0..20 {
         let changes: Vec<(u32, Aabb)> = (0..1000)
-            .map(|thing| (thing, world.bounds[chance.below(1000)]))
+            .map(|thing| (thing, world.bounds[random.below(1000)]))
             .collect();
         world.change(&changes);
         assert!(!world.tidy());
@@ -132,5 +132,5 @@ fn a_world_that_moves_away_or_grows_is_built_anew_and_one_that_mills_about_is_no
     world.change(&away(1000.0, &world.bounds.clone()));
     assert!(world.tidy() && !world.tidy());
     world.check();
-    assert!(world.dearer().into_iter().all(|by| by < 1.01));
+    assert!(world.cost_ratio().into_iter().all(|by| by < 1.01));
 }

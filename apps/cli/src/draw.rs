@@ -40,6 +40,13 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
             args.samples
         );
     }
+    #[cfg(not(feature = "levels"))]
+    if args.levels.is_some() {
+        bail!(
+            "this program was built without levels of detail; leave out --levels, or build it with \
+             `cargo build --release -p enfilade-cli --features levels` (needs a C++ compiler)"
+        );
+    }
     let mut files = RunFiles::of(&args.scene.scene, args.cameras.path.as_deref())?;
     // Names made from this one are in the same folder.
     files.writes(&args.output)?;

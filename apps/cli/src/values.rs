@@ -112,7 +112,6 @@ pub(crate) fn degrees(text: &str) -> Result<f32, String> {
 }
 
 /// Pixels, or parts of one.
-#[cfg(feature = "levels")]
 pub(crate) fn pixels(text: &str) -> Result<f32, String> {
     let pixels: f32 = text
         .parse()

@@ -1,4 +1,4 @@
-//! Which views are looked at: from the command line, the scene, a file of views or the survey.
+//! Selects the views: from the command line, the scene's cameras, a file of views or the survey.
 
 use crate::args::CameraArgs;
 use crate::open::Opened;
@@ -14,20 +14,20 @@ use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// A place to look from, that came with a scene.
+/// A camera of a scene.
 #[derive(Clone, Debug)]
 pub(crate) struct Camera {
     pub(crate) name: String,
     pub(crate) eye: [f32; 3],
     pub(crate) toward: [f32; 3],
     pub(crate) up: [f32; 3],
-    /// Radians.
+    /// Vertical field of view, in radians.
     pub(crate) fov_y: f32,
-    /// What is nearer is not seen; `None` where the scene does not say.
+    /// Near-plane distance; `None` if the scene does not give one.
     near: Option<f32>,
-    /// Where to look from; `None`: where the eye stands.
+    /// Sector of the eye; `None` to locate it by its position.
     sector: Option<SectorId>,
-    /// What an orthographic one shows from bottom to top.
+    /// Height of the view of an orthographic camera, in scene units; `None` for a perspective one.
     pub(crate) height: Option<f32>,
 }
 
@@ -80,7 +80,7 @@ impl From<enfilade_scenes::Camera> for Camera {
 }
 
 impl Camera {
-    /// What it sees on a screen; `fov` and `up` of the command line come first.
+    /// Returns the view of this camera. `--fov` and `--up` take precedence over its own values.
     fn view(&self, args: &CameraArgs) -> View {
         let mut view = View::new(self.eye, self.toward, args.size);
         view.up = args.up.unwrap_or(self.up);
@@ -91,7 +91,7 @@ impl Camera {
     }
 }
 
-/// The views that are asked for, each one sound. None only where a survey finds no open space.
+/// Returns the selected views, all valid. Empty only if the survey finds no open space.
 pub(crate) fn views(args: &CameraArgs, opened: &Opened) -> Result<Vec<View>> {
     let views = if let (Some(eye), Some(toward)) = (args.eye, args.toward) {
         vec![checked(plain(args, eye, toward), || {
@@ -116,19 +116,19 @@ pub(crate) fn views(args: &CameraArgs, opened: &Opened) -> Result<Vec<View>> {
     Ok(views)
 }
 
-/// Says where an eye seems to be inside something solid.
+/// Warns of eyes that seem to be inside something solid.
 fn warn_of_solids(opened: &Opened, views: &[View]) {
-    // A long path is not asked about to its end: that would take longer than the looks.
-    const ASKED: usize = 100;
-    let backs_around: Vec<&View> = (views.iter().take(ASKED))
-        .filter(|view| is_among_backs(&opened.scene, view))
+    // Only the first views of a long path are tested: testing all would take longer than the looks.
+    const TESTED: usize = 100;
+    let backs_around: Vec<&View> = (views.iter().take(TESTED))
+        .filter(|view| is_inside_solid(&opened.scene, view))
         .collect();
     if backs_around.is_empty() {
         return;
     }
     if survey(&opened.scene, 0).seems_inverted {
         out::warn(format_args!(
-            "{}: its winding seems inverted: floors are seen from the backs of their faces, which one-sided materials hide",
+            "{}: the winding seems inverted: floors show their back faces, which single-sided materials cull",
             opened.file
         ));
         return;
@@ -136,11 +136,12 @@ fn warn_of_solids(opened: &Opened, views: &[View]) {
     for view in backs_around {
         let [x, y, z] = view.eye;
         out::warn(format_args!(
-            "the eye at {x},{y},{z} seems to be inside something solid: around it are backs of faces"
+            "the eye at {x},{y},{z} seems to be inside something solid: it is surrounded by back faces"
         ));
     }
 }
 
+/// Returns a view with the size, `--fov` and `--up` of the command line.
 fn plain(args: &CameraArgs, eye: [f32; 3], toward: [f32; 3]) -> View {
     let mut view = View::new(eye, toward, args.size);
     view.up = args.up.unwrap_or(view.up);
@@ -148,15 +149,15 @@ fn plain(args: &CameraArgs, eye: [f32; 3], toward: [f32; 3]) -> View {
     view
 }
 
-fn checked(view: View, place: impl FnOnce() -> String) -> Result<View> {
-    view.check().with_context(place)?;
+fn checked(view: View, source: impl FnOnce() -> String) -> Result<View> {
+    view.check().with_context(source)?;
     Ok(view)
 }
 
 fn named(name: &str, args: &CameraArgs, opened: &Opened) -> Result<View> {
     let file = &opened.file;
     if opened.cameras.is_empty() {
-        bail!("{file}: there are no cameras in it; use --eye and --toward, --path or --survey");
+        bail!("{file}: it has no cameras; use --eye and --toward, --path or --survey");
     }
     let camera = opened
         .cameras
@@ -164,7 +165,7 @@ fn named(name: &str, args: &CameraArgs, opened: &Opened) -> Result<View> {
         .find(|camera| camera.name == name)
         .ok_or_else(|| {
             let names = opened.cameras.iter().map(|camera| camera.name.as_str());
-            anyhow!("{file}: there is no camera `{name}`; {}", among(name, names))
+            anyhow!("{file}: no camera `{name}`; {}", among(name, names))
         })?;
     checked(camera.view(args), || format!("{file}: camera `{name}`"))
 }
@@ -174,7 +175,7 @@ fn surveyed(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>>
     match found.views.len() {
         0 => out::warn("the survey found no open space for a camera; use --eye and --toward"),
         fewer if fewer < count => out::warn(format_args!(
-            "the survey finds only {fewer} of {count} places to stand"
+            "the survey found only {fewer} of {count} positions to stand at"
         )),
         _ => {}
     }
@@ -184,36 +185,36 @@ fn surveyed(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>>
     Ok(found.views.iter().map(|place| at(args, place)).collect())
 }
 
-/// How the places of a survey were found.
+/// Describes the views of a survey, and the scale it assumed.
 fn describe(found: &Survey) -> String {
-    let places = plural(found.views.len(), "view");
+    let views = plural(found.views.len(), "view");
     if found.rooms == 0 {
-        return format!("survey: {places} in open space; no room was found");
+        return format!("survey: {views} in open space; no rooms found");
     }
     let metre = if found.metre == 1.0 {
         String::new()
     } else {
-        format!(", taking a metre for {} units", short(found.metre))
+        format!(", assuming that a metre is {} units", short(found.metre))
     };
     let roofs = match found.views.iter().filter(|place| place.on_roof).count() {
         0 => String::new(),
         roofs => format!(", {roofs} of them above roofs"),
     };
     let inverted = if found.seems_inverted {
-        "; the winding of the file seems inverted"
+        "; the winding seems inverted"
     } else {
         ""
     };
     let rooms = plural(found.rooms, "room");
-    format!("survey: {places} 1.6 m above the floors of {rooms} and streets{roofs}{metre}{inverted}")
+    format!("survey: {views} 1.6 m above the floors of {rooms} and streets{roofs}{metre}{inverted}")
 }
 
 fn hard(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>> {
     let found = survey_hard(scene, count);
     match found.len() {
-        0 => out::warn("the survey finds no faces or openings; use --eye and --toward"),
+        0 => out::warn("the survey found no faces or openings; use --eye and --toward"),
         fewer if fewer < count => out::warn(format_args!(
-            "the survey finds only {fewer} of {count} places that are hard"
+            "the survey found only {fewer} of {count} hard views"
         )),
         _ => {}
     }
@@ -224,12 +225,13 @@ fn at(args: &CameraArgs, place: &SurveyView) -> View {
     plain(args, place.eye, place.toward)
 }
 
-/// Where no camera is given: outdoors all of the scene from outside, else of some places that from which most can be seen.
+/// Returns the default view of a scene without cameras: outdoors the whole scene from outside, else the survey view that
+/// shows most.
 fn first_picture(args: &CameraArgs, opened: &Opened) -> Result<View> {
-    const PLACES: usize = 24;
+    const CANDIDATES: usize = 24;
     const OTHERS: &str = "others: --survey 8, or --eye and --toward";
     let (scene, file) = (&opened.scene, &opened.file);
-    let found = survey(scene, PLACES);
+    let found = survey(scene, CANDIDATES);
     if found.views.is_empty() {
         out::warn(
             "the survey found no open space, so the camera is outside the scene; use --eye and --toward",
@@ -239,19 +241,19 @@ fn first_picture(args: &CameraArgs, opened: &Opened) -> Result<View> {
     let under_sky = found.views.iter().filter(|place| is_under_sky(scene, place));
     if 4 * under_sky.count() >= 3 * found.views.len() {
         out::note(format_args!(
-            "{file}: it has no camera and most of it is outdoors; this is all of it from outside ({OTHERS})"
+            "{file}: it has no camera and is mostly outdoors; showing all of it from outside ({OTHERS})"
         ));
         return Ok(from_outside(args, scene));
     }
     out::note(format_args!(
-        "{file}: it has no camera; this is the view of the survey that shows most ({OTHERS})"
+        "{file}: it has no camera; showing the survey view that shows most ({OTHERS})"
     ));
     let mut viewer = Viewer::new();
     let (mut best, mut most) = (&found.views[0], -1.0);
     for place in &found.views {
         let mut view = at(args, place);
         view.size = [160, 90];
-        // Items count by the root of their size: neither one wall nor a hundred specks make a picture.
+        // Weighted by the square root of their size: neither one large wall nor a hundred specks should win.
         let items = viewer.look(scene, &view).items().iter();
         let shown: f64 = items.map(|item| f64::from(item.size_px).sqrt()).sum();
         if shown > most {
@@ -261,7 +263,7 @@ fn first_picture(args: &CameraArgs, opened: &Opened) -> Result<View> {
     Ok(at(args, best))
 }
 
-/// Is nothing above a place?
+/// Whether a ray straight up from a view hits nothing.
 fn is_under_sky(scene: &Scene, place: &SurveyView) -> bool {
     let up = Ray {
         origin: place.eye,
@@ -271,11 +273,11 @@ fn is_under_sky(scene: &Scene, place: &SurveyView) -> bool {
 }
 
 fn survey(scene: &Scene, count: usize) -> Survey {
-    let _progress = Progress::spinner("looking for places to stand");
+    let _progress = Progress::spinner("surveying");
     enfilade::survey(scene, count)
 }
 
-/// All of a scene, from before it and above.
+/// Returns a view of the whole scene, from the front and above.
 fn from_outside(args: &CameraArgs, scene: &Scene) -> View {
     let boxes = scene
         .sectors()
@@ -302,7 +304,7 @@ fn from_outside(args: &CameraArgs, scene: &Scene) -> View {
         };
         DVec3::from([0, 1, 2].map(|axis| f64::from(end(axis)))) - center
     });
-    // Along each screen axis the planes of the frustum that touch the box meet where the eye is nearest.
+    // Along each screen axis, the two frustum planes that touch the box intersect at the nearest possible eye.
     let nearest = |side: DVec3, tan: f64| {
         let touch = |side: DVec3| {
             let each = corners.clone().map(|c| c.dot(side) / tan + c.dot(away));
@@ -312,7 +314,7 @@ fn from_outside(args: &CameraArgs, scene: &Scene) -> View {
     };
     let upward = away.cross(right);
     let distance = 1.05 * nearest(right, tan_x).max(nearest(upward, tan_y));
-    // From there the box is in the middle of the picture if it is as far from both edges.
+    // Centre the box at that distance: bisect for equal margins at both edges.
     let middle = |side: DVec3| {
         let ends = |shift: f64| {
             let seen = (corners.clone()).map(|c| (c.dot(side) - shift) / (distance - c.dot(away)).max(1e-3));
@@ -331,11 +333,11 @@ fn from_outside(args: &CameraArgs, scene: &Scene) -> View {
     let center = center + middle(right) + middle(upward);
     let eye = center + away * distance;
     let view = plain(args, eye.as_vec3().to_array(), center.as_vec3().to_array());
-    // Coordinates may be so large that the step away is lost in them.
+    // With huge coordinates the step away may be lost in rounding.
     if view.check().is_ok() { view } else { nowhere() }
 }
 
-/// A line of a path.
+/// One line of a `--path` file.
 #[derive(Deserialize)]
 struct Line {
     eye: [f32; 3],
@@ -346,50 +348,50 @@ struct Line {
     others: BTreeMap<String, serde_json::Value>,
 }
 
-/// More than this is no path: views by the hundred thousand.
-const LONGEST_PATH_BYTES: u64 = 64 << 20;
+/// Maximum size of a path file: hundreds of thousands of views.
+const MAX_PATH_BYTES: u64 = 64 << 20;
 
-/// A line is no longer than this. What is not read of it takes much more memory than its text.
-const LONGEST_LINE_BYTES: usize = 1 << 16;
+/// Maximum length of a line. Unknown keys are parsed into values that take much more memory than their text.
+const MAX_LINE_BYTES: usize = 1 << 16;
 
 fn read_path(path: &Path, args: &CameraArgs) -> Result<Vec<View>> {
     let name = path.display();
-    let bytes = read_file(path, LONGEST_PATH_BYTES, "make several paths of it")?;
+    let bytes = read_file(path, MAX_PATH_BYTES, "split it into several paths")?;
     let mut views = Vec::new();
     let mut unread = BTreeSet::new();
     for (number, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
-        let place = || format!("{name}, line {}", number + 1);
-        let text = str::from_utf8(line).with_context(place)?;
+        let location = || format!("{name}, line {}", number + 1);
+        let text = str::from_utf8(line).with_context(location)?;
         if text.trim().is_empty() {
             continue;
         }
-        let wants = r#"a line is {"eye":[x,y,z],"toward":[x,y,z]}, with "up" and "fov" if need be"#;
-        if text.len() > LONGEST_LINE_BYTES {
+        let wants = r#"expected {"eye":[x,y,z],"toward":[x,y,z]}, optionally with "up" and "fov""#;
+        if text.len() > MAX_LINE_BYTES {
             bail!(
-                "{}: it has more than {LONGEST_LINE_BYTES} bytes; {wants}",
-                place()
+                "{}: it has more than {MAX_LINE_BYTES} bytes; {wants}",
+                location()
             );
         }
         let line: Line =
-            serde_json::from_str(text).map_err(|error| anyhow!("{}: {error}; {wants}", place()))?;
+            serde_json::from_str(text).map_err(|error| anyhow!("{}: {error}; {wants}", location()))?;
         let mut view = plain(args, line.eye, line.toward);
         view.up = line.up.unwrap_or(view.up);
         view.fov_y = line.fov.map_or(view.fov_y, f32::to_radians);
-        views.push(checked(view, place)?);
+        views.push(checked(view, location)?);
         unread.extend(line.others.into_keys().filter(|key| key != "name"));
     }
     if views.is_empty() {
-        bail!("{name}: there is no view in it");
+        bail!("{name}: it has no view; add one line per view");
     }
     if !unread.is_empty() {
         let unread: Vec<String> = unread.iter().map(|key| format!("`{key}`")).collect();
-        out::warn(format_args!("{name}: not read: {}", unread.join(", ")));
+        out::warn(format_args!("{name}: unknown keys are ignored: {}", unread.join(", ")));
     }
     Ok(views)
 }
 
-/// Do rays in all directions end, most of them at the backs of faces? `false` when unsure.
-fn is_among_backs(scene: &Scene, view: &View) -> bool {
+/// Returns `true` if rays in all 26 directions hit something, most of them back faces. `false` when unsure.
+fn is_inside_solid(scene: &Scene, view: &View) -> bool {
     let Some(sector) = scene.sector_of(view) else {
         return false;
     };
@@ -409,6 +411,6 @@ fn is_among_backs(scene: &Scene, view: &View) -> bool {
         rays += 1;
         from_behind += usize::from(hit.from_behind);
     }
-    // Not all: a wall that reaches into the floor holds some of the floor's front.
+    // Not all need to hit back faces: a wall that reaches into the floor contains part of the floor's front.
     4 * from_behind >= 3 * rays
 }

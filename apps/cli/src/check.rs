@@ -1,4 +1,4 @@
-//! Holds every method's answers against the reference: once per view, shared by all methods.
+//! Compares the results of all methods with the reference. All methods share one ray-cast picture per view.
 
 use crate::prepare::{Prepared, in_files};
 use crate::progress::Progress;
@@ -6,10 +6,10 @@ use anyhow::{Result, bail};
 use enfilade::laws::{OwnerPicture, Reference, Truth, Verdict};
 use enfilade::{Contract, ItemId, Scene, SectorId, View, Viewer};
 
-/// What was found at a view.
+/// Result of the check of one method at one view.
 pub(crate) struct Found {
     pub(crate) reference_visible: usize,
-    /// From the look, the drawing or both.
+    /// False culls of the look, of the drawing or of both.
     pub(crate) missed: Vec<(SectorId, ItemId)>,
     pub(crate) extra: usize,
     pub(crate) pixels_different: u64,
@@ -18,21 +18,21 @@ pub(crate) struct Found {
     pub(crate) contested: Vec<Contested>,
 }
 
-/// Items that may own the same samples, and how many; most often their faces coincide.
+/// Items that may own the same samples, and the number of those samples; most often their faces coincide.
 pub(crate) type Contested = (Vec<(SectorId, ItemId)>, u64);
 
-/// So many groups of contested items are named for a view.
+/// Maximum number of contested groups that are listed per view.
 const MAX_CONTESTED: usize = 8;
 
-/// Checks all views; for each of the prepared, one found for each view.
+/// Checks all methods at all views. Returns the results by method, then by view.
 ///
-/// `viewers` are those that looked before, so that what they remember is put to the test too. Strict methods are also
-/// held to what is seen at `places` by chance in each pixel, if that is more than one.
+/// `viewers` are those of the timed looks, so that their temporal coherence is tested too. If `samples` is above 1, strict
+/// methods are also checked at that many random samples per pixel.
 pub(crate) fn check(
     prepared: &[Prepared],
     viewers: &mut [Viewer],
     views: &[View],
-    places: u32,
+    samples: u32,
 ) -> Result<Vec<Vec<Found>>> {
     let mut found: Vec<Vec<Found>> = prepared.iter().map(|_| Vec::new()).collect();
     let Some(first) = prepared.first().filter(|_| !views.is_empty()) else {
@@ -42,45 +42,45 @@ pub(crate) fn check(
     let progress = Progress::steps("checking", views.len());
     for view in views {
         let truth = reference.see(&first.scene, view, &viewers[0].limits());
-        let strict = |prepared: &Prepared| places > 1 && prepared.contract == Contract::Strict;
+        let strict = |prepared: &Prepared| samples > 1 && prepared.contract == Contract::Strict;
         let anywhere = prepared.iter().any(strict).then(|| {
             let limits = viewers[0].limits();
-            reference.see_anywhere(&first.scene, view, &limits, places, 0)
+            reference.see_anywhere(&first.scene, view, &limits, samples, 0)
         });
         for ((prepared, viewer), found) in prepared.iter().zip(&mut *viewers).zip(&mut found) {
-            let (mut held, _) = hold(&truth, prepared, viewer, view);
+            let (mut result, _) = check_view(&truth, prepared, viewer, view);
             if let Some(anywhere) = anywhere.as_ref().filter(|_| strict(prepared)) {
                 let verdict = anywhere.check(viewer.visible(), None);
-                held.reference_visible = verdict.reference_visible;
-                held.extra = verdict.extra;
-                held.missed.extend(verdict.missed);
-                held.missed.sort_unstable();
-                held.missed.dedup();
+                result.reference_visible = verdict.reference_visible;
+                result.extra = verdict.extra;
+                result.missed.extend(verdict.missed);
+                result.missed.sort_unstable();
+                result.missed.dedup();
             }
-            found.push(held);
+            found.push(result);
         }
         progress.step();
     }
     Ok(found)
 }
 
-/// The reference over a scene, which takes a while.
+/// Builds the reference of a scene. Slow.
 ///
 /// # Errors
-/// Terrain that stays in its file, of which the reference knows nothing.
+/// Fails if the scene has terrain that is read from its file on demand: the reference needs meshes.
 pub(crate) fn reference(scene: &Scene) -> Result<Reference> {
     if let Some(name) = in_files(scene).next() {
         bail!(
-            "{name}: the reference needs terrain as meshes, and this does not fit in --memory as such; raise --memory, or do \
-             not compare with the reference"
+            "{name}: the reference needs terrain as meshes, and these do not fit in --memory; raise --memory, or do not \
+             compare with the reference"
         );
     }
     let _building = Progress::spinner("building the reference");
     Ok(Reference::new(scene))
 }
 
-/// Looks at a view and draws it, and holds both against the truth; the owners that were painted are given back.
-pub(crate) fn hold(
+/// Looks at a view, draws it, and compares both with the truth. Also returns the owners that were drawn.
+pub(crate) fn check_view(
     truth: &Truth,
     prepared: &Prepared,
     viewer: &mut Viewer,
@@ -92,10 +92,11 @@ pub(crate) fn hold(
     let drawn = truth.check(viewer.visible(), Some(&picture));
     let mut contested = truth.contested();
     contested.truncate(MAX_CONTESTED);
-    (both(looked, drawn, contested), picture)
+    (merged(looked, drawn, contested), picture)
 }
 
-fn both(looked: Verdict, drawn: Verdict, contested: Vec<Contested>) -> Found {
+/// Merges the verdicts of the look and of the drawing.
+fn merged(looked: Verdict, drawn: Verdict, contested: Vec<Contested>) -> Found {
     let mut missed = looked.missed;
     missed.extend(drawn.missed);
     missed.sort_unstable();

@@ -1,4 +1,4 @@
-//! `draw`: pictures of what is seen.
+//! `draw`: renders the views.
 
 use crate::Outcome;
 use crate::args::DrawArgs;
@@ -30,18 +30,25 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
         .is_some_and(|ending| ending.eq_ignore_ascii_case("png"))
     {
         bail!(
-            "cannot write {}: pictures are PNG, so its name must end in .png",
+            "cannot write {}: pictures are PNG, so the name must end in .png",
             args.output.display()
         );
     }
     if args.samples > 1 && args.show != Show::Image {
         bail!(
-            "--samples {} is for --show image alone; leave one of the two out",
+            "--samples {} works with --show image only; leave out one of the two",
             args.samples
         );
     }
+    #[cfg(not(feature = "levels"))]
+    if args.levels.is_some() {
+        bail!(
+            "this program was built without levels of detail; leave out --levels, or build it with \
+             `cargo build --release -p enfilade-cli --features levels` (needs a C++ compiler)"
+        );
+    }
     let mut files = RunFiles::of(&args.scene.scene, args.cameras.path.as_deref())?;
-    // Names made from this one are in the same folder.
+    // Numbered names are in the same folder, so testing this one is enough.
     files.writes(&args.output)?;
     let sink = Sink::new(&args.json, &mut files)?;
     settle(&args.methods.how)?;
@@ -98,7 +105,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
             };
             #[cfg(not(feature = "levels"))]
             let by_levels = String::new();
-            // What all pictures share is made once, and is no part of what one takes.
+            // Build the data that all pictures share before the timing starts.
             prepared.stage();
             let start = Instant::now();
             let picture = draw(prepared, &mut viewer, view, &settings);
@@ -136,7 +143,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Returns where the pictures of a method go, one for each view.
+/// Returns the destinations of a method's pictures, one per view.
 fn destinations(
     args: &DrawArgs,
     choice: Choice,
@@ -151,14 +158,14 @@ fn destinations(
     };
     (0..views)
         .map(|number| match numbered(&base, number, views) {
-            // That one is known.
+            // The run already has this one as an output.
             file if file == args.output => Destination::new(&file),
             file => files.writes_too(&file),
         })
         .collect()
 }
 
-/// Those whose covers have a shape to show; of all methods the others are skipped.
+/// Keeps the methods whose covers can be shown. With [`Choice::All`] the others are skipped; else they are an error.
 fn with_shapes(prepared: Vec<Prepared>, choice: Choice, skipped: &mut Vec<Skipped>) -> Result<Vec<Prepared>> {
     let mut kept = Vec::new();
     for prepared in prepared {
@@ -170,7 +177,7 @@ fn with_shapes(prepared: Vec<Prepared>, choice: Choice, skipped: &mut Vec<Skippe
             None => kept.push(prepared),
             Some(method) if choice == Choice::All => skipped.push(Skipped {
                 method: method.name(),
-                why: "its cover has no shape to show".to_owned(),
+                why: "its cover cannot be shown".to_owned(),
             }),
             Some(method) => {
                 let all = Method::ALL.into_iter();
@@ -178,7 +185,7 @@ fn with_shapes(prepared: Vec<Prepared>, choice: Choice, skipped: &mut Vec<Skippe
                     .filter(|method| method.cover_shape().is_some())
                     .map(Method::name);
                 bail!(
-                    "{method} has no cover to show; choose a --method that has one: {}",
+                    "the cover of {method} cannot be shown; use a --method whose cover can: {}",
                     names.collect::<Vec<_>>().join(", ")
                 );
             }
@@ -187,7 +194,8 @@ fn with_shapes(prepared: Vec<Prepared>, choice: Choice, skipped: &mut Vec<Skippe
     Ok(kept)
 }
 
-/// `a.png: 43 items, 34,120 triangles by hierarchical-z in 21.3 ms; lights that shine on them: 2 of 5`.
+/// Returns the output line of a picture:
+/// `a.png: 43 items, 34,120 triangles by hierarchical-z in 21.3 ms; 2 of 5 lights shine on them`.
 fn line(
     file: &Path,
     prepared: &Prepared,
@@ -199,7 +207,7 @@ fn line(
     let set = viewer.visible();
     let all = prepared.scene.lights().len();
     let lights = match lights {
-        Some(lights) if all > 0 => format!("; lights that shine on them: {lights} of {all}"),
+        Some(lights) if all > 0 => format!("; {lights} of {all} lights shine on them"),
         _ => String::new(),
     };
     format!(
@@ -212,7 +220,7 @@ fn line(
     )
 }
 
-/// `a.png` with a word: `a-word.png`.
+/// Inserts a word before the extension: `a.png` becomes `a-word.png`.
 fn with_word(file: &Path, word: &str) -> PathBuf {
     let mut name = file.file_stem().unwrap_or_default().to_owned();
     name.push(format!("-{word}."));
@@ -220,7 +228,7 @@ fn with_word(file: &Path, word: &str) -> PathBuf {
     file.with_file_name(name)
 }
 
-/// `a-007.png` where there are several.
+/// Numbers the name if there are several: `a-007.png`.
 fn numbered(file: &Path, number: usize, of: usize) -> PathBuf {
     let digits = (of.max(1) - 1).to_string().len().max(3);
     if of == 1 {
@@ -230,7 +238,7 @@ fn numbered(file: &Path, number: usize, of: usize) -> PathBuf {
     }
 }
 
-/// How the program paints: lights as an eye sees them that has got used to where it stands.
+/// Returns the program's render settings: exposure adapts to the light at the eye.
 pub(crate) fn settings(show: Show) -> Settings {
     let mut settings = Settings::default();
     settings.show = show;
@@ -246,11 +254,11 @@ pub(crate) fn draw(prepared: &Prepared, viewer: &mut Viewer, view: &View, settin
 /// Returns a picture as the bytes of a PNG.
 pub(crate) fn png(image: &RgbImage) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    // Walls and cells of one colour come to half of what the fastest compression makes of them.
+    // The fastest compression makes pictures with large flat areas twice as large.
     let png = PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive);
     image
         .write_with_encoder(png)
-        .context("a picture that is no PNG")?;
+        .context("cannot encode a picture as PNG")?;
     Ok(bytes)
 }
 

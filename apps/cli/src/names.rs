@@ -1,10 +1,10 @@
-//! Names of items that are unique in a scene.
+//! Unique names of items.
 
 use enfilade::{ItemId, Scene, SectorId};
 use std::collections::HashMap;
 
-/// How items are called: by their name; by `SECTOR/NAME` where it repeats in the scene; by `SECTOR/NAME#3`
-/// where it repeats in the sector; and by `SECTOR/item#3` where there is none.
+/// Unique names of items: `NAME`; `SECTOR/NAME` if that repeats in the scene; `SECTOR/NAME#3` if it repeats in the sector;
+/// `SECTOR/item#3` without a name.
 pub(crate) struct Names<'a> {
     scene: &'a Scene,
     in_scene: HashMap<&'a str, u32>,
@@ -32,10 +32,10 @@ impl<'a> Names<'a> {
         names
     }
 
-    /// The unique name of an item.
+    /// Returns the unique name of an item.
     pub(crate) fn of(&self, (sector, item): (SectorId, ItemId)) -> String {
         let Some(geometry) = self.scene.geometry(sector) else {
-            return self.of_own(sector, item);
+            return self.in_custom_sector(sector, item);
         };
         let name = geometry.name(item);
         let times = |times: Option<&u32>| times.copied().unwrap_or(0);
@@ -50,8 +50,8 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// The same of a sector that is no geometry, whose names are its own affair: it has millions of items, or none.
-    fn of_own(&self, sector: SectorId, item: ItemId) -> String {
+    /// Returns the name of an item in a custom sector. It is not checked for uniqueness: there may be millions of items.
+    fn in_custom_sector(&self, sector: SectorId, item: ItemId) -> String {
         let home = self.scene.sector_name(sector);
         let name = self.scene.sector(sector).item_name(item);
         match (name.as_str(), self.scene.sector_count()) {

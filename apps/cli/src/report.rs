@@ -1,4 +1,4 @@
-//! The JSON that programs read; its shape is part of the program's contract.
+//! The JSON reports. Their keys are a stable interface.
 
 use crate::args::JsonArg;
 use crate::check::Found;
@@ -20,7 +20,7 @@ use std::collections::HashMap;
 use std::fmt::Display;
 use std::sync::Arc;
 
-/// One method over all views.
+/// Report of one method over all views.
 #[derive(Debug, Serialize)]
 pub(crate) struct Report {
     pub(crate) scene: SceneReport,
@@ -32,16 +32,16 @@ pub(crate) struct Report {
     pub(crate) simd: &'static str,
     pub(crate) build_ms: f64,
     pub(crate) faces_built: u64,
-    /// How often a tree cut a face, and its levels.
+    /// Number of faces that a tree split, and its depth.
     pub(crate) splits: u64,
     pub(crate) depth: u32,
     pub(crate) bytes: u64,
-    /// Of the last pass, summed over the views.
+    /// Counters of the last pass, summed over the views.
     #[serde(serialize_with = "as_map")]
     pub(crate) stats: Vec<(&'static str, u64)>,
     pub(crate) views: Vec<ViewReport>,
     pub(crate) summary: Summary,
-    /// Of `auto`: the method of each sector, and why.
+    /// With `auto`: the method of each sector, and the measurements it was chosen by.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) choices: Vec<ChoiceReport>,
 }
@@ -60,10 +60,10 @@ pub(crate) struct ViewReport {
     pub(crate) eye: [f32; 3],
     pub(crate) toward: [f32; 3],
     pub(crate) up: [f32; 3],
-    /// Degrees.
+    /// Vertical field of view, in degrees.
     pub(crate) fov: f64,
     pub(crate) passages: usize,
-    /// Each of them, the one that the eye stands in first.
+    /// The passages; the one at the eye comes first.
     pub(crate) through: Vec<WayReport>,
     pub(crate) items_in_frustum: usize,
     pub(crate) items_visible: usize,
@@ -76,11 +76,11 @@ pub(crate) struct ViewReport {
     pub(crate) order_ms: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) picture: Option<String>,
-    /// Samples of opaque faces that were shaded for the picture.
+    /// Number of samples of opaque faces that were shaded for the picture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) samples_shaded: Option<u64>,
     pub(crate) complete: bool,
-    /// Shared with `visible_items` and the other views: there may be thousands of items in hundreds of views.
+    /// Names of the visible items. Shared with `visible_items` and other views, which may be hundreds with thousands of items.
     pub(crate) visible: Vec<Arc<str>>,
     /// The same items in the same order.
     #[serde(serialize_with = "one_line_each")]
@@ -91,24 +91,24 @@ pub(crate) struct ViewReport {
     pub(crate) expected: Option<ExpectedReport>,
 }
 
-/// An item that is seen.
+/// A visible item.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct ItemReport {
     pub(crate) name: Arc<str>,
-    /// Its node's index in a glTF file.
+    /// Index of its node in the glTF file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) node: Option<u32>,
-    /// What the node's `extras` call it.
+    /// Id in the `extras` of the node.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) id: Option<Arc<str>>,
     pub(crate) size_px: u16,
 }
 
-/// A passage: one way from the eye into a sector.
+/// A passage: a chain of portals from the eye into a sector.
 #[derive(Debug, Serialize)]
 pub(crate) struct WayReport {
     pub(crate) sector: String,
-    /// `SECTOR/OPENING` where its last portal begins.
+    /// The opening of its last portal, as `SECTOR/OPENING`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) portal: Option<String>,
     pub(crate) crossings: u16,
@@ -124,9 +124,9 @@ pub(crate) struct CheckReport {
     pub(crate) extra: usize,
     pub(crate) pixels_different: u64,
     pub(crate) pixels_contested: u64,
-    /// The share of the samples that one item alone may own, or nothing.
+    /// Share of the samples that have one possible owner, an item or nothing.
     pub(crate) certain: f64,
-    /// Groups of items that may own the same samples; those with most samples.
+    /// Groups of items that may own the same samples; the largest groups only.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) contested: Vec<ContestedReport>,
 }
@@ -138,14 +138,14 @@ pub(crate) struct ContestedReport {
     pub(crate) pixels: u64,
 }
 
-/// How a set compares with the one that is expected, and with that of the pass before.
+/// Comparison of a visible set with the expected one, and with that of the pass before.
 #[derive(Debug, Serialize)]
 pub(crate) struct ExpectedReport {
-    /// By a z-buffer.
+    /// Number of items in the set of a z-buffer.
     pub(crate) items_visible: usize,
-    /// Items that certainly are seen and are not in the set.
+    /// False culls: items that are certainly visible and not in the set.
     pub(crate) missed: Vec<String>,
-    /// Items in the set that cannot be seen, where the method promises that there are none.
+    /// Hidden items in the set of an exact method; 0 for other methods.
     pub(crate) extra: usize,
     pub(crate) same_again: bool,
 }
@@ -159,25 +159,25 @@ pub(crate) struct Summary {
     pub(crate) items_in_frustum_mean: f64,
     pub(crate) missed: usize,
     pub(crate) pixels_different: u64,
-    /// Of a check: the share of all samples that one item alone may own, or nothing.
+    /// With a check: share of all samples that have one possible owner, an item or nothing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) certain: Option<f64>,
 }
 
-/// A method that does not fit.
+/// A method that does not suit the scene, or exceeds the memory limit.
 #[derive(Debug, Serialize)]
 pub(crate) struct Skipped {
     pub(crate) method: &'static str,
     pub(crate) why: String,
 }
 
-/// What is said of methods that do not fit, a line each.
+/// Returns the text for skipped methods, one line each.
 pub(crate) fn left_out(skipped: &[Skipped]) -> String {
     let line = |Skipped { method, why }: &Skipped| format!("  {method} is skipped: {why}\n");
     skipped.iter().map(line).collect()
 }
 
-/// What was asked for: one method, or all.
+/// The reports of one method, or of all.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
 pub(crate) enum Reports {
@@ -189,7 +189,7 @@ pub(crate) enum Reports {
 }
 
 impl Reports {
-    /// Of what was asked for: `all` methods, or the one that is there.
+    /// Wraps the reports: as a list if `all` or if there is not exactly one, else as a single report.
     pub(crate) fn new(all: bool, mut methods: Vec<Report>, skipped: Vec<Skipped>) -> Reports {
         if all || methods.len() != 1 {
             Reports::All { methods, skipped }
@@ -198,7 +198,7 @@ impl Reports {
         }
     }
 
-    /// The reports, one for each method.
+    /// Returns the reports, one per method.
     pub(crate) fn each(&self) -> &[Report] {
         match self {
             Reports::One(report) => std::slice::from_ref(report),
@@ -207,7 +207,7 @@ impl Reports {
     }
 }
 
-/// Where JSON goes; found to be writable before the work.
+/// Destination of the JSON report, checked to be writable before the work.
 pub(crate) enum Sink {
     Nowhere,
     Stdout,
@@ -215,7 +215,7 @@ pub(crate) enum Sink {
 }
 
 impl Sink {
-    /// Checks that the file can be written, and is no other file of the run.
+    /// Checks that the file can be written, and is not another file of the run.
     pub(crate) fn new(json: &JsonArg, files: &mut RunFiles) -> Result<Sink> {
         Ok(match &json.file {
             None => Sink::Nowhere,
@@ -224,9 +224,9 @@ impl Sink {
         })
     }
 
-    /// Writes a report there.
+    /// Writes a report to the destination.
     pub(crate) fn write(&self, report: &impl Serialize) -> Result<()> {
-        let text = || serde_json::to_string_pretty(report).context("a report that is not JSON");
+        let text = || serde_json::to_string_pretty(report).context("cannot encode the report as JSON");
         match self {
             Sink::Nowhere => Ok(()),
             Sink::Stdout => out::print(&(text()? + "\n")),
@@ -252,7 +252,7 @@ impl SceneReport {
 }
 
 impl Report {
-    /// The report of a method over views of one size.
+    /// Creates the report of a method over views of one size.
     pub(crate) fn new(
         opened: &Opened,
         prepared: &Prepared,
@@ -302,7 +302,7 @@ impl Report {
         }
     }
 
-    /// Adds what drawing each view took, and walking its orders alone.
+    /// Adds the times to draw each view, and to walk its traversal orders alone.
     pub(crate) fn add_times(&mut self, draw_ms: &[f64], order_ms: &[f64]) {
         for (view, (&draw, &order)) in self.views.iter_mut().zip(draw_ms.iter().zip(order_ms)) {
             view.draw_ms = Some(rounded(draw));
@@ -310,13 +310,13 @@ impl Report {
         }
     }
 
-    /// The median over the views of a time; `None` where it was not taken.
+    /// Returns the median of a time over the views; `None` if it was not measured.
     pub(crate) fn median_ms(&self, of: impl Fn(&ViewReport) -> Option<f64>) -> Option<f64> {
         let times: Vec<f64> = self.views.iter().filter_map(of).collect();
         (!times.is_empty()).then(|| median(&times))
     }
 
-    /// Items called visible for each of them that can be seen, over all checked views.
+    /// Returns the ratio of items in the visible sets to those of them that are visible, over all checked views.
     pub(crate) fn overestimate(&self) -> Option<f64> {
         let checked = || {
             self.views
@@ -328,23 +328,23 @@ impl Report {
         (called > extra).then(|| called as f64 / (called - extra) as f64)
     }
 
-    /// Is anything missed, or painted that no possible owner allows? Only a check can tell.
+    /// Whether a check found a false cull or a wrong pixel; `false` without a check.
     pub(crate) fn is_wrong(&self) -> bool {
         self.summary.missed > 0 || self.summary.pixels_different > 0
     }
 
-    /// Is it wrong, though it promised not to be?
+    /// Whether it is wrong although its contract excludes that.
     pub(crate) fn breaks_its_contract(&self) -> bool {
         self.contract != Contract::Approximate && self.is_wrong()
     }
 
-    /// Is the set of any view not what it must be, or not the same twice? Only `bench` can tell.
+    /// Whether any visible set violates the contract or differs between passes; `false` outside of `bench`.
     pub(crate) fn is_not_as_expected(&self) -> bool {
         let mut expected = self.views.iter().filter_map(|view| view.expected.as_ref());
         expected.any(|held| !held.missed.is_empty() || held.extra > 0 || !held.same_again)
     }
 
-    /// Adds what the reference says of each view.
+    /// Adds the results of the check of each view.
     pub(crate) fn add_checks(&mut self, found: &[Found], scene: &Scene) {
         let names = Names::new(scene);
         let share = |contested: u64, pixels: u64| rounded(1.0 - contested as f64 / pixels.max(1) as f64);
@@ -387,7 +387,7 @@ impl WayReport {
     }
 }
 
-/// The items that any view shows, each once, of no size yet.
+/// The visible items of all views, each once, without size.
 type SeenItems = HashMap<(SectorId, ItemId), ItemReport>;
 
 fn seen_items(looks: &[Look], names: &Names, nodes: &[SourceNodes]) -> SeenItems {
@@ -444,7 +444,7 @@ impl ViewReport {
     }
 }
 
-/// To four places: a lens of 60 degrees reads as 60, and times to the tenth of a microsecond.
+/// Rounds to four decimals, so that 60 degrees print as 60, and times in ms to a tenth of a microsecond.
 pub(crate) fn rounded(value: f64) -> f64 {
     (value * 1e4).round() / 1e4
 }
@@ -457,7 +457,7 @@ fn as_map<S: Serializer>(counters: &[(&'static str, u64)], serializer: S) -> Res
     serializer.collect_map(counters.iter().copied())
 }
 
-/// Items as a list of lines: with a line for each of their fields, a report of many views would be twice as long.
+/// Serializes one item per line: with one line per field, a report of many views would be twice as long.
 fn one_line_each<S: Serializer>(items: &[ItemReport], serializer: S) -> Result<S::Ok, S::Error> {
     let mut list = serializer.serialize_seq(Some(items.len()))?;
     for item in items {

@@ -1,4 +1,4 @@
-//! The files of a run: no output replaces an input, or another output.
+//! Tracks the files of a run, so that no output replaces an input or another output.
 
 use crate::save::Destination;
 use anyhow::{Result, bail};
@@ -8,7 +8,7 @@ use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, Metadata};
 use std::path::{Path, PathBuf};
 
-/// The inputs and outputs of a run, told apart by what they are on the disk, not by their names.
+/// The inputs and outputs of a run, identified by device and inode rather than by name.
 #[derive(Debug, Default)]
 pub(crate) struct RunFiles(HashMap<Identity, (Role, PathBuf)>);
 
@@ -16,17 +16,17 @@ pub(crate) struct RunFiles(HashMap<Identity, (Role, PathBuf)>);
 enum Role {
     Input,
     Output,
-    /// An input that the run is asked to change.
+    /// An input that the run modifies.
     InPlace,
 }
 
 impl RunFiles {
-    /// Those of a run that reads a scene, and views where `path` says so.
+    /// Returns the inputs of a run that reads a scene, and a file of views if `path` is given.
     pub(crate) fn of(scene: &OsStr, path: Option<&Path>) -> Result<RunFiles> {
         let mut files = RunFiles::default();
         let scene = Path::new(scene);
         files.reads(scene)?;
-        // Of all verbs `vis` alone reads the portals of a map, but they belong to it.
+        // Only `vis` reads the portals of a map, but no verb may overwrite them.
         if scene
             .extension()
             .is_some_and(|ending| ending.eq_ignore_ascii_case("bsp"))
@@ -42,7 +42,7 @@ impl RunFiles {
     /// Adds an input.
     ///
     /// # Errors
-    /// If it is an output already.
+    /// Fails if it is already an output.
     pub(crate) fn reads(&mut self, path: &Path) -> Result<()> {
         if path.exists() {
             self.claim(Role::Input, path)?;
@@ -53,21 +53,21 @@ impl RunFiles {
     /// Adds an output.
     ///
     /// # Errors
-    /// If it is an input or an output already, or cannot be written.
+    /// Fails if it is already an input or an output, or cannot be written.
     pub(crate) fn writes(&mut self, path: &Path) -> Result<Destination> {
         let destination = self.writes_too(path)?;
         destination.prepare()?;
         Ok(destination)
     }
 
-    /// The same of one more output in a folder that another one of the run is in.
+    /// As [`RunFiles::writes`], for a further output in the same folder, which needs no second test.
     pub(crate) fn writes_too(&mut self, path: &Path) -> Result<Destination> {
         let destination = Destination::new(path)?;
         self.claim(Role::Output, path)?;
         Ok(destination)
     }
 
-    /// Adds an output that is an input as well. It must come before all others.
+    /// Adds a file that is both input and output. Must be added before all other files.
     pub(crate) fn changes(&mut self, path: &Path) -> Result<Destination> {
         let destination = Destination::new(path)?;
         self.claim(Role::InPlace, path)?;
@@ -90,7 +90,7 @@ impl RunFiles {
         let [path, other] = [path, other].map(Path::display);
         match (other_role, role) {
             (Role::Output, Role::Output) => {
-                bail!("cannot write {path}: it and the output {other} are one file; name two")
+                bail!("cannot write {path}: it and the output {other} are one file; use two names")
             }
             (_, Role::Output) => bail!("cannot write {path}: it is the input {other}; name another file"),
             (Role::Output, _) => bail!("cannot write {other}: it is the input {path}; name another file"),
@@ -99,7 +99,7 @@ impl RunFiles {
     }
 }
 
-/// Returns the names that the portals of a map may have: `NAME.prt` beside `NAME.bsp` and `NAME.novis.bsp`.
+/// Returns the possible paths of a map's portals: `NAME.prt` beside `NAME.bsp` and `NAME.novis.bsp`.
 pub(crate) fn portals_beside(map: &Path) -> [PathBuf; 2] {
     [
         map.with_extension("prt"),
@@ -115,38 +115,39 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Returns `true` if both names lead to one regular file.
+/// Returns `true` if both paths name the same regular file.
 pub(crate) fn is_same(one: &Path, other: &Path) -> bool {
     Identity::of(one).is_some_and(|identity| Some(identity) == Identity::of(other))
 }
 
-/// Returns `true` if the file that is open is the one at a path.
+/// Returns `true` if the open file is the one at the path.
 pub(crate) fn is_open_file(path: &Path, file: &File) -> bool {
-    let [named, open] = [fs::metadata(path), file.metadata()].map(|metadata| there(path, &metadata.ok()?));
+    let [named, open] = [fs::metadata(path), file.metadata()].map(|metadata| disk_node(path, &metadata.ok()?));
     named.is_some() && named == open
 }
 
-/// What a file is, by whatever name it is called.
+/// Identity of a file, independent of its name.
 #[derive(Debug, PartialEq, Eq, Hash)]
 struct Identity {
-    /// The file, or the folder where there is no file yet.
-    there: There,
+    /// The file, or its folder if it does not exist yet.
+    node: DiskNode,
+    /// Name of a file that does not exist yet.
     new_name: Option<OsString>,
 }
 
 impl Identity {
-    /// `None` for folders, devices and pipes, which no save replaces.
+    /// Returns `None` for folders, devices and pipes, which saving does not replace.
     fn of(path: &Path) -> Option<Identity> {
         if let Ok(file) = fs::metadata(path) {
-            let there = there(path, &file);
-            return there.filter(|_| file.is_file()).map(|there| Identity {
-                there,
+            let node = disk_node(path, &file);
+            return node.filter(|_| file.is_file()).map(|node| Identity {
+                node,
                 new_name: None,
             });
         }
         let folder = folder_of(path);
         Some(Identity {
-            there: there(folder, &fs::metadata(folder).ok()?)?,
+            node: disk_node(folder, &fs::metadata(folder).ok()?)?,
             new_name: Some(path.file_name()?.to_owned()),
         })
     }
@@ -154,19 +155,19 @@ impl Identity {
 
 /// Device and inode.
 #[cfg(unix)]
-type There = (u64, u64);
+type DiskNode = (u64, u64);
 
 #[cfg(unix)]
-fn there(_path: &Path, metadata: &Metadata) -> Option<There> {
+fn disk_node(_path: &Path, metadata: &Metadata) -> Option<DiskNode> {
     use std::os::unix::fs::MetadataExt;
     Some((metadata.dev(), metadata.ino()))
 }
 
-/// The path without links. Hard links are not found out here.
+/// The canonical path. Does not detect hard links.
 #[cfg(not(unix))]
-type There = PathBuf;
+type DiskNode = PathBuf;
 
 #[cfg(not(unix))]
-fn there(path: &Path, _metadata: &Metadata) -> Option<There> {
+fn disk_node(path: &Path, _metadata: &Metadata) -> Option<DiskNode> {
     fs::canonicalize(path).ok()
 }

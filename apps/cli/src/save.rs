@@ -1,7 +1,7 @@
-//! Outputs: each replaces what is there as a whole, or leaves it as it is.
+//! Saves outputs atomically: each replaces the old file as a whole, or leaves it unchanged.
 //!
 //! A save writes a temporary file in the folder of the output, syncs it, checks it and renames it. Every temporary file is
-//! locked while its run lives, so later runs can tell those of dead runs and remove them.
+//! locked while its run lives, so later runs can recognize those of dead runs and remove them.
 
 use crate::out;
 use crate::run_files::folder_of;
@@ -11,19 +11,19 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// Where an output goes, checked before the work that fills it.
+/// Destination of an output, checked before the work that produces it.
 #[derive(Debug)]
 pub(crate) struct Destination {
-    /// As the user calls it.
+    /// The path the user gave.
     name: PathBuf,
-    /// The same with symbolic links followed: what a link points at is replaced, not the link.
+    /// The same with symbolic links resolved: the target of a link is replaced, not the link.
     path: PathBuf,
     /// Whether it is a device or a pipe. Those are written to directly, because a rename would replace them.
     is_special: bool,
 }
 
 impl Destination {
-    /// Checks that the name is one that a file can have, and that its file may be replaced.
+    /// Checks that the path can name a file, and that the file may be replaced.
     pub(crate) fn new(name: &Path) -> Result<Destination> {
         let fails = || format!("cannot write {}", name.display());
         let destination = |path, is_special| Destination {
@@ -43,18 +43,18 @@ impl Destination {
         };
         let folder = folder_of(name);
         let Some(file_name) = name.file_name() else {
-            bail!("{}: it does not end in a file's name; name a file", fails());
+            bail!("{}: it does not end in a file name; name a file", fails());
         };
         if !folder.is_dir() {
             bail!(
-                "{}: there is no folder {}; make it first, or name another",
+                "{}: there is no folder {}; create it first, or name another",
                 fails(),
                 folder.display()
             );
         }
         if let Ok(target) = fs::read_link(name) {
             bail!(
-                "{}: it is a symbolic link to {}, where no file is; remove the link, or name another file",
+                "{}: it is a symbolic link to {}, which does not exist; remove the link, or name another file",
                 fails(),
                 target.display()
             );
@@ -65,7 +65,7 @@ impl Destination {
         Ok(destination(folder.join(file_name), false))
     }
 
-    /// Checks that a file can be made beside it, and removes the temporary files of dead runs there. Warns of hard links.
+    /// Checks that a file can be created beside it, and removes the temporary files of dead runs there. Warns of hard links.
     pub(crate) fn prepare(&self) -> Result<()> {
         if self.is_special {
             return Ok(());
@@ -76,19 +76,19 @@ impl Destination {
         let links = hard_links(&self.path);
         if links > 1 {
             out::warn(format_args!(
-                "{0} has {links} hard links; the new content is under {0} alone, the other names keep the old one",
+                "{0} has {links} hard links; only {0} gets the new content, the other names keep the old one",
                 self.name.display()
             ));
         }
         Ok(())
     }
 
-    /// As the user calls it.
+    /// Returns the path the user gave.
     pub(crate) fn name(&self) -> &Path {
         &self.name
     }
 
-    /// Writes all bytes, or leaves what is there as it is. The file that is returned keeps its lock until it is closed.
+    /// Writes all bytes, or leaves the old file unchanged. The returned file keeps its lock until it is closed.
     pub(crate) fn write(&self, bytes: &[u8]) -> Result<File> {
         let written = if self.is_special {
             let device = File::options().write(true).open(&self.path);
@@ -99,7 +99,7 @@ impl Destination {
         written.with_context(|| format!("cannot write {}", self.name.display()))
     }
 
-    /// Lets `fill` write a temporary file, and renames it if that succeeds.
+    /// Writes a temporary file with `fill`, and renames it on success.
     fn replace(&self, fill: impl FnOnce(&File) -> io::Result<()>) -> io::Result<File> {
         let replaced = fs::metadata(&self.path).ok();
         let temporary = temporary_in(folder_of(&self.path), replaced.is_some())?;
@@ -111,11 +111,11 @@ impl Destination {
     }
 }
 
-/// What a save asks of a file. Tests have another one, of which each step can fail.
+/// The file operations of a save. Tests implement it with failing steps.
 trait Storage: Write {
-    /// Waits until all is on the disk.
+    /// Waits until all data is on the disk.
     fn sync(&mut self) -> io::Result<()>;
-    /// Returns the number of bytes that have arrived.
+    /// Returns the length of the file, in bytes.
     fn length(&mut self) -> io::Result<u64>;
 }
 
@@ -142,28 +142,28 @@ fn fill(file: &mut impl Storage, bytes: &[u8]) -> io::Result<()> {
     }
 }
 
-/// Temporary files are called `.enfilade-`, random letters, `.tmp`. The name is short whatever the output is called.
+/// Temporary files are named `.enfilade-`, random letters, `.tmp`: short, whatever the name of the output.
 const PREFIX: &str = ".enfilade-";
 const SUFFIX: &str = ".tmp";
 
-/// Makes a temporary file and locks it.
+/// Creates a temporary file and locks it.
 ///
-/// One that is to be `private` can be read by its owner alone, others by whom the system lets read new files.
+/// If `private`, only its owner can read it; else it gets the default mode of new files.
 fn temporary_in(folder: &Path, private: bool) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX).suffix(SUFFIX).rand_bytes(12);
     #[cfg(unix)]
     if !private {
         use std::os::unix::fs::PermissionsExt;
-        // Less what the umask takes away.
+        // The umask still applies.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     #[cfg(not(unix))]
     let _ = private;
     loop {
         let temporary = builder.tempfile_in(folder)?;
-        // Before it is locked another run can take it for a dead run's and remove it. Some file systems have no locks:
-        // there no run removes anything.
+        // Before it is locked, another run may mistake it for a dead run's and remove it; then retry. On file systems
+        // without locks no run removes anything.
         let is_taken = is_locked_by_another(temporary.as_file());
         if !is_taken && temporary.path().exists() {
             return Ok(temporary);
@@ -171,22 +171,22 @@ fn temporary_in(folder: &Path, private: bool) -> io::Result<NamedTempFile> {
     }
 }
 
-/// Locks a file unless another open file has its lock; returns `true` if one has. `false` where there are no locks.
+/// Tries to lock a file. Returns `true` if another open file has its lock; `false` on file systems without locks.
 pub(crate) fn is_locked_by_another(file: &File) -> bool {
     matches!(file.try_lock(), Err(TryLockError::WouldBlock))
 }
 
-/// Removes the temporary files that runs left that are dead.
+/// Removes the temporary files of dead runs.
 fn remove_dead(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
         let name = name.to_string_lossy();
         let is_temporary = name.starts_with(PREFIX) && name.ends_with(SUFFIX);
-        // A pipe would not open until someone writes.
+        // Opening a pipe would block until someone writes.
         if !is_temporary || !entry.file_type().is_ok_and(|kind| kind.is_file()) {
             continue;
         }
-        // Removed while it is locked, or its own run could lock it in between. What cannot be removed harms nobody.
+        // Removed while locked, so that its own run cannot lock it in between. A failure to remove is harmless.
         if let Ok(file) = File::open(entry.path())
             && file.try_lock().is_ok()
         {
@@ -206,16 +206,16 @@ fn hard_links(_path: &Path) -> u64 {
     1
 }
 
-/// Gives a file the mode of the one it replaces, and its owner and group as far as the user may.
+/// Sets the mode of a file to that of the replaced one, and its owner and group as far as permitted.
 fn keep_owner_and_mode(file: &File, replaced: &Metadata) -> io::Result<()> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::{MetadataExt, fchown};
         let [user, group] = [Some(replaced.uid()), Some(replaced.gid())];
-        // Only root may give files away; others may choose among their groups.
+        // Only root may change the owner; others may select one of their groups.
         let _ = fchown(file, user, group).or_else(|_| fchown(file, None, group));
     }
-    // Some file systems have one mode for all files, and refuse to set any.
+    // Some file systems have one mode for all files, and refuse to set it.
     if file.metadata()?.permissions() == replaced.permissions() {
         return Ok(());
     }
@@ -226,13 +226,13 @@ fn keep_owner_and_mode(file: &File, replaced: &Metadata) -> io::Result<()> {
 mod tests {
     use super::*;
 
-    /// A file of which one call fails, counted from 0, and that takes a few bytes in each write.
-    struct Failing<'f> {
+    /// A file that fails after `calls_before` calls, and accepts at most 3 bytes per write.
+    struct FailingFile<'f> {
         file: &'f File,
         calls_before: usize,
     }
 
-    impl Failing<'_> {
+    impl FailingFile<'_> {
         fn call(&mut self) -> io::Result<()> {
             if self.calls_before == 0 {
                 return Err(io::Error::other("the disk is full"));
@@ -242,7 +242,7 @@ mod tests {
         }
     }
 
-    impl Write for Failing<'_> {
+    impl Write for FailingFile<'_> {
         fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
             self.call()?;
             self.file.write(&bytes[..bytes.len().min(3)])
@@ -254,7 +254,7 @@ mod tests {
         }
     }
 
-    impl Storage for Failing<'_> {
+    impl Storage for FailingFile<'_> {
         fn sync(&mut self) -> io::Result<()> {
             self.call()?;
             self.file.sync_all()
@@ -266,10 +266,10 @@ mod tests {
         }
     }
 
-    /// A file that says that it took all, and loses the last byte.
-    struct Losing<'f>(&'f File);
+    /// A file that reports a full write, but loses the last byte.
+    struct LossyFile<'f>(&'f File);
 
-    impl Write for Losing<'_> {
+    impl Write for LossyFile<'_> {
         fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
             self.0.write_all(&bytes[..bytes.len() - 1])?;
             Ok(bytes.len())
@@ -280,7 +280,7 @@ mod tests {
         }
     }
 
-    impl Storage for Losing<'_> {
+    impl Storage for LossyFile<'_> {
         fn sync(&mut self) -> io::Result<()> {
             Ok(())
         }
@@ -310,7 +310,7 @@ mod tests {
             }
             let mut failures = 0;
             let save = |calls_before| {
-                destination.replace(|file| fill(&mut Failing { file, calls_before }, b"new and whole"))
+                destination.replace(|file| fill(&mut FailingFile { file, calls_before }, b"new and whole"))
             };
             while save(failures).is_err() {
                 assert_eq!(
@@ -337,7 +337,7 @@ mod tests {
         let path = folder.path().join("a.txt");
         fs::write(&path, "old").expect("written");
         let destination = Destination::new(&path).expect("it can be written");
-        let why = destination.replace(|file| fill(&mut Losing(file), b"new"));
+        let why = destination.replace(|file| fill(&mut LossyFile(file), b"new"));
         let why = why.expect_err("a byte is missing").to_string();
         assert!(why.contains("only 2 of 3 bytes"), "{why}");
         assert_eq!(fs::read_to_string(&path).expect("there"), "old");
@@ -363,6 +363,6 @@ mod tests {
         };
         assert!(error(&folder.path().join("no/a.txt")).contains("there is no folder"));
         assert!(error(folder.path()).contains("it is a folder"));
-        assert!(error(Path::new("")).contains("a file's name"));
+        assert!(error(Path::new("")).contains("a file name"));
     }
 }

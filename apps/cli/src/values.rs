@@ -109,7 +109,6 @@ pub(crate) fn degrees(text: &str) -> Result<f32, String> {
 }
 
 /// Parses a positive number of pixels.
-#[cfg(feature = "levels")]
 pub(crate) fn pixels(text: &str) -> Result<f32, String> {
     let pixels: f32 = text
         .parse()

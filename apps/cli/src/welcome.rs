@@ -1,4 +1,4 @@
-//! Without a verb: the built-in scene, drawn and looked at by every method.
+//! The program without a verb: draws the built-in scene and times every method on it.
 
 use crate::Outcome;
 use crate::args::{Args, LookArgs, Verb};
@@ -21,12 +21,12 @@ use std::path::Path;
 
 const PICTURE: &str = "enfilade.png";
 
-/// Draws the picture, and prints the table and what to try next.
+/// Draws the picture, and prints the table and further commands to try.
 pub(crate) fn run() -> Result<Outcome> {
     let Some(Verb::Look(args)) =
         Args::try_parse_from(["enfilade", "look", "@enfilade", "--method", "all"])?.verb
     else {
-        bail!("the main job is no longer a look");
+        bail!("the arguments of the welcome run must be those of `look`");
     };
     let LookArgs {
         scene,
@@ -61,7 +61,7 @@ pub(crate) fn run() -> Result<Outcome> {
         let draws = measure::timed(&views, &progress, |_, view| {
             draw(prepared, &mut viewer, view, &settings(Show::Image));
         });
-        // One that may be wrong is not what a newcomer should see.
+        // The picture comes from a method that cannot be wrong.
         if prepared.contract != Contract::Approximate {
             shown = Some(prepared);
         }
@@ -93,8 +93,8 @@ pub(crate) fn run() -> Result<Outcome> {
     } = SceneReport::new(&opened);
     let [width, height] = cameras.size;
     let mut text = format!(
-        "Enfilade, the built-in palace: {}, {} triangles, {} joined by {}.\n\
-         Collector from its first camera at {width}x{height}:\n\n",
+        "Enfilade, the built-in palace: {}, {} triangles, {} connected by {}.\n\
+         Visible from its first camera at {width}x{height}:\n\n",
         plural(items, "item"),
         count(triangles),
         plural(sectors, "sector"),

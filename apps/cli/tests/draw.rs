@@ -168,6 +168,18 @@ fn a_report_says_how_long_drawing_took_and_where_the_pictures_are() {
     assert_eq!(report["views"][0]["items_visible"], 3);
 }
 
+#[cfg(not(feature = "levels"))]
+#[test]
+fn levels_in_a_build_without_them_are_an_error_that_names_the_feature() {
+    let folder = Folder::new();
+    let run = folder.run("draw scene.glb -o a.png --levels 1");
+    assert_eq!((run.code, &*run.stdout), (Some(2), ""));
+    let expected = "error: this program was built without levels of detail; leave out --levels, or build it with \
+                    `cargo build --release -p enfilade-cli --features levels`";
+    assert!(run.stderr.starts_with(expected), "{}", run.stderr);
+    assert!(!folder.path("a.png").exists());
+}
+
 #[cfg(feature = "levels")]
 #[test]
 fn levels_save_triangles_and_say_how_many() {

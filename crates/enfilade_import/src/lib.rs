@@ -77,7 +77,7 @@
 //! | extension | what becomes of it |
 //! |---|---|
 //! | `EXT_mesh_gpu_instancing` | each instance is an item, `NAME[7]` |
-//! | `EXT_meshopt_compression`, `KHR_meshopt_compression` | decoded, with the feature `meshopt` |
+//! | `EXT_meshopt_compression`, `KHR_meshopt_compression` | decoded |
 //! | `KHR_lights_punctual` | [`Import::lights`]; a light stands in the room above its node, else in the smallest around it |
 //! | `KHR_materials_emissive_strength`, `KHR_materials_unlit` | as they say |
 //! | `KHR_materials_transmission` | glass that is seen through by nine tenths of what it transmits |

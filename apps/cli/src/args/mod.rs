@@ -88,7 +88,10 @@ pub(crate) struct DrawArgs {
     #[arg(long, value_name = "STOPS", default_value = "0", value_parser = values::stops, allow_negative_numbers = true)]
     pub(crate) exposure: f32,
     /// Render with LODs, built on demand, whose geometric error stays below this many pixels
-    #[cfg(feature = "levels")]
+    #[cfg_attr(
+        not(feature = "levels"),
+        doc = "(not in this build: it needs `--features levels` and a C++ compiler)"
+    )]
     #[arg(long, value_name = "PIXELS", value_parser = values::pixels, conflicts_with = "file")]
     pub(crate) levels: Option<f32>,
     #[command(flatten)]

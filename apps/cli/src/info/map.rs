@@ -1,4 +1,4 @@
-//! What only a compiled map has.
+//! The part of `info` that only compiled maps have.
 
 use crate::report::rounded;
 use crate::text::{bytes, count, plural};
@@ -6,19 +6,19 @@ use enfilade::{CellId, Geometry};
 use enfilade_import::MapSummary;
 use serde::Serialize;
 
-/// What only a compiled map has.
+/// Summary of a compiled map.
 #[derive(Debug, Serialize)]
 pub(super) struct MapEntry {
     format: &'static str,
     leafs: usize,
-    /// In Quake 3 only.
+    /// Quake 3 only.
     clusters: Option<usize>,
     faces: usize,
     models: usize,
     entities: usize,
-    /// 0 where nobody has computed yet what is visible.
+    /// Size of the PVS, in bytes; 0 if none has been computed.
     visibility_bytes: usize,
-    /// Of all cells, the part that is visible from one on average, 0 to 1; none where that is not known.
+    /// Mean share of all cells that is visible from a cell, 0 to 1; `None` without a PVS.
     visible_share: Option<f64>,
 }
 
@@ -78,7 +78,7 @@ impl MapEntry {
                     bytes(self.visibility_bytes as u64)
                 )
             }
-            None => "not computed: --method pvs has nothing to go by".to_owned(),
+            None => "not computed (--method pvs needs it)".to_owned(),
         }
     }
 }

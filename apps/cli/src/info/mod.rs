@@ -1,4 +1,4 @@
-//! `info`: what is in a file.
+//! `info`: prints the contents of a scene.
 
 mod map;
 mod occluders;
@@ -20,28 +20,28 @@ use std::collections::HashSet;
 use std::fmt::Write;
 use std::sync::Arc;
 
-/// What is in a scene.
+/// Contents of a scene.
 #[derive(Debug, Serialize)]
 struct Inventory {
     file: String,
     format: &'static str,
     items: usize,
     meshes: usize,
-    /// Of all meshes, each once.
+    /// Triangles of all meshes, each mesh counted once.
     triangles_unique: u64,
-    /// Of all items.
+    /// Triangles of all items.
     triangles_drawn: u64,
     clusters: usize,
     materials: Materials,
-    /// Around all sectors, each in its own space; none where the scene is empty.
+    /// Union of the bounds of all sectors, each in its own space; `None` if the scene is empty.
     bounds: Option<Bounds>,
     cameras: Vec<CameraEntry>,
     lights: Lights,
-    /// Of a compiled map; none of other files.
+    /// Compiled maps only.
     map: Option<MapEntry>,
     sectors: Vec<SectorEntry>,
     portals: usize,
-    /// The portals one by one; a door is two.
+    /// The portals; a door is two.
     ways: Vec<WayEntry>,
     openings: usize,
     occluders: Occluders,
@@ -58,7 +58,7 @@ struct Materials {
     double_sided: usize,
 }
 
-/// Lights by where they shine to.
+/// Number of lights by shape.
 #[derive(Debug, Default, Serialize)]
 struct Lights {
     points: usize,
@@ -78,9 +78,9 @@ struct CameraEntry {
     eye: [f32; 3],
     toward: [f32; 3],
     up: [f32; 3],
-    /// Degrees.
+    /// Vertical field of view, in degrees.
     fov: f64,
-    /// What an orthographic one shows from bottom to top, in scene units; none of one with a lens.
+    /// Height of the view of an orthographic camera, in scene units; `None` for a perspective one.
     height: Option<f32>,
 }
 
@@ -91,17 +91,17 @@ struct SectorEntry {
     items: usize,
     triangles: u64,
     openings: usize,
-    /// It has no top, as a garden.
+    /// Whether it is open to the sky, as a garden is.
     open_above: bool,
 }
 
-/// One way through an opening.
+/// One portal.
 #[derive(Debug, Serialize)]
 struct WayEntry {
     opening: String,
     from: String,
     to: String,
-    /// `portal`; `mirror` where it reflects; `teleport` where it leads elsewhere than to the other side.
+    /// `mirror` if it reflects, `portal` if it leads to the other side of its opening, else `teleport`.
     kind: &'static str,
 }
 
@@ -120,7 +120,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<Outcome> {
     )?;
     let mut inventory = Inventory::of(opened);
     if args.portals.flat {
-        // A built-in scene still has its portals, but nothing follows them.
+        // A built-in scene keeps its portals, but no verb follows them with --flat.
         inventory.portals = 0;
         inventory.ways.clear();
     }
@@ -139,7 +139,7 @@ impl Inventory {
             .filter_map(|id| scene.geometry(id))
             .map(|c| &**c)
             .collect();
-        // Sectors may share meshes and tables of materials: each is counted once.
+        // Sectors may share meshes and material tables; count each once.
         let mut counted = HashSet::new();
         let meshes: Vec<_> = geometries
             .iter()
@@ -192,11 +192,11 @@ impl Inventory {
         }
     }
 
-    /// Writing to a String cannot fail, so what `writeln!` returns is dropped.
+    /// Returns the text output. Writing to a String cannot fail, so `writeln!` results are dropped.
     fn for_people(&self) -> String {
         let mut text = format!("{}: {}\n", self.file, self.format);
-        let mut say = |what: &str, value: String| {
-            let _ = writeln!(text, "  {what:<10} {value}");
+        let mut say = |label: &str, value: String| {
+            let _ = writeln!(text, "  {label:<10} {value}");
         };
         say("items", count(self.items as u64));
         say("meshes", count(self.meshes as u64));
@@ -274,7 +274,7 @@ impl Inventory {
                 ),
             );
         }
-        let mut told = HashSet::new();
+        let mut printed = HashSet::new();
         for way in &self.ways {
             let WayEntry {
                 opening,
@@ -286,9 +286,9 @@ impl Inventory {
                 *kind == "portal" && (&other.opening, &other.from, &other.to) == (opening, to, from)
             };
             match self.ways.iter().find(is_back) {
-                _ if told.contains(&(opening, to, from)) => {}
+                _ if printed.contains(&(opening, to, from)) => {}
                 Some(_) => {
-                    told.insert((opening, from, to));
+                    printed.insert((opening, from, to));
                     say("door", format!("{opening}: between {from} and {to}"));
                 }
                 None => say(kind, format!("{opening}: from {from} to {to}")),

@@ -1,20 +1,20 @@
-//! The occluders that would be found in a scene.
+//! The part of `info` about occluders.
 
 use crate::report::rounded;
 use enfilade::{Geometry, OccluderSet};
 use serde::Serialize;
 use std::time::Instant;
 
-/// Large convex polygons made of coplanar faces, to hide what is behind them.
+/// Summary of the occluders of a scene: large convex polygons merged from coplanar faces.
 #[derive(Debug, Default, Serialize)]
 pub(super) struct Occluders {
-    /// Of each mesh once.
+    /// Polygons of all meshes, each mesh counted once.
     pub(super) polygons: u64,
-    /// Of all items.
+    /// Polygons of all items.
     pub(super) polygons_placed: u64,
-    /// Triangles merged into them, of each mesh once.
+    /// Triangles merged into the polygons, each mesh counted once.
     pub(super) triangles_merged: u64,
-    /// Of all opaque faces of all items, the part that they cover, 0 to 1.
+    /// Share of the opaque area of all items that the polygons cover, 0 to 1.
     pub(super) area_share: f64,
     pub(super) bytes: u64,
     pub(super) build_ms: f64,

@@ -87,7 +87,7 @@ impl Runs {
         *run = Run::EMPTY;
     }
 
-    /// Memory in bytes.
+    /// Returns the memory in use, in bytes.
     pub(crate) fn bytes(&self) -> usize {
         self.all.len() * size_of::<u32>() + self.spare.bytes()
     }
@@ -131,7 +131,7 @@ impl FreeList {
         self.len
     }
 
-    /// Memory in bytes.
+    /// Returns the memory in use, in bytes.
     pub(super) fn bytes(&self) -> usize {
         let starts: usize = self.starts.iter().map(Vec::len).sum();
         starts * size_of::<u32>() + self.starts.len() * size_of::<Vec<u32>>()

@@ -59,17 +59,10 @@ impl<'a> Buffers<'a> {
         Ok(buffers)
     }
 
-    /// Decodes one view after the other, so that the memory to do so is that of the largest.
+    /// Decodes compressed views. Filters work in place, so the memory is that of the decoded bytes.
     fn decode(&mut self, views: &[(u32, Compressed)], budget: &mut Budget) -> Result<(), BrokenRule> {
-        let mut at_work = 0;
         for (view, compressed) in views {
-            // Decoded, filtered, and as bytes.
-            let kept = compressed.decoded_bytes();
-            let working = kept.saturating_mul(2).max(at_work);
-            budget.take(kept.saturating_add(working - at_work), || {
-                format!("bufferView {view}")
-            })?;
-            at_work = working;
+            budget.take(compressed.decoded_bytes(), || format!("bufferView {view}"))?;
             let bytes = compressed.decode(self.bytes(Source::Buffer(compressed.buffer)))?;
             self.decoded.insert(*view, bytes);
         }

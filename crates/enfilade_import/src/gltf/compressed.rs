@@ -1,34 +1,28 @@
-//! Views that are compressed by meshoptimizer: checked before anything is decoded.
+//! Buffer views compressed by meshoptimizer: the JSON is checked before anything is decoded.
 //!
-//! What decoders are given is checked here, so that they are never asked for what they do not know; what they make of
-//! damaged bytes may be anything, and is checked like anything else in a file.
-//! Source: EXT_meshopt_compression and KHR_meshopt_compression, which differ in one filter.
+//! The decoders get only modes, filters and strides that go together. Damaged bytes may still decode to wrong numbers,
+//! which are checked like any other numbers in a file.
+//! Source: EXT_meshopt_compression and KHR_meshopt_compression, which adds a filter and a version.
 
 use super::document::{Compression, Document, find};
+use super::meshopt::{Layout, decode};
 use crate::BrokenRule;
 
 /// Two names of one thing.
 pub(super) const COMPRESSION: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
-/// A view whose bytes are to be decoded.
+/// A compressed buffer view.
 #[derive(Clone, Copy, Debug)]
-#[cfg_attr(
-    not(feature = "meshopt"),
-    allow(dead_code, reason = "nothing is decoded then")
-)]
 pub(super) struct Compressed {
     view: u32,
-    /// Where the compressed bytes lie.
+    /// The buffer that has the compressed bytes.
     pub(super) buffer: u32,
     start: u64,
     length: u64,
-    pub(super) stride: usize,
-    pub(super) count: usize,
-    pub(super) mode: Mode,
-    pub(super) filter: Filter,
+    layout: Layout,
 }
 
-/// What was encoded.
+/// The codec of a compressed view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mode {
     Attributes,
@@ -36,7 +30,7 @@ pub(super) enum Mode {
     Indices,
 }
 
-/// What is done with what is decoded.
+/// The encoding of the numbers in decoded attributes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Filter {
     None,
@@ -47,11 +41,7 @@ pub(super) enum Filter {
 }
 
 impl Compressed {
-    /// Can compressed views be read by this program?
-    pub(super) const ARE_READ: bool = cfg!(feature = "meshopt");
-
-    /// What there is to decode for a view; nothing where it is not compressed, or where that cannot be read and the
-    /// view's own bytes must serve.
+    /// Returns the compressed form of a view; `None` if it is not compressed.
     pub(super) fn of(document: &Document, view: u32) -> Result<Option<Compressed>, BrokenRule> {
         let place = || format!("bufferView {view}");
         let held = find(&document.buffer_views, view, "bufferView", || {
@@ -61,9 +51,6 @@ impl Compressed {
         let Some(source) = extensions.meshopt.as_ref().or(extensions.meshopt_khr.as_ref()) else {
             return Ok(None);
         };
-        if !Compressed::ARE_READ {
-            return Ok(None);
-        }
         let bad = |why: String| BrokenRule::BadCompression { place: place(), why };
         let [mode, filter] = [&source.mode, &source.filter].map(|word| &**word);
         let mode = match mode {
@@ -132,31 +119,26 @@ impl Compressed {
             buffer: source.buffer,
             start: source.byte_offset,
             length: source.byte_length,
-            stride: addressed(byte_stride),
-            count: addressed(count),
-            mode,
-            filter,
+            layout: Layout {
+                mode,
+                filter,
+                count: addressed(count),
+                stride: addressed(byte_stride),
+            },
         }))
     }
 
-    /// Bytes that it decodes to.
+    /// Number of bytes that it decodes to.
     pub(super) fn decoded_bytes(&self) -> u64 {
-        (self.count as u64).saturating_mul(self.stride as u64)
+        (self.layout.count as u64).saturating_mul(self.layout.stride as u64)
     }
 
-    /// Decodes what lies in the bytes of its buffer, which are as long as the document says.
-    #[cfg(feature = "meshopt")]
+    /// Decodes the view from the bytes of its buffer, which are as long as the document says.
     pub(super) fn decode(&self, buffer: &[u8]) -> Result<Vec<u8>, BrokenRule> {
         let encoded = &buffer[self.start as usize..][..self.length as usize];
-        super::meshopt::decode(self, encoded).ok_or_else(|| BrokenRule::BadCompression {
+        decode(self.layout, encoded).map_err(|damage| BrokenRule::BadCompression {
             place: format!("bufferView {}", self.view),
-            why: "its bytes are damaged".to_owned(),
+            why: format!("its bytes are damaged: {damage}"),
         })
-    }
-
-    /// Nothing is compressed for who cannot decode it.
-    #[cfg(not(feature = "meshopt"))]
-    pub(super) fn decode(&self, _: &[u8]) -> Result<Vec<u8>, BrokenRule> {
-        Ok(Vec::new())
     }
 }

@@ -1,35 +1,29 @@
 //! Extensions: which are read, which can be left out with a warning, and which make a file unreadable.
 
-use super::compressed::{COMPRESSION, Compressed};
 use super::document::{Document, short};
 use crate::BrokenRule;
 use crate::warning::{WarningKind, Warnings};
 
 /// Extensions that are read.
-const READ: [&str; 7] = [
+const READ: [&str; 9] = [
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_texture_transform",
 ];
 
-const REMEDIES: [(&str, &str); 3] = [
-    ("EXT_meshopt_compression", WITHOUT_MESHOPT),
-    (
-        "KHR_draco_mesh_compression",
-        "export it again without compression",
-    ),
-    ("KHR_meshopt_compression", WITHOUT_MESHOPT),
-];
-
-const WITHOUT_MESHOPT: &str =
-    "export it again without compression, or build enfilade_import with its feature `meshopt`";
+const REMEDIES: [(&str, &str); 1] = [(
+    "KHR_draco_mesh_compression",
+    "export it again without compression",
+)];
 
 fn is_read(name: &str) -> bool {
-    READ.contains(&name) || Compressed::ARE_READ && COMPRESSION.contains(&name)
+    READ.contains(&name)
 }
 
 /// Refuses a file that requires what is not read; warns of what else it uses.

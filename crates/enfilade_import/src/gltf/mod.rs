@@ -21,7 +21,6 @@ mod lights;
 pub(crate) mod link;
 mod materials;
 mod mesh;
-#[cfg(feature = "meshopt")]
 mod meshopt;
 mod names;
 mod nodes;

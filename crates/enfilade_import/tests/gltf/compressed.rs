@@ -1,12 +1,13 @@
 //! Meshes that meshoptimizer compressed.
 
 use crate::file::{File, carried, reads, refusal, triangles, warnings};
-use meshopt::EncodeExpMode;
+use crate::meshopt;
 use serde_json::json;
 
 const LEAF: [&str; 1] = ["Leaf 0,0,0 1,0,0 0,1,0"];
+const CORNERS: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
-/// Adds a compressed view of `count` elements of `stride` bytes in a fallback buffer, and says its number.
+/// Adds a compressed view of `count` elements of `stride` bytes in a fallback buffer, and returns its number.
 pub(crate) fn compressed(
     file: &mut File,
     encoded: Vec<u8>,
@@ -19,7 +20,7 @@ pub(crate) fn compressed(
     let source = file.json["bufferViews"][source].clone();
     let length = count * stride;
     if file.json["buffers"][1].is_null() {
-        // Nothing is in it: it is there for who cannot decode.
+        // It has no bytes: only a reader without a decoder would need them.
         let fallback =
             json!({ "byteLength": 0, "extensions": { "EXT_meshopt_compression": { "fallback": true } } });
         file.push("buffers", fallback);
@@ -39,10 +40,9 @@ pub(crate) fn compressed(
 /// The leaf with both of its views compressed, the first in the first view.
 pub(crate) fn leaf() -> File {
     let mut file = File::leaf();
-    let corners: [[f32; 3]; 3] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    let encoded = meshopt::encode_vertex_buffer(&corners).expect("encoded");
+    let encoded = meshopt::vertices(CORNERS.map(f32::to_le_bytes).as_flattened(), 12);
     let positions = compressed(&mut file, encoded, 3, 12, "ATTRIBUTES", "NONE");
-    let encoded = meshopt::encode_index_buffer(&[0, 1, 2], 3).expect("encoded");
+    let encoded = meshopt::triangles(&[0, 1, 2]);
     let indices = compressed(&mut file, encoded, 3, 2, "TRIANGLES", "NONE");
     file.json["accessors"][0]["bufferView"] = json!(positions);
     file.json["accessors"][1]["bufferView"] = json!(indices);
@@ -66,10 +66,10 @@ fn indices_may_be_a_sequence_and_of_four_bytes() {
     for (mode, stride) in [("INDICES", 2), ("INDICES", 4), ("TRIANGLES", 4)] {
         let mut file = leaf();
         let encoded = match mode {
-            "INDICES" => meshopt::encode_index_sequence(&[0, 1, 2], 3),
-            _ => meshopt::encode_index_buffer(&[0, 1, 2], 3),
+            "INDICES" => meshopt::sequence(&[0, 1, 2]),
+            _ => meshopt::triangles(&[0, 1, 2]),
         };
-        let view = compressed(&mut file, encoded.expect("encoded"), 3, stride, mode, "NONE");
+        let view = compressed(&mut file, encoded, 3, stride, mode, "NONE");
         file.json["accessors"][1]["bufferView"] = json!(view);
         file.json["accessors"][1]["componentType"] = json!(if stride == 2 { 5123 } else { 5125 });
         assert_eq!(triangles(&reads(&file)), LEAF, "{mode} {stride}");
@@ -78,23 +78,14 @@ fn indices_may_be_a_sequence_and_of_four_bytes() {
 
 #[test]
 fn elements_of_all_sizes_are_decoded() {
-    /// Three positions, each with other words behind it.
-    fn encoded<const WORDS: usize>() -> Vec<u8> {
-        let corners = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        let elements = corners.map(|corner| {
-            let mut words = [7_u32; WORDS];
-            words[..3].copy_from_slice(&corner.map(f32::to_bits));
-            words
-        });
-        meshopt::encode_vertex_buffer(&elements).expect("encoded")
-    }
-    for (words, encoded) in [
-        (3, encoded::<3>()),
-        (4, encoded::<4>()),
-        (31, encoded::<31>()),
-        (37, encoded::<37>()),
-        (64, encoded::<64>()),
-    ] {
+    for words in 3..=64 {
+        // Three positions, each followed by other bytes.
+        let mut elements = vec![7; 3 * 4 * words];
+        for (element, corner) in elements.chunks_exact_mut(4 * words).zip(CORNERS.chunks(3)) {
+            let position = corner.iter().flat_map(|part| part.to_le_bytes());
+            element.iter_mut().zip(position).for_each(|(to, from)| *to = from);
+        }
+        let encoded = meshopt::vertices(&elements, 4 * words);
         let mut file = leaf();
         let view = compressed(&mut file, encoded, 3, 4 * words, "ATTRIBUTES", "NONE");
         file.json["bufferViews"][view]["byteStride"] = json!(4 * words);
@@ -103,28 +94,32 @@ fn elements_of_all_sizes_are_decoded() {
     }
 }
 
+/// Encodes elements of four numbers, each of so many bytes that an element has `stride`.
+fn shorts_or_bytes<const N: usize>(elements: [[i32; 4]; N], stride: usize) -> Vec<u8> {
+    let numbers = elements.into_iter().flatten();
+    let bytes: Vec<u8> = numbers
+        .flat_map(|number| number.to_le_bytes().into_iter().take(stride / 4))
+        .collect();
+    meshopt::vertices(&bytes, stride)
+}
+
 #[test]
-fn filters_are_undone() {
-    let normals = [
-        [0.0_f32, 0.0, 1.0, 0.0],
-        [0.6, 0.0, 0.8, 0.0],
-        [0.0, -1.0, 0.0, 0.0],
-    ];
-    let small = meshopt::encode_filter_oct::<i8>(&normals, 8);
-    let large = meshopt::encode_filter_oct::<i16>(&normals, 14);
-    for (encoded, stride, component, tolerance) in [
-        (meshopt::encode_vertex_buffer(&small), 4, 5120, 0.02),
-        (meshopt::encode_vertex_buffer(&large), 8, 5122, 0.001),
+fn octahedral_normals_are_unit_vectors() {
+    let normals = [[0.0_f32, 0.0, 1.0], [0.6, 0.0, 0.8], [0.0, -1.0, 0.0]];
+    for (one, stride, component, tolerance) in [
+        (127, 4, 5120, 0.02),
+        (31, 4, 5120, 0.05),
+        (32767, 8, 5122, 0.0001),
+        (511, 8, 5122, 0.004),
     ] {
+        let elements = normals.map(|[x, y, z]| {
+            let sum = x.abs() + y.abs() + z.abs();
+            let [x, y] = [x, y].map(|part| (part / sum * one as f32).round() as i32);
+            [x, y, one, 0]
+        });
         let mut file = leaf();
-        let view = compressed(
-            &mut file,
-            encoded.expect("encoded"),
-            3,
-            stride,
-            "ATTRIBUTES",
-            "OCTAHEDRAL",
-        );
+        let encoded = shorts_or_bytes(elements, stride);
+        let view = compressed(&mut file, encoded, 3, stride, "ATTRIBUTES", "OCTAHEDRAL");
         file.json["bufferViews"][view]["byteStride"] = json!(stride);
         let accessor = file.push(
             "accessors",
@@ -134,25 +129,33 @@ fn filters_are_undone() {
         );
         file.carry("NORMAL", accessor);
         let found = carried(&reads(&file), |mesh| mesh.normals());
+        assert_eq!(found.len(), 3);
         for (found, expected) in found.iter().zip(normals) {
             assert!(
                 (0..3).all(|axis| (found[axis] - expected[axis]).abs() < tolerance),
-                "{found:?}, not {expected:?}"
+                "{one}: {found:?}, not {expected:?}"
             );
         }
     }
+}
 
-    let corners = [[0.0_f32; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    let encoded = meshopt::encode_filter_exp(&corners, 15, EncodeExpMode::Separate);
-    let encoded = meshopt::encode_vertex_buffer(&encoded).expect("encoded");
-    let mut file = leaf();
-    let view = compressed(&mut file, encoded, 3, 12, "ATTRIBUTES", "EXPONENTIAL");
-    file.json["accessors"][0]["bufferView"] = json!(view);
-    assert_eq!(triangles(&reads(&file)), LEAF);
+#[test]
+fn exponential_positions_are_floats() {
+    // 1 as 1·2⁰, as 1024·2⁻¹⁰ and as 2²²·2⁻²².
+    for one in [1_i32, (-10 << 24) | 1024, (-22 << 24) | (1 << 22)] {
+        let numbers = CORNERS.map(|part| if part == 0.0 { 0 } else { one }.to_le_bytes());
+        let mut file = leaf();
+        let encoded = meshopt::vertices(numbers.as_flattened(), 12);
+        let view = compressed(&mut file, encoded, 3, 12, "ATTRIBUTES", "EXPONENTIAL");
+        file.json["accessors"][0]["bufferView"] = json!(view);
+        assert_eq!(triangles(&reads(&file)), LEAF, "{one:#x}");
+    }
+}
 
-    // Half a turn about z, for one instance.
-    let turns = meshopt::encode_filter_quat(&[[0.0, 0.0, 1.0, 0.0]], 16);
-    let encoded = meshopt::encode_vertex_buffer(&turns).expect("encoded");
+#[test]
+fn quaternions_turn_instances() {
+    // Half a turn about z: the third component is the largest, the others are 0.
+    let encoded = shorts_or_bytes([[0, 0, 0, 32764 | 2]], 8);
     let mut file = leaf();
     let view = compressed(&mut file, encoded, 1, 8, "ATTRIBUTES", "QUATERNION");
     let turns = file.push(
@@ -168,31 +171,26 @@ fn filters_are_undone() {
         (0..3).all(|axis| (tip[axis] - [-1.0, 0.0, 0.0][axis]).abs() < 1e-3),
         "{tip:?}"
     );
+}
 
-    let gold = [[1.0_f32, 0.5, 0.0, 1.0]; 3];
-    let small = meshopt::encode_filter_color::<u8>(&gold, 8);
-    let large = meshopt::encode_filter_color::<u16>(&gold, 16);
-    for (encoded, stride, component) in [
-        (meshopt::encode_vertex_buffer(&small), 4, 5121),
-        (meshopt::encode_vertex_buffer(&large), 8, 5123),
-    ] {
+#[test]
+fn colors_are_red_green_and_blue() {
+    let gold = [1.0_f32, 0.5, 0.0, 1.0];
+    for (max, stride, component) in [(255, 4, 5121), (65535, 8, 5123)] {
+        // Luma and the difference from blue to red are halves; alpha is opaque, below the bit that says how many there are.
         let mut file = leaf();
-        let view = compressed(
-            &mut file,
-            encoded.expect("encoded"),
-            3,
-            stride,
-            "ATTRIBUTES",
-            "COLOR",
-        );
+        let encoded = shorts_or_bytes([[max / 2, max / 2, 0, max]; 3], stride);
+        let view = compressed(&mut file, encoded, 3, stride, "ATTRIBUTES", "COLOR");
         let colors = file.push(
             "accessors",
             json!({ "bufferView": view, "componentType": component, "type": "VEC4", "count": 3, "normalized": true }),
         );
         file.carry("COLOR_0", colors);
-        for found in carried(&reads(&file), |mesh| mesh.colors()) {
+        let found = carried(&reads(&file), |mesh| mesh.colors());
+        assert_eq!(found.len(), 3);
+        for found in found {
             assert!(
-                (0..4).all(|part| (found[part] - gold[0][part]).abs() < 0.02),
+                (0..4).all(|part| (found[part] - gold[part]).abs() < 0.005),
                 "{found:?}"
             );
         }

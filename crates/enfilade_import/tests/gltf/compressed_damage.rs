@@ -3,8 +3,8 @@
 use crate::compressed::{compressed, leaf};
 use crate::file::{File, reads, refusal};
 use crate::hostile::numbers;
+use crate::meshopt;
 use enfilade_import::{ReadOptions, read_bytes};
-use meshopt::EncodeExpMode;
 use serde_json::{Value, json};
 
 fn extension(file: &mut File) -> &mut Value {
@@ -57,17 +57,17 @@ fn compressed_views_that_make_no_sense_are_refused_before_they_are_decoded() {
         (
             "byteLength",
             json!(0),
-            "bufferView 3 is compressed, but its bytes are damaged; export it again",
+            "bufferView 3 is compressed, but its bytes are damaged: the stream ends too early; export it again",
         ),
         (
             "byteOffset",
             json!(u64::MAX),
-            "bufferView 3 ends at byte 184467440737095516",
+            "bufferView 3 ends at byte 1844674407370955",
         ),
         (
             "byteOffset",
             json!(0),
-            "bufferView 3 is compressed, but its bytes are damaged",
+            "its bytes are damaged: the stream begins with the byte 0x00, which is not a header of its mode",
         ),
         (
             "buffer",
@@ -121,45 +121,51 @@ fn a_view_that_would_swell_beyond_all_memory_is_refused_before_it_does() {
 fn damaged_streams_are_read_or_refused() {
     // A larger mesh, so that the streams have something in them: a wavy sheet.
     let side = 24_u32;
-    let corners: Vec<[f32; 3]> = (0..side * side)
-        .map(|i| [(i % side) as f32, (i / side) as f32, ((i * i) % 7) as f32])
+    let corners: Vec<[i32; 3]> = (0..side * side)
+        .map(|i| [i % side, i / side, (i * i) % 7].map(u32::cast_signed))
         .collect();
     let mut triangles = Vec::new();
     for i in (0..side * (side - 1)).filter(|i| i % side < side - 1) {
         triangles.extend([i, i + 1, i + side, i + 1, i + side + 1, i + side]);
     }
-    let normals: Vec<[f32; 4]> = corners.iter().map(|c| [c[2] / 10.0, 0.0, 0.9, 0.0]).collect();
+    // Small whole numbers are floats with the exponent 0.
+    let exponential: Vec<u8> = corners
+        .iter()
+        .flatten()
+        .flat_map(|part| part.to_le_bytes())
+        .collect();
+    let octahedral: Vec<u8> = corners
+        .iter()
+        .flat_map(|corner| [10 * corner[2] as u8, 0, 127, 0])
+        .collect();
     let mut file = File::leaf();
-    let exponential = meshopt::encode_filter_exp(&corners, 12, EncodeExpMode::SharedVector);
-    let octahedral = meshopt::encode_filter_oct::<i8>(&normals, 8);
     let count = corners.len();
-    let mut add = |encoded: meshopt::Result<Vec<u8>>, count, stride, mode, filter| {
-        compressed(&mut file, encoded.expect("encoded"), count, stride, mode, filter)
-    };
+    let mut add =
+        |encoded, count, stride, mode, filter| compressed(&mut file, encoded, count, stride, mode, filter);
     let views = [
         add(
-            meshopt::encode_vertex_buffer(&exponential),
+            meshopt::vertices(&exponential, 12),
             count,
             12,
             "ATTRIBUTES",
             "EXPONENTIAL",
         ),
         add(
-            meshopt::encode_vertex_buffer(&octahedral),
+            meshopt::vertices(&octahedral, 4),
             count,
             4,
             "ATTRIBUTES",
             "OCTAHEDRAL",
         ),
         add(
-            meshopt::encode_index_buffer(&triangles, count),
+            meshopt::triangles(&triangles),
             triangles.len(),
             4,
             "TRIANGLES",
             "NONE",
         ),
         add(
-            meshopt::encode_index_sequence(&triangles, count),
+            meshopt::sequence(&triangles),
             triangles.len(),
             2,
             "INDICES",

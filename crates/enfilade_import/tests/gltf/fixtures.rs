@@ -21,12 +21,7 @@ fn warnings(import: &Import) -> String {
     texts.join("; ")
 }
 
-/// Can it be decoded here?
-fn is_read(file: &str) -> bool {
-    cfg!(feature = "meshopt") || !file.starts_with("meshopt") || file.starts_with("meshopt_fallback")
-}
-
-/// The glTF fixtures of a folder that can be decoded here.
+/// The glTF fixtures of a folder.
 fn names(inside: &str) -> impl Iterator<Item = String> {
     let entries = std::fs::read_dir(folder().join(inside)).expect("the fixtures");
     let names = entries.map(|entry| {
@@ -36,7 +31,7 @@ fn names(inside: &str) -> impl Iterator<Item = String> {
             .into_string()
             .expect("a name")
     });
-    names.filter(|name| (name.ends_with(".glb") || name.ends_with(".gltf")) && is_read(name))
+    names.filter(|name| name.ends_with(".glb") || name.ends_with(".gltf"))
 }
 
 #[test]
@@ -48,9 +43,6 @@ fn every_sound_fixture_is_read_and_only_what_is_left_out_is_warned_of() {
             "all_attributes.glb" => "skins are not read yet: meshes are in their rest pose (1)",
             "metallic_roughness.glb" => {
                 "metallic-roughness, normal, occlusion and transmission textures are not drawn (1)"
-            }
-            "meshopt_fallback.glb" if !cfg!(feature = "meshopt") => {
-                "unknown extensions are ignored (EXT_meshopt_compression)"
             }
             _ => "",
         };
@@ -67,13 +59,9 @@ fn every_sound_fixture_is_read_and_only_what_is_left_out_is_warned_of() {
 
 #[test]
 fn compressed_fixtures_are_the_same_mesh_as_their_plain_copies() {
-    if !is_read("meshopt.glb") {
-        return;
-    }
     let triangles = |file| sound(file).rooms[0].geometry.triangle_count();
     let of_ball_and_box = triangles("meshopt.glb");
     assert_eq!(triangles("meshopt_filters.glb"), of_ball_and_box);
-    // Decoded or not, what is in the fallback is the same.
     let import = sound("meshopt_fallback.glb");
     let geometry = &import.rooms[0].geometry;
     assert!(geometry.meshes().iter().all(|mesh| !mesh.normals().is_empty()));

@@ -3,9 +3,7 @@
 mod authoring;
 mod broken;
 mod cameras;
-#[cfg(feature = "meshopt")]
 mod compressed;
-#[cfg(feature = "meshopt")]
 mod compressed_damage;
 mod containers;
 mod file;
@@ -17,6 +15,7 @@ mod hostile_look;
 mod instances;
 mod lights;
 mod link;
+mod meshopt;
 mod nodes;
 mod pinned;
 mod queries;

@@ -142,17 +142,6 @@ fn extensions_that_are_required_and_not_read() {
 }
 
 #[test]
-#[cfg(not(feature = "meshopt"))]
-fn compression_that_is_required_by_who_cannot_decode_it() {
-    for name in ["EXT_meshopt_compression", "KHR_meshopt_compression"] {
-        let expected = format!(
-            "needs what is not read here: {name}; export it again without compression, or build enfilade_import with"
-        );
-        check(&[(name, &|j| j["extensionsRequired"] = json!([name]), &expected)]);
-    }
-}
-
-#[test]
 fn other_versions_of_gltf() {
     check(&[
         (

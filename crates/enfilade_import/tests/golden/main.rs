@@ -26,13 +26,6 @@ fn fixtures() -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder()).expect("the folder of fixtures");
     let mut files: Vec<PathBuf> = entries.map(|entry| entry.expect("an entry").path()).collect();
     files.retain(is_scene);
-    if !cfg!(feature = "meshopt") {
-        let is_compressed = |file: &PathBuf| {
-            let name = file.file_name().unwrap_or_default().to_string_lossy();
-            name.starts_with("meshopt") && !name.contains("fallback")
-        };
-        files.retain(|file| !is_compressed(file));
-    }
     files.sort();
     files
 }

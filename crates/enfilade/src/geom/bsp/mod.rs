@@ -208,7 +208,7 @@ impl BspTree {
         !self.incomplete
     }
 
-    /// Memory in bytes.
+    /// Returns the memory in use, in bytes.
     pub fn bytes(&self) -> u64 {
         (size_of_val(&*self.nodes)
             + size_of_val(&*self.planes)

@@ -2,7 +2,7 @@
 
 use super::raise::{INSTANCING, LIGHTS, Shift, raise};
 use crate::BrokenRule;
-use crate::gltf::compressed::{COMPRESSION, Compressed};
+use crate::gltf::compressed::COMPRESSION;
 use crate::gltf::container;
 use crate::images;
 use serde_json::{Map, Value, json};
@@ -205,16 +205,14 @@ impl Merged {
             json.remove("extensions");
         }
         // Views are plain by now; what is left of their compression was no loss.
-        if Compressed::ARE_READ {
-            for name in ["buffers", "bufferViews"] {
-                let things = json.get_mut(name).and_then(Value::as_array_mut);
-                let extensions = things
-                    .into_iter()
-                    .flatten()
-                    .filter_map(|thing| thing.get_mut("extensions"));
-                let extensions = extensions.filter_map(Value::as_object_mut);
-                extensions.for_each(|each| each.retain(|name, _| !COMPRESSION.contains(&&**name)));
-            }
+        for name in ["buffers", "bufferViews"] {
+            let things = json.get_mut(name).and_then(Value::as_array_mut);
+            let extensions = things
+                .into_iter()
+                .flatten()
+                .filter_map(|thing| thing.get_mut("extensions"));
+            let extensions = extensions.filter_map(Value::as_object_mut);
+            extensions.for_each(|each| each.retain(|name, _| !COMPRESSION.contains(&&**name)));
         }
         strip(json, &mut self.left_out);
     }

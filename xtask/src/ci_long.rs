@@ -21,6 +21,15 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         &["xtask", "fuzz-scenes", &scenes],
         &["xtask", "verify", "--views", &views, "--strict-views", &views],
         &["test", "--release", "--workspace", "--", "--ignored"],
+        // Makes LODs by the C++ meshoptimizer, which also checks our decoder.
+        &[
+            "test",
+            "--release",
+            "-p",
+            "enfilade_import",
+            "--features",
+            "levels",
+        ],
     ];
     let mut failed = Vec::new();
     for step in steps {

@@ -367,10 +367,7 @@ fn read_path(path: &Path, args: &CameraArgs) -> Result<Vec<View>> {
         }
         let wants = r#"expected {"eye":[x,y,z],"toward":[x,y,z]}, optionally with "up" and "fov""#;
         if text.len() > MAX_LINE_BYTES {
-            bail!(
-                "{}: it has more than {MAX_LINE_BYTES} bytes; {wants}",
-                location()
-            );
+            bail!("{}: it has more than {MAX_LINE_BYTES} bytes; {wants}", location());
         }
         let line: Line =
             serde_json::from_str(text).map_err(|error| anyhow!("{}: {error}; {wants}", location()))?;
@@ -385,7 +382,10 @@ fn read_path(path: &Path, args: &CameraArgs) -> Result<Vec<View>> {
     }
     if !unread.is_empty() {
         let unread: Vec<String> = unread.iter().map(|key| format!("`{key}`")).collect();
-        out::warn(format_args!("{name}: unknown keys are ignored: {}", unread.join(", ")));
+        out::warn(format_args!(
+            "{name}: unknown keys are ignored: {}",
+            unread.join(", ")
+        ));
     }
     Ok(views)
 }

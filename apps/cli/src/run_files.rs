@@ -122,7 +122,8 @@ pub(crate) fn is_same(one: &Path, other: &Path) -> bool {
 
 /// Returns `true` if the open file is the one at the path.
 pub(crate) fn is_open_file(path: &Path, file: &File) -> bool {
-    let [named, open] = [fs::metadata(path), file.metadata()].map(|metadata| disk_node(path, &metadata.ok()?));
+    let [named, open] =
+        [fs::metadata(path), file.metadata()].map(|metadata| disk_node(path, &metadata.ok()?));
     named.is_some() && named == open
 }
 
@@ -140,10 +141,9 @@ impl Identity {
     fn of(path: &Path) -> Option<Identity> {
         if let Ok(file) = fs::metadata(path) {
             let node = disk_node(path, &file);
-            return node.filter(|_| file.is_file()).map(|node| Identity {
-                node,
-                new_name: None,
-            });
+            return node
+                .filter(|_| file.is_file())
+                .map(|node| Identity { node, new_name: None });
         }
         let folder = folder_of(path);
         Some(Identity {

@@ -133,9 +133,9 @@ pub(crate) fn samples(text: &str) -> Result<u32, String> {
 pub(crate) fn stops(text: &str) -> Result<f32, String> {
     const MAX_STOPS: f32 = 30.0;
     let stops: Option<f32> = text.parse().ok();
-    stops
-        .filter(|stops| stops.abs() <= MAX_STOPS)
-        .ok_or_else(|| format!("expected a number of stops from -{MAX_STOPS} to {MAX_STOPS}, such as 1 or -0.5"))
+    stops.filter(|stops| stops.abs() <= MAX_STOPS).ok_or_else(|| {
+        format!("expected a number of stops from -{MAX_STOPS} to {MAX_STOPS}, such as 1 or -0.5")
+    })
 }
 
 /// Parses seconds, 0 to 10⁹.
@@ -210,7 +210,10 @@ pub(crate) fn among<'a>(mistyped: &str, names: impl Iterator<Item = &'a str>) ->
     } else {
         String::new()
     };
-    format!("{suggestion}available: {}{more}", names[..names.len().min(FEW)].join(", "))
+    format!(
+        "{suggestion}available: {}{more}",
+        names[..names.len().min(FEW)].join(", ")
+    )
 }
 
 #[cfg(test)]

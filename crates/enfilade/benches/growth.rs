@@ -275,7 +275,7 @@ fn growth(first: &[f64], last: &[f64]) -> Vec<f64> {
 
 /// Prints the last of several sizes, and holds that its memory grows with the items alone: from the whole palace on,
 /// which has all meshes.
-fn say_size(grown: &[Grown], most_bytes: u64) {
+fn say_size(grown: &[Grown], max_bytes: u64) {
     let last = &grown[grown.len() - 1];
     let (scene, build_ms) = (&last.scene, last.build_ms);
     print!("{:14}{:11}", scene.triangle_count(), scene.item_count());
@@ -284,7 +284,7 @@ fn say_size(grown: &[Grown], most_bytes: u64) {
         let more = (scene.item_count() - first.item_count()) as u64;
         let bytes = (scene.bytes() - first.bytes()) / more;
         println!("{bytes:22}{build_ms:10.0}");
-        assert!(bytes <= most_bytes, "{bytes} bytes for each more item");
+        assert!(bytes <= max_bytes, "{bytes} bytes for each more item");
     } else {
         println!("{:>22}{build_ms:10.0}", format!("({} in all)", scene.bytes()));
     }

@@ -162,7 +162,7 @@ pub(crate) fn may_touch_eye(bounds: &Aabb, eye: DVec3) -> bool {
     let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
     let magnitude = min.abs().max(max.abs()).max(eye.abs()).max_element();
     let margin = 2.0
-        * (ConvexPolygon::most_bend((max - min).length(), magnitude) + f64::from(f32::EPSILON) * magnitude);
+        * (ConvexPolygon::max_bend((max - min).length(), magnitude) + f64::from(f32::EPSILON) * magnitude);
     eye.cmpge(min - margin).all() && eye.cmple(max + margin).all()
 }
 

@@ -1,8 +1,8 @@
 //! Edits: what comes of them, and what is refused.
 
 use enfilade::{
-    Aabb, EditError, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Scene,
-    SceneBuilder, SceneError, SectorId, Transform, View, Viewer,
+    Aabb, EditError, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Scene, SceneBuilder,
+    SceneError, SectorId, Transform, View, Viewer,
 };
 use std::sync::Arc;
 

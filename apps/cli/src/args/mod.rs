@@ -253,8 +253,7 @@ impl JsonArg {
 }
 
 /// Heading of [`CameraArgs`] in the help of most verbs.
-const CAMERAS: &str =
-    "Cameras (default: the file's first camera, else the most telling survey view)";
+const CAMERAS: &str = "Cameras (default: the file's first camera, else the most telling survey view)";
 
 /// Selects the views.
 #[derive(Debug, clap::Args)]

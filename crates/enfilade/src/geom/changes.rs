@@ -349,7 +349,11 @@ pub(super) fn what_was_emptied_can_be_filled_again<T: DynamicTree>() {
         new.tidy();
     }
     new.check();
-    assert!(new.cost_ratio().into_iter().all(|by| by < 1.3), "{:?}", new.cost_ratio());
+    assert!(
+        new.cost_ratio().into_iter().all(|by| by < 1.3),
+        "{:?}",
+        new.cost_ratio()
+    );
 }
 
 /// After a hundred thousand changes a tree is about as fast and as small as a rebuilt one.

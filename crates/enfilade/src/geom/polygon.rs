@@ -83,7 +83,7 @@ impl ConvexPolygon {
         let normal = sum.normalize();
         let middle = points.iter().sum::<DVec3>() / points.len() as f64;
         let far = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-        let slack = ConvexPolygon::most_bend(size, far);
+        let slack = ConvexPolygon::max_bend(size, far);
         for (i, &point) in points.iter().enumerate() {
             let off = normal.dot(point - middle).abs();
             if off > slack {
@@ -133,7 +133,7 @@ impl ConvexPolygon {
 
     /// Returns the maximum accepted distance of a corner from the plane, for a polygon of this size and maximum
     /// absolute coordinate.
-    pub(crate) fn most_bend(size: f64, greatest_coordinate: f64) -> f64 {
+    pub(crate) fn max_bend(size: f64, greatest_coordinate: f64) -> f64 {
         FLATNESS * size + f64::from(f32::EPSILON) * greatest_coordinate
     }
 

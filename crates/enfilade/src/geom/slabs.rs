@@ -88,7 +88,8 @@ mod tests {
             min: [0.25, 0.0, 0.0],
             max: [0.25, 1.0, 1.0],
         };
-        let [whole, part] = [unit, flat].map(|bounds| line.meets(&bounds, 0.0, 9.0).expect("the ray hits the box"));
+        let [whole, part] =
+            [unit, flat].map(|bounds| line.meets(&bounds, 0.0, 9.0).expect("the ray hits the box"));
         assert_eq!(whole, [1.5, 2.0]);
         assert_eq!(part, [1.625; 2]);
         assert_eq!(line.meets(&unit, 0.0, 1.4), None);

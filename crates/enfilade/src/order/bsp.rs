@@ -9,7 +9,7 @@
 //! Cost: building O(n log n), more if many faces are cut; a traversal O(pieces in view).
 //! Guarantees an exact order, back to front or front to back; geometry must be static.
 
-use super::items::{emit_openings_at_eye, emit_non_opaque};
+use super::items::{emit_non_opaque, emit_openings_at_eye};
 use super::{FarToNear, NearToFar, Order, Refusal, Visit};
 use crate::faces::{Cut, Faces};
 use crate::geom::{Aabb, BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};

@@ -33,7 +33,7 @@ impl Order for BvhOrder {
     }
 
     fn needs_bytes(geometry: &Geometry) -> u64 {
-        Bvh::most_bytes(geometry.items().len(), FEW_ITEMS)
+        Bvh::max_bytes(geometry.items().len(), FEW_ITEMS)
     }
 
     fn bytes(&self) -> u64 {

@@ -7,7 +7,7 @@
 //! Approximate: one distance cannot order long faces beside small ones, cycles, or intersecting faces; the scenes
 //! `@overlap`, `@cycle` and `@crossing-triangles` show it. Correct for separate objects and faces of similar size.
 
-use super::items::{emit_opening, emit_non_opaque, may_be_visible};
+use super::items::{emit_non_opaque, emit_opening, may_be_visible};
 use super::{FarToNear, Order, Refusal, Visit};
 use crate::faces::Faces;
 use crate::geometry::{Alpha, Geometry, ItemId, MovedItem, OpeningId};
@@ -83,7 +83,13 @@ impl<K: SortKey> Order for DepthSort<K> {
         true
     }
 
-    fn visit(&self, geometry: &Geometry, passage: &Passage, sorting: &mut SortBuffers, visit: &mut impl Visit) {
+    fn visit(
+        &self,
+        geometry: &Geometry,
+        passage: &Passage,
+        sorting: &mut SortBuffers,
+        visit: &mut impl Visit,
+    ) {
         sorting.items.clear();
         sorting.faces.clear();
         for item in 0..geometry.items().len() as u32 {

@@ -57,12 +57,7 @@ pub(super) fn emit_whole(geometry: &Geometry, passage: &Passage, item: ItemId, v
 }
 
 /// Emits the clusters of an item that are not opaque and may be visible, for orders that sort opaque faces only.
-pub(super) fn emit_non_opaque(
-    geometry: &Geometry,
-    passage: &Passage,
-    item: ItemId,
-    visit: &mut impl Visit,
-) {
+pub(super) fn emit_non_opaque(geometry: &Geometry, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
     let screen_from_item = passage.screen_from(&geometry.item(item).transform());
     for (number, cluster) in geometry.mesh_of(item).clusters().iter().enumerate() {
         if geometry.material_of(item, cluster).alpha != Alpha::Opaque

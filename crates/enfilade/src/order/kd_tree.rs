@@ -6,7 +6,7 @@
 //! Cost: building O(n log² n); a traversal O(boxes tested), without a queue. Culling a hidden box ends its subtree.
 //! Guarantees nodes front to back; an item that a plane cuts is emitted with the first of its leaves.
 
-use super::items::{emit_item, emit_openings, emit_whole, box_visibility};
+use super::items::{box_visibility, emit_item, emit_openings, emit_whole};
 use super::{NodesNearToFar, Order, Refusal, Visit};
 use crate::geom::{Aabb, KdTree};
 use crate::geometry::{Geometry, ItemId, MovedItem};
@@ -41,7 +41,7 @@ impl Order for KdTreeOrder {
     }
 
     fn needs_bytes(geometry: &Geometry) -> u64 {
-        KdTree::most_bytes(geometry.items().len())
+        KdTree::max_bytes(geometry.items().len())
     }
 
     fn bytes(&self) -> u64 {

@@ -354,7 +354,10 @@ mod tests {
 
         fn faces(&mut self, faces: &Faces) {
             if let FaceSource::Item(item, cluster) = faces.source {
-                assert!(self.batches.insert((item.0, cluster)), "a cluster of {item:?} was emitted twice");
+                assert!(
+                    self.batches.insert((item.0, cluster)),
+                    "a cluster of {item:?} was emitted twice"
+                );
             }
         }
     }

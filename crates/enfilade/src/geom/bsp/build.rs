@@ -7,11 +7,11 @@
 //! Always terminates: a polygon's own plane removes that polygon, a free plane leaves fewer polygons on either side,
 //! and once `limit_bytes` is reached nothing is split any more.
 
-use super::choose::{InputPlanes, Chooser};
+use super::choose::{Chooser, InputPlanes};
 use super::link::BspLink;
 use super::parts::{self, Part, Sizes};
 use super::side::{ROUNDING, Side, Splitter};
-use super::split::{Arena, Cut, ClipPolygon};
+use super::split::{Arena, ClipPolygon, Cut};
 use super::{BspOptions, BspTree, Node, Piece, Polygons};
 use crate::geom::Aabb;
 use glam::DVec3;
@@ -98,7 +98,8 @@ impl InputPlanes {
             let own = &polygons.corners[ends[0] as usize..ends[1] as usize];
             corners.clear();
             corners.extend(own.iter().map(|&corner| DVec3::from(corner)));
-            input.splitters
+            input
+                .splitters
                 .push(Splitter::of(polygon as u32, &corners, input.band));
         }
         input
@@ -106,7 +107,11 @@ impl InputPlanes {
 }
 
 impl<'a> Builder<'a> {
-    pub(super) fn new(input: &'a InputPlanes, options: &'a BspOptions, all_bytes: &'a AtomicU64) -> Builder<'a> {
+    pub(super) fn new(
+        input: &'a InputPlanes,
+        options: &'a BspOptions,
+        all_bytes: &'a AtomicU64,
+    ) -> Builder<'a> {
         Builder {
             options,
             input,
@@ -164,7 +169,8 @@ impl<'a> Builder<'a> {
     fn bytes(&mut self, at_least: u64) -> u64 {
         let own = self.tree.bytes();
         if own - self.reported_bytes >= at_least {
-            self.all_bytes.fetch_add(own - self.reported_bytes, Ordering::Relaxed);
+            self.all_bytes
+                .fetch_add(own - self.reported_bytes, Ordering::Relaxed);
             self.reported_bytes = own;
         }
         let others = self.all_bytes.load(Ordering::Relaxed) - self.reported_bytes;
@@ -187,7 +193,8 @@ impl<'a> Builder<'a> {
                 self.tree.incomplete |= members.len() > 1;
                 None
             } else {
-                self.chooser.choose(members, &self.arena, self.input, self.options)
+                self.chooser
+                    .choose(members, &self.arena, self.input, self.options)
             };
             match splitter {
                 Some(splitter) => self.split(task, &splitter, &mut sorted),

@@ -11,8 +11,8 @@
 
 use super::build::Builder;
 use super::choose::InputPlanes;
-use super::link::{LinkTarget, BspLink};
-use super::split::{Arena, Cut, ClipPolygon};
+use super::link::{BspLink, LinkTarget};
+use super::split::{Arena, ClipPolygon, Cut};
 use super::{BspOptions, BspTree, Node, Piece, Polygons};
 use crate::threads;
 use std::sync::atomic::AtomicU64;
@@ -74,7 +74,8 @@ pub(super) fn build(
     });
     let trees = || [&top].into_iter().chain(parts.iter().map(|part| &part.tree));
     let bytes: u64 = trees().map(BspTree::bytes).sum();
-    let fits = bytes <= options.limit_bytes.min(BspTree::MAX_PIECE_BYTES) && trees().all(BspTree::is_complete);
+    let fits =
+        bytes <= options.limit_bytes.min(BspTree::MAX_PIECE_BYTES) && trees().all(BspTree::is_complete);
     fits.then(|| PartMerger::new(&parts).join(top, parts))
 }
 

@@ -88,7 +88,13 @@ impl Arena {
 
     /// Splits a polygon that straddles the plane of `node`; returns the front and the back half. Corners within `band`
     /// belong to both.
-    pub(super) fn split(&mut self, whole: ClipPolygon, plane: &Plane, band: f64, node: u32) -> [ClipPolygon; 2] {
+    pub(super) fn split(
+        &mut self,
+        whole: ClipPolygon,
+        plane: &Plane,
+        band: f64,
+        node: u32,
+    ) -> [ClipPolygon; 2] {
         let mut heights = std::mem::take(&mut self.heights);
         heights.clear();
         heights.extend(self.corners(&whole).iter().map(|&corner| {

@@ -13,7 +13,7 @@ mod movable;
 mod tests;
 
 use crate::geom::Aabb;
-use build::{Primitive, BuiltTree, build};
+use build::{BuiltTree, Primitive, build};
 use smallvec::SmallVec;
 use std::ops::Range;
 
@@ -151,7 +151,7 @@ impl Bvh {
 
     /// Returns the maximum number of bytes, temporary memory included, for building a tree over `things` primitives
     /// with leaves of at most `few`.
-    pub fn most_bytes(things: usize, few: u32) -> u64 {
+    pub fn max_bytes(things: usize, few: u32) -> u64 {
         // During building: boxes and the builder's nodes, and the final nodes with their parents and leaf slots.
         let builder_bytes = size_of::<Primitive>() + size_of::<[Node; 2]>();
         let tree_bytes = 2 * size_of::<Node>() + (3 + few as usize) * size_of::<u32>();

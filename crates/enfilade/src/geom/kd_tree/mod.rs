@@ -231,7 +231,7 @@ impl KdTree {
 
     /// Returns the maximum number of bytes of a tree over `things` primitives: no leaf is empty, and there are fewer
     /// inner nodes than leaves.
-    pub fn most_bytes(things: usize) -> u64 {
+    pub fn max_bytes(things: usize) -> u64 {
         (things * COPIES * (2 * size_of::<Node>() + size_of::<u32>())) as u64
     }
 

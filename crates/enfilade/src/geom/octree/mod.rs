@@ -12,7 +12,7 @@ mod movable;
 mod tests;
 
 use crate::geom::Aabb;
-use crate::geom::runs::{Run, Runs, FreeList};
+use crate::geom::runs::{FreeList, Run, Runs};
 
 /// Octree over indexed AABBs, stored in two flat arrays.
 ///

@@ -5,7 +5,7 @@
 //! Cost: O(depth) for a change, 64 nodes at most, and O(primitives of a node) where its AABB may shrink.
 //! Boxes are refitted as tightly as after building, so traversal tests no more nodes than necessary.
 
-use super::{Cell, Node, Octree, NodeCell, eighth};
+use super::{Cell, Node, NodeCell, Octree, eighth};
 use crate::geom::Aabb;
 use smallvec::SmallVec;
 

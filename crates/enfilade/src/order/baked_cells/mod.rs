@@ -7,7 +7,7 @@
 //! Cost: building O(faces · depth), more if faces cross many cells; a traversal O(cells / 64 + items in visible cells).
 //! Guarantees no order; as strict as the PVS rows are.
 
-mod stands;
+mod item_cells;
 mod start;
 
 use super::items::{emit_item, emit_openings};
@@ -16,7 +16,7 @@ use crate::faces::{FaceSource, Faces};
 use crate::geometry::{BakedCells, Geometry, ItemId, MovedItem, Room};
 use crate::passage::Passage;
 use crate::sector::BuildStats;
-use stands::{ItemCells, cells_of_openings};
+use item_cells::{ItemCells, cells_of_openings};
 use start::cells_at_start;
 use std::sync::Arc;
 

@@ -14,11 +14,11 @@
 //! Guarantees an exact back-to-front order for convex geometry. Building returns an error for any other, also after an
 //! edit.
 
-mod laid;
-mod resting;
+mod overlap;
+mod support;
 mod walls;
 
-use super::items::{emit_opening, emit_openings, emit_openings_at_eye, may_be_visible, box_visibility};
+use super::items::{box_visibility, emit_opening, emit_openings, emit_openings_at_eye, may_be_visible};
 use super::{FarToNear, Order, Refusal, Visit};
 use crate::faces::Faces;
 use crate::geometry::{Alpha, Geometry, ItemId, MovedItem, OpeningId};
@@ -144,13 +144,7 @@ impl ConvexCell {
     }
 
     /// Emits the faces whose outer sides face `eye`, after everything that they occlude.
-    fn emit_outer_sides(
-        &self,
-        geometry: &Geometry,
-        passage: &Passage,
-        eye: DVec3,
-        visit: &mut impl Visit,
-    ) {
+    fn emit_outer_sides(&self, geometry: &Geometry, passage: &Passage, eye: DVec3, visit: &mut impl Visit) {
         let is_outside = |plane: u32| self.planes[plane as usize].height(eye) < 0.0;
         if !passage.flat {
             for &(opening, plane) in self.openings.iter().rev() {

@@ -1,7 +1,7 @@
 //! Finds for each face of a geometry the plane with all other faces on one side, and reports a face that has none.
 
-use super::laid::any_overlap;
-use super::resting::{Corner, SupportPlanes};
+use super::overlap::any_overlap;
+use super::support::{Corner, SupportPlanes};
 use super::{ConvexCell, Outside, Plane, occluder_clusters};
 use crate::geometry::{Geometry, ItemId, OpeningId, Owner};
 use crate::order::{NonConvexity, Order, Refusal};
@@ -154,7 +154,7 @@ impl<'a> Walls<'a> {
         }
         let front = if mirrored { -area } else { area };
         let plane = self
-            .resting
+            .support
             .supporting_plane(corners, front, self.outwards, fits)
             .map_err(|behind: Corner| {
                 Refusal::NotConvex(NonConvexity {

@@ -151,7 +151,10 @@ fn rays_agree(polygons: &Polygons, tree: &BspTree, random: &mut Random, toleranc
                     .clone()
                     .filter(|(_, piece)| holds(tree, piece, point))
                     .count();
-                assert_eq!(held, 1, "exactly one piece of polygon {polygon} must contain the hit");
+                assert_eq!(
+                    held, 1,
+                    "exactly one piece of polygon {polygon} must contain the hit"
+                );
                 let (run, piece) = mine
                     .find(|(_, piece)| holds(tree, piece, point))
                     .expect("one was counted above");
@@ -170,9 +173,15 @@ fn rays_agree(polygons: &Polygons, tree: &BspTree, random: &mut Random, toleranc
             way_of_run.sort_by_key(|&(run, _)| run);
             for pair in way_of_run.windows(2) {
                 let [(first_run, first), (second_run, second)] = [pair[0], pair[1]];
-                assert!(second > first - tolerance, "the hit at {first} came before the hit at {second}");
+                assert!(
+                    second > first - tolerance,
+                    "the hit at {first} came before the hit at {second}"
+                );
                 if first_run == second_run {
-                    assert!((first - second).abs() < tolerance, "hits of one run are not coplanar");
+                    assert!(
+                        (first - second).abs() < tolerance,
+                        "hits of one run are not coplanar"
+                    );
                 }
             }
         }

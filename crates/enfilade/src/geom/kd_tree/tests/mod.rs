@@ -44,7 +44,7 @@ fn walk(tree: &KdTree, eye: [f64; 3], mut each: impl FnMut(u32, bool)) {
 /// Checks the invariants of a tree; returns the total number of references in its leaves.
 fn check(bounds: &[Aabb], few: usize) -> usize {
     let tree = KdTree::build(bounds, few);
-    assert!(tree.bytes() <= KdTree::most_bytes(bounds.len()));
+    assert!(tree.bytes() <= KdTree::max_bytes(bounds.len()));
     let mut volume = vec![0.0; bounds.len()];
     let mut met = BTreeSet::new();
     let mut held = 0;
@@ -52,7 +52,11 @@ fn check(bounds: &[Aabb], few: usize) -> usize {
         let outer = *tree.bounds(node);
         if let Some(halves) = tree.near_and_far(node, [0.0; 3]) {
             for half in halves {
-                assert_eq!(outer.union(tree.bounds(half)), outer, "a child extends beyond its parent");
+                assert_eq!(
+                    outer.union(tree.bounds(half)),
+                    outer,
+                    "a child extends beyond its parent"
+                );
             }
         }
         held += tree.things(node).len();
@@ -183,6 +187,6 @@ fn kd_trees_over_a_hundred_thousand_boxes_that_are_hard_to_separate_are_shallow_
             (boxes.len()..=COPIES * boxes.len()).contains(&held),
             "{what}: {held}"
         );
-        assert!(tree.bytes() <= KdTree::most_bytes(boxes.len()), "{what}");
+        assert!(tree.bytes() <= KdTree::max_bytes(boxes.len()), "{what}");
     }
 }

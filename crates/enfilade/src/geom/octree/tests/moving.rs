@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::geom::changes::{
-    Random, DynamicTree, World, a_long_life_leaves_it_as_good_as_new, what_was_emptied_can_be_filled_again,
+    DynamicTree, Random, World, a_long_life_leaves_it_as_good_as_new, what_was_emptied_can_be_filled_again,
     whatever_changes_is_found,
 };
 

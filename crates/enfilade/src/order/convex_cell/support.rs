@@ -152,7 +152,9 @@ impl<'a> SupportPlanes<'a> {
                 (before, behind)
             };
             supports.push(nearer.point);
-            plane = self.rotated_plane(corners, &supports, inside.point, &fits).ok_or(first)?;
+            plane = self
+                .rotated_plane(corners, &supports, inside.point, &fits)
+                .ok_or(first)?;
         }
         first.map_or(Ok(plane), Err)
     }
